@@ -1,0 +1,3 @@
+"""pointbrush: label point cloud recordings from inside."""
+
+__version__ = "0.1.0"
