@@ -1,0 +1,109 @@
+"""Fill: the connected region of like colour and normal round a point (region growing).
+
+After Rabbani, van den Heuvel and Vosselman, "Segmentation of point clouds using smoothness
+constraint" (ISPRS 2006), with a colour criterion; grown in waves so that it is vectorised.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.selection.points import Points
+from pointbrush.selection.ray import Alive
+from pointbrush.selection.sphere import swept_ball
+
+NEIGHBOURS = 16
+MAX_TURN = np.cos(np.radians(35.0))
+"""Cosine of the greatest angle between the normals of two neighbours of one surface."""
+SURFACE = 0.15
+"""Share of variance across the surface above which a normal is too uncertain to forbid."""
+LIKE_NEIGHBOUR = 32.0
+LIKE_SEED = 80.0
+"""Greatest colour distances (RGB, 0..255 each) to the neighbour and to the seed."""
+REACH = 5.0
+"""Metres round the seed that are searched where the frame has no tree of its own."""
+
+
+def grow(
+    points: Points, seed: NDArray[np.float64], radius: float, alive: Alive | None = None
+) -> NDArray[np.int64]:
+    """Numbers of the region that holds the point nearest to ``seed`` (3,) local metres; sorted.
+
+    Neighbours belong together when they are nearer than ``radius`` and than a few times the
+    cloud's spacing there, alike in colour (where there is colour) and in normal.
+    """
+    if points.kdtree is not None:
+        members = None
+        xyz, tree = points.xyz, points.kdtree()
+    else:
+        members = swept_ball(points, seed[None], REACH)
+        if len(members) == 0:
+            return members
+        xyz = points.xyz[members]
+        tree = cKDTree(xyz)
+    rgb = points.rgb if members is None or points.rgb is None else points.rgb[members]
+    region = _grow_waves(xyz, rgb, tree, seed, radius)
+    numbers = np.sort(region if members is None else members[region])
+    return numbers if alive is None else numbers[alive(numbers)]
+
+
+def _grow_waves(
+    xyz: NDArray[np.float32],
+    rgb: NDArray[np.uint8] | None,
+    tree: cKDTree,
+    seed: NDArray[np.float64],
+    radius: float,
+) -> NDArray[np.int64]:
+    start = np.array([tree.query(seed)[1]], np.int64)
+    seen = np.zeros(len(xyz), np.bool_)
+    seen[start] = True
+    seed_rgb = None if rgb is None else rgb[start[0]].astype(np.float32)
+    region, frontier = [start], start
+    links, normals, certain = _surroundings(xyz, tree, start, radius)
+    while len(frontier):
+        # 1. New neighbours of the frontier, each with the first parent that reaches it.
+        parents, slots = np.nonzero((links < len(xyz)) & ~seen[np.minimum(links, len(xyz) - 1)])
+        reached, first = np.unique(links[parents, slots], return_index=True)
+        parents = parents[first]
+        # 2. Like colour.
+        if rgb is not None and seed_rgb is not None:
+            colour = rgb[reached].astype(np.float32)
+            step = np.linalg.norm(colour - rgb[frontier[parents]], axis=1)
+            like = (step <= LIKE_NEIGHBOUR) & (
+                np.linalg.norm(colour - seed_rgb, axis=1) <= LIKE_SEED
+            )
+            reached, parents = reached[like], parents[like]
+        if len(reached) == 0:
+            break
+        # 3. Like normal, unless one of the two is uncertain.
+        next_links, next_normals, next_certain = _surroundings(xyz, tree, reached, radius)
+        turn = np.abs(np.einsum("ij,ij->i", next_normals, normals[parents]))
+        keep = (turn >= MAX_TURN) | ~(next_certain & certain[parents])
+        frontier = reached[keep]
+        links, normals, certain = next_links[keep], next_normals[keep], next_certain[keep]
+        seen[frontier] = True
+        region.append(frontier)
+    return np.concatenate(region)
+
+
+def _surroundings(
+    xyz: NDArray[np.float32], tree: cKDTree, numbers: NDArray[np.int64], radius: float
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Linked neighbours (n, k) padded with ``len(xyz)``, unit normals (n, 3), certainty (n,)."""
+    k = min(NEIGHBOURS, len(xyz))
+    distance, neighbour = tree.query(xyz[numbers], k=k, distance_upper_bound=radius)
+    distance = np.asarray(distance).reshape(-1, k)
+    neighbour = np.asarray(neighbour, np.int64).reshape(-1, k)
+    found = np.isfinite(distance)
+    around = xyz[np.minimum(neighbour, len(xyz) - 1)].astype(np.float64)
+    weight = found / found.sum(axis=1, keepdims=True)
+    around -= np.einsum("nk,nki->ni", weight, around)[:, None]
+    spread, axes = np.linalg.eigh(np.einsum("nk,nki,nkj->nij", weight, around, around))
+    certain = (spread[:, 0] < SURFACE * spread[:, 1]) & (found.sum(axis=1) >= 6)
+    # Farther than three times the usual step is across a gap, not along the surface.
+    usual = distance[:, min(4, k - 1)]
+    usual = np.where(np.isfinite(usual), usual, radius)
+    linked = found & (distance <= 3.0 * usual[:, None])
+    return np.where(linked, neighbour, len(xyz)), axes[:, :, 0], certain

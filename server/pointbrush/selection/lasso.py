@@ -1,0 +1,54 @@
+"""The lasso: every point that a camera sees inside a polygon."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.selection.points import Points
+
+
+def lasso(
+    points: Points, polygon: NDArray[np.float64], matrix: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Numbers of the points whose projection lies in ``polygon``; sorted.
+
+    ``polygon`` (V, 2) in normalised device coordinates, even-odd rule; ``matrix`` (4, 4)
+    ``clip_from_local``.  Points behind the camera's near plane are never taken.
+    """
+    lo, hi = polygon.min(axis=0), polygon.max(axis=0)
+
+    def touches(low: NDArray[np.float32], high: NDArray[np.float32]) -> NDArray[np.bool_]:
+        corners = np.stack([low, high])
+        pick = np.array(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1)
+        boxes = corners[pick, :, np.arange(3)[:, None]].transpose(2, 1, 0)
+        x, y, _, w = np.moveaxis(_project(boxes.reshape(-1, 3), matrix).reshape(-1, 8, 4), 2, 0)
+        # A box is outside only when all its corners are on the outer side of one plane.
+        outside = (x > hi[0] * w).all(1) | (x < lo[0] * w).all(1)
+        outside |= (y > hi[1] * w).all(1) | (y < lo[1] * w).all(1) | (w <= 0).all(1)
+        return np.asarray(~outside)
+
+    numbers = points.numbers(points.blocks_where(touches))
+    x, y, z, w = _project(points.xyz[numbers], matrix).T
+    seen = (w > 0) & (z >= -w)
+    numbers, x, y = numbers[seen], x[seen] / w[seen], y[seen] / w[seen]
+    boxed = (x >= lo[0]) & (x <= hi[0]) & (y >= lo[1]) & (y <= hi[1])
+    numbers, x, y = numbers[boxed], x[boxed], y[boxed]
+    return np.asarray(numbers[inside_polygon(x, y, polygon)])
+
+
+def inside_polygon(
+    x: NDArray[np.float64], y: NDArray[np.float64], polygon: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Even-odd rule: an edge counts when the horizontal line to the right crosses it."""
+    inside = np.zeros(len(x), np.bool_)
+    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if y0 == y1:
+            continue
+        crosses = (y0 > y) != (y1 > y)
+        inside ^= crosses & (x < (x1 - x0) * ((y - y0) / (y1 - y0)) + x0)
+    return inside
+
+
+def _project(xyz: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return xyz.astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
