@@ -1,0 +1,1 @@
+"""Frames, label deltas and strokes between the server and its viewers."""

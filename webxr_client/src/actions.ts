@@ -1,0 +1,119 @@
+/**
+ * What a user can ask for, from a button, a key or a controller.  The engine implements these
+ * (`bindActions`); before it does, they do nothing.
+ */
+import type { BrushShape, Tool, ViewSettings } from './state';
+
+export interface LabelPatch {
+  readonly name?: string;
+  readonly category?: string;
+  readonly color?: string;
+  readonly locked?: boolean;
+  readonly visible?: boolean;
+}
+
+export interface TrackRequest {
+  /** null: every label painted in the start frame. */
+  readonly labels: readonly number[] | null;
+  readonly start: number;
+  /** Smaller than `start`: backward. */
+  readonly stop: number;
+  readonly method: string;
+  readonly overwrite: 'never' | 'tracked' | 'all';
+}
+
+export interface ImportOptions {
+  readonly name?: string;
+  readonly fps?: number;
+  readonly format?: string;
+}
+
+export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';
+
+export interface Actions {
+  // time
+  togglePlay(): void;
+  play(): void;
+  pause(): void;
+  /** Frames forward (or back, negative); pauses. */
+  step(frames: number): void;
+  /** `scrubbing`: more seeks will follow at once (the finger is still down). */
+  seek(frame: number, scrubbing?: boolean): void;
+  setSpeed(speed: number): void;
+  toggleLoop(): void;
+  /** Next (1) or previous (−1) frame whose tracking is doubtful or lost. */
+  nextDoubtful(direction: 1 | -1): void;
+
+  // tools
+  setTool(tool: Tool): void;
+  setShape(shape: BrushShape): void;
+  setRadius(metres: number): void;
+  /** One notch of [ and ]: 1 larger, −1 smaller. */
+  nudgeRadius(notches: number): void;
+  /** Erase if painting, paint if erasing. */
+  toggleEraser(): void;
+  setView(settings: Partial<ViewSettings>): void;
+  viewFrom(preset: ViewPreset): void;
+
+  // labels
+  selectLabel(id: number): void;
+  /** The n-th label of the palette, from 1. */
+  selectNthLabel(n: number): void;
+  /** Without a name or colour the next good one is taken; the new label becomes active. */
+  createLabel(name?: string, color?: string, category?: string): Promise<number>;
+  updateLabel(id: number, patch: LabelPatch): Promise<void>;
+  renameLabel(id: number, name: string): Promise<void>;
+  recolorLabel(id: number, color: string): Promise<void>;
+  toggleVisible(id: number): Promise<void>;
+  toggleLock(id: number): Promise<void>;
+  deleteLabel(id: number): Promise<void>;
+  /** Show only this label; again, or null: all of them. */
+  solo(id: number | null): void;
+
+  // edits
+  undo(): void;
+  redo(): void;
+  loadHistory(): Promise<void>;
+
+  // tracking and other long work
+  track(request: TrackRequest): void;
+  /** `keep`: what was found so far stays (tracking). */
+  cancelJob(id: string, keep?: boolean): Promise<void>;
+  dismissJob(id: string): void;
+
+  // recordings
+  refreshSequences(): Promise<void>;
+  openSequence(id: string): void;
+  closeSequence(): void;
+  renameSequence(id: string, name: string): Promise<void>;
+  deleteSequence(id: string): Promise<void>;
+  importPath(path: string, options?: ImportOptions): Promise<void>;
+  importFiles(files: readonly File[], options?: ImportOptions): Promise<void>;
+  /** Downloads; `frames` like "3:10", empty for all. */
+  exportSequence(format: string, frames?: string): Promise<void>;
+
+  // connection and messages
+  reconnect(): void;
+  dismissNotice(id: number): void;
+
+  // headset
+  enterVR(): Promise<void>;
+  exitVR(): Promise<void>;
+}
+
+const bound: Partial<Actions> = {};
+
+/** Every action; one that nobody implements (yet) does nothing. */
+export const actions: Actions = new Proxy(bound, {
+  get: (target, name) => target[name as keyof Actions] ?? ((): Promise<void> => Promise.resolve()),
+}) as Actions;
+
+/** Implement some of the actions; the result takes them back. */
+export function bindActions(part: Partial<Actions>): () => void {
+  Object.assign(bound, part);
+  return () => {
+    for (const name of Object.keys(part) as (keyof Actions)[]) {
+      if (bound[name] === part[name]) Reflect.deleteProperty(bound, name);
+    }
+  };
+}

@@ -1,0 +1,184 @@
+/** The keyboard, as data: the page listens by it and shows it. */
+import { actions } from '../actions';
+
+export interface KeyBinding {
+  /** `KeyboardEvent.key` values, lower case; `ctrl+`, `shift+` and `alt+` before them. */
+  readonly keys: readonly string[];
+  /** What to print, e.g. "Space". */
+  readonly shown: string;
+  readonly what: string;
+  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit';
+  /** Also when the key is held. */
+  readonly repeats?: boolean;
+  readonly run: (key: string) => void;
+}
+
+export const KEYS: readonly KeyBinding[] = [
+  {
+    keys: [' '],
+    shown: 'Space',
+    what: 'Play or pause',
+    group: 'Time',
+    run: () => actions.togglePlay(),
+  },
+  {
+    keys: ['arrowleft'],
+    shown: '←',
+    what: 'One frame back',
+    group: 'Time',
+    repeats: true,
+    run: () => actions.step(-1),
+  },
+  {
+    keys: ['arrowright'],
+    shown: '→',
+    what: 'One frame forward',
+    group: 'Time',
+    repeats: true,
+    run: () => actions.step(1),
+  },
+  {
+    keys: ['shift+arrowleft'],
+    shown: 'Shift ←',
+    what: 'Ten frames back',
+    group: 'Time',
+    repeats: true,
+    run: () => actions.step(-10),
+  },
+  {
+    keys: ['shift+arrowright'],
+    shown: 'Shift →',
+    what: 'Ten frames forward',
+    group: 'Time',
+    repeats: true,
+    run: () => actions.step(10),
+  },
+  { keys: ['home'], shown: 'Home', what: 'First frame', group: 'Time', run: () => actions.seek(0) },
+  {
+    keys: ['end'],
+    shown: 'End',
+    what: 'Last frame',
+    group: 'Time',
+    run: () => actions.seek(Number.MAX_SAFE_INTEGER),
+  },
+  {
+    keys: [','],
+    shown: ',',
+    what: 'Previous doubtful frame',
+    group: 'Time',
+    run: () => actions.nextDoubtful(-1),
+  },
+  {
+    keys: ['.'],
+    shown: '.',
+    what: 'Next doubtful frame',
+    group: 'Time',
+    run: () => actions.nextDoubtful(1),
+  },
+  { keys: ['l'], shown: 'L', what: 'Loop', group: 'Time', run: () => actions.toggleLoop() },
+
+  {
+    keys: ['v'],
+    shown: 'V',
+    what: 'Look around',
+    group: 'Tools',
+    run: () => actions.setTool('navigate'),
+  },
+  {
+    keys: ['b'],
+    shown: 'B',
+    what: 'Paint',
+    group: 'Tools',
+    run: () => {
+      actions.setTool('paint');
+      actions.setShape('brush');
+    },
+  },
+  { keys: ['e'], shown: 'E', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
+  { keys: ['f'], shown: 'F', what: 'Fill', group: 'Tools', run: () => actions.setShape('fill') },
+  { keys: ['o'], shown: 'O', what: 'Lasso', group: 'Tools', run: () => actions.setShape('lasso') },
+  {
+    keys: ['x'],
+    shown: 'X',
+    what: 'Delete noise',
+    group: 'Tools',
+    run: () => actions.setTool('delete'),
+  },
+  {
+    keys: ['i'],
+    shown: 'I',
+    what: 'Pick a label',
+    group: 'Tools',
+    run: () => actions.setTool('pick'),
+  },
+  {
+    keys: ['['],
+    shown: '[',
+    what: 'Smaller brush',
+    group: 'Tools',
+    repeats: true,
+    run: () => actions.nudgeRadius(-1),
+  },
+  {
+    keys: [']'],
+    shown: ']',
+    what: 'Larger brush',
+    group: 'Tools',
+    repeats: true,
+    run: () => actions.nudgeRadius(1),
+  },
+
+  {
+    keys: ['1', '2', '3', '4', '5', '6', '7', '8', '9'],
+    shown: '1 – 9',
+    what: 'Choose a label',
+    group: 'Labels',
+    run: (key) => actions.selectNthLabel(Number(key)),
+  },
+  {
+    keys: ['n'],
+    shown: 'N',
+    what: 'New label',
+    group: 'Labels',
+    run: () => void actions.createLabel(),
+  },
+
+  {
+    keys: ['r'],
+    shown: 'R',
+    what: 'Look from the sensor',
+    group: 'View',
+    run: () => actions.viewFrom('sensor'),
+  },
+  {
+    keys: ['t'],
+    shown: 'T',
+    what: 'Look from above',
+    group: 'View',
+    run: () => actions.viewFrom('top'),
+  },
+
+  {
+    keys: ['ctrl+z'],
+    shown: 'Ctrl Z',
+    what: 'Undo',
+    group: 'Edit',
+    repeats: true,
+    run: () => actions.undo(),
+  },
+  {
+    keys: ['ctrl+shift+z', 'ctrl+y'],
+    shown: 'Ctrl Shift Z',
+    what: 'Redo',
+    group: 'Edit',
+    repeats: true,
+    run: () => actions.redo(),
+  },
+];
+
+/** Held keys that walk (handled by the camera, listed for the help). */
+export const WALK_KEYS = {
+  shown: 'W A S D',
+  what: 'Walk; hold Shift to run',
+  group: 'View',
+} as const;

@@ -1,0 +1,4 @@
+/** The desk's panels. */
+export function mountPanels(root: HTMLElement): void {
+  root.replaceChildren();
+}

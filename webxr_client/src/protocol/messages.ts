@@ -1,0 +1,333 @@
+// Generated from server/pointbrush/streaming/messages.py by `python -m pointbrush.streaming.typescript --write`.
+// Do not edit: a stale file fails the tests.
+
+export const SCHEMA_HASH = 'dffdcf417ab6';
+export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
+
+/** What a stroke does with its samples; see the contract for each shape. */
+export interface Brush {
+  label?: number;
+  tool?: 'paint' | 'erase' | 'delete' | 'restore';
+  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow';
+  radius?: number;
+  only_unlabeled?: boolean;
+  through?: boolean;
+  polygon?: [number, number][] | null;
+  matrix?: number[] | null;
+  center?: [number, number, number] | null;
+  size?: [number, number, number] | null;
+  quaternion?: [number, number, number, number] | null;
+}
+
+/** Where this person is, in room coordinates (y up, metres); absent parts are null. */
+export interface ClientPresence {
+  type: 'presence';
+  frame?: number;
+  head?: [number, number, number, number, number, number, number] | null;
+  hands?: ([number, number, number, number, number, number, number] | null)[];
+  brush?: [number, number, number] | null;
+  radius?: number;
+  label?: number;
+}
+
+/**
+ * The client applied ``frames`` frame messages and may be sent as many more.
+ *
+ * ``frame_ms`` is the page's measured time per rendered frame, ``target_ms`` what its display
+ * wants; a page that falls behind is sent fewer points.  ``points`` caps points per frame.
+ */
+export interface Credit {
+  type: 'credit';
+  frames?: number;
+  nbytes?: number;
+  decode_ms?: number;
+  frame_ms?: number;
+  target_ms?: number;
+  points?: number | null;
+}
+
+/** Frames that the client dropped from its cache and must be sent again when shown. */
+export interface Forget {
+  type: 'forget';
+  frames: number[];
+}
+
+export interface Hello {
+  type: 'hello';
+  name?: string;
+  color?: string | null;
+}
+
+/** Open a sequence; ``revision`` is the last one the client has, when it resumes. */
+export interface Open {
+  type: 'open';
+  sequence: string;
+  frame?: number;
+  revision?: number | null;
+}
+
+export interface Pause {
+  type: 'pause';
+  frame?: number | null;
+}
+
+/** Send frames in time with a clock that starts at ``frame`` when this arrives. */
+export interface Play {
+  type: 'play';
+  frame: number;
+  speed?: number;
+  loop?: boolean;
+}
+
+export interface Redo {
+  type: 'redo';
+  id: string;
+}
+
+/** One sample of the controller or mouse: a ray, and the time since the stroke began. */
+export interface Sample {
+  origin: [number, number, number];
+  direction?: [number, number, number];
+  t?: number;
+}
+
+/** Show one frame: its first levels at once, then refinement up to all points. */
+export interface Seek {
+  type: 'seek';
+  frame: number;
+}
+
+export interface StrokeBegin {
+  type: 'stroke_begin';
+  id: string;
+  frame: number;
+  brush: Brush;
+}
+
+export interface StrokeEnd {
+  type: 'stroke_end';
+  id: string;
+}
+
+export interface StrokeSamples {
+  type: 'stroke_samples';
+  id: string;
+  samples: Sample[];
+}
+
+export interface Track {
+  type: 'track';
+  id: string;
+  labels?: number[] | null;
+  start: number;
+  stop: number;
+  method?: string;
+  overwrite?: 'never' | 'tracked' | 'all';
+}
+
+export interface Undo {
+  type: 'undo';
+  id: string;
+}
+
+/** Chunks of a large frame, most wanted first; replaces the previous list. */
+export interface Want {
+  type: 'want';
+  frame: number;
+  chunks: number[];
+}
+
+/**
+ * Label values of a frame's points, whole (``base`` null) or as a delta from ``base``.
+ *
+ * A value is a label id, 0 unlabeled, or 65535 for a deleted point.
+ * whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
+ * delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
+ * single one for all.
+ */
+export interface Annotation {
+  type: 'annotation';
+  sequence: string;
+  frame: number;
+  revision: number;
+  base: number | null;
+  edit: string | null;
+  author: string | null;
+  provisional: boolean;
+  first: number;
+  count: number;
+  lengths: Uint8Array;
+  values: Uint8Array;
+}
+
+/**
+ * A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
+ *
+ * Decoded layout: x, y, z uint16; r, g, b, intensity uint8; 2 bytes zero.
+ * Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
+ */
+export interface Chunk {
+  index: number;
+  level: number;
+  first: number;
+  count: number;
+  offset: number;
+  nbytes: number;
+  origin: [number, number, number];
+  scale: [number, number, number];
+  lo: [number, number, number];
+  hi: [number, number, number];
+}
+
+/** RFC 9457 fields; ``about`` is the id of the stroke, undo or track refused, if any. */
+export interface Error {
+  type: 'error';
+  title: string;
+  detail: string;
+  status: number;
+  about: string | null;
+}
+
+/** Points [first, first + count) of a frame, or chunks of a large one. */
+export interface Frame {
+  type: 'frame';
+  sequence: string;
+  frame: number;
+  total: number;
+  final: boolean;
+  chunks: Chunk[];
+  data: Uint8Array;
+}
+
+export interface Job {
+  type: 'job';
+  id: string;
+  kind: 'import' | 'tracking' | 'export';
+  sequence: string | null;
+  state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
+  progress: number;
+  message: string;
+  frame: number | null;
+  error: string | null;
+}
+
+export interface Label {
+  id: number;
+  name: string;
+  category: string;
+  color: string;
+  locked: boolean;
+  visible: boolean;
+}
+
+/** The palette, whole; and how many points each label has in all frames together. */
+export interface Labels {
+  type: 'labels';
+  sequence: string;
+  revision: number;
+  labels: Label[];
+  counts: Record<string, number>;
+  undo: string | null;
+  redo: string | null;
+}
+
+export interface SequenceInfo {
+  type: 'sequence';
+  id: string;
+  name: string;
+  frames: number;
+  fps: number;
+  points: number[];
+  fields: string[];
+  shift: [number, number, number];
+  lo: [number, number, number];
+  hi: [number, number, number];
+  room: number[];
+  large: boolean;
+  position_error: number;
+  revision: number;
+  frame: number;
+}
+
+export interface ServerPresence {
+  type: 'presence';
+  viewer: string;
+  name: string;
+  color: string;
+  left: boolean;
+  frame: number;
+  head: [number, number, number, number, number, number, number] | null;
+  hands: ([number, number, number, number, number, number, number] | null)[];
+  brush: [number, number, number] | null;
+  radius: number;
+  label: number;
+}
+
+/** ``touched``: newly touched points so far; ``final`` once the edit is durable. */
+export interface StrokeResult {
+  type: 'stroke_result';
+  id: string;
+  frame: number;
+  touched: number;
+  changed: number;
+  edit: string | null;
+  revision: number;
+  final: boolean;
+}
+
+/** Cells that changed (all of them after ``open``); zero points removes a cell. */
+export interface Timeline {
+  type: 'timeline';
+  sequence: string;
+  revision: number;
+  whole: boolean;
+  cells: TimelineCell[];
+}
+
+/** One label in one frame: how many points, where from, how sure. */
+export interface TimelineCell {
+  frame: number;
+  label: number;
+  points: number;
+  painted: number;
+  confidence: number | null;
+  state: 'painted' | 'tracked' | 'occluded' | 'lost' | null;
+}
+
+export interface Welcome {
+  type: 'welcome';
+  viewer: string;
+  author: string;
+  role: 'viewer' | 'annotator' | 'reviewer' | 'admin';
+  version: string;
+  credits: number;
+}
+
+export type ClientMessage =
+  | Hello
+  | Open
+  | Play
+  | Pause
+  | Seek
+  | Credit
+  | Forget
+  | Want
+  | StrokeBegin
+  | StrokeSamples
+  | StrokeEnd
+  | Undo
+  | Redo
+  | Track
+  | ClientPresence;
+
+export type ServerMessage =
+  | Welcome
+  | SequenceInfo
+  | Frame
+  | Annotation
+  | StrokeResult
+  | Labels
+  | Timeline
+  | Job
+  | ServerPresence
+  | Error;
