@@ -1,0 +1,305 @@
+"""Long work outside the server process, with progress, findings on the way, and cancel.
+
+Work runs on a ``concurrent.futures`` executor.  Each running job talks to its runner over one
+authenticated connection: progress and items go up, the wish to cancel comes down.
+"""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import secrets
+import threading
+import time
+import uuid
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from dataclasses import dataclass, field, replace
+from multiprocessing.connection import Client, Connection, Listener
+from typing import Any, Literal, Protocol
+
+from pointbrush.errors import CancelledError, ConflictError, NotFoundError, PointbrushError
+
+logger = logging.getLogger(__name__)
+
+JobKind = Literal["import", "tracking", "export"]
+JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
+KEPT_JOBS = 1000
+"""Ended jobs that are remembered; older ones are forgotten first."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is known of one job; a new value at every change."""
+
+    id: str
+    kind: JobKind
+    sequence: str | None
+    state: JobState = "queued"
+    progress: float = 0.0
+    message: str = ""
+    result: dict[str, Any] | None = None
+    error: str | None = None
+    created: float = field(default_factory=time.time)
+
+
+class Channel:
+    """The work's side of its connection to the runner."""
+
+    def __init__(self, connection: Connection[Any, Any]) -> None:
+        self._connection = connection
+        self._cancelled = False
+
+    def progress(self, fraction: float, message: str = "") -> None:
+        """Report progress 0..1; raises CancelledError when the user has cancelled."""
+        self._connection.send(("progress", fraction, message))
+        self.check()
+
+    def item(self, value: object) -> None:
+        """Hand a picklable finding to the runner at once; raises CancelledError."""
+        self._connection.send(("item", value))
+        self.check()
+
+    def check(self) -> None:
+        """Raise CancelledError when the user has cancelled."""
+        while not self._cancelled and self._connection.poll():
+            self._cancelled = self._connection.recv() == "cancel"
+        if self._cancelled:
+            raise CancelledError("cancelled by the user")
+
+
+class Work(Protocol):
+    """Picklable work: runs in another process and returns a picklable result."""
+
+    def __call__(self, channel: Channel) -> Any:
+        """Do the work, reporting on ``channel``."""
+
+
+@dataclass
+class _Running:
+    future: Future[Any]
+    on_item: Callable[[Any], None]
+    finish: Callable[[Any, bool], dict[str, Any]]
+    connection: Connection[Any, Any] | None = None
+    cancelled: bool = False
+    drained: threading.Event = field(default_factory=threading.Event)
+
+
+class JobRunner:
+    """Runs jobs on ``executor`` (local processes unless given) and remembers them."""
+
+    def __init__(
+        self,
+        notify: Callable[[Job], None],
+        executor: Callable[[], Executor] | None = None,
+        workers: int = 2,
+    ) -> None:
+        """``notify(job)`` is called at every change, from the runner's threads."""
+        self._notify = notify
+        self._make_executor = executor or (lambda: _local_processes(workers))
+        self._executor: Executor | None = None
+        self._key = secrets.token_bytes(32)
+        self._listener = Listener(("127.0.0.1", 0), backlog=64, authkey=self._key)
+        self._lock = threading.Lock()
+        self._jobs: dict[str, Job] = {}
+        self._running: dict[str, _Running] = {}
+        self._closed = False
+        threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
+
+    def warm_up(self) -> None:
+        """Start the worker processes now, so that the first job does not wait for them."""
+        with self._lock:
+            self._submit(_nothing)
+
+    def submit(
+        self,
+        kind: JobKind,
+        sequence: str | None,
+        work: Work,
+        finish: Callable[[Any, bool], dict[str, Any]],
+        on_item: Callable[[Any], None] | None = None,
+    ) -> Job:
+        """Queue ``work``; ``finish(result, cancelled)`` then turns its result into the job's.
+
+        ``finish`` and ``on_item`` run in this process, items in order and before ``finish``.
+        ``finish`` also runs for a cancelled job, with ``None``, so that findings can be kept.
+        """
+        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence)
+        with self._lock:
+            future = self._submit(_run, self._listener.address, self._key, job.id, work)
+            running = _Running(future, on_item or _ignore, finish)
+            self._jobs[job.id], self._running[job.id] = job, running
+            self._forget_old()
+        threading.Thread(target=self._supervise, args=(job.id, running), daemon=True).start()
+        return job
+
+    def jobs(self) -> list[Job]:
+        """All remembered jobs, newest first."""
+        with self._lock:
+            return sorted(self._jobs.values(), key=lambda job: job.created, reverse=True)
+
+    def job(self, job_id: str) -> Job:
+        """One job; raises NotFoundError."""
+        with self._lock:
+            if job_id not in self._jobs:
+                raise NotFoundError(f"job: expected the id of a known job, got {job_id!r}")
+            return self._jobs[job_id]
+
+    def cancel(self, job_id: str) -> Job:
+        """Ask a job to stop; raises ConflictError when it has already ended."""
+        job = self.job(job_id)
+        with self._lock:
+            running = self._running.get(job_id)
+            if running is None:
+                raise ConflictError(f"job {job_id}: expected a running job, it is {job.state}")
+            running.cancelled = True
+            running.future.cancel()
+            if running.connection is not None:
+                _send_cancel(running.connection)
+        return job
+
+    def wait(self, job_id: str, timeout: float | None = None) -> Job:
+        """Block until the job has ended (or ``timeout`` seconds passed) and return it."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while (job := self.job(job_id)).state not in ENDED:
+            if deadline is not None and time.monotonic() > deadline:
+                break
+            time.sleep(0.02)
+        return job
+
+    def close(self) -> None:
+        """Cancel what runs and end the worker processes."""
+        self._closed = True
+        for job in self.jobs():
+            if job.state not in ENDED:
+                self._cancel_quietly(job.id)
+        with self._lock:
+            supervised = list(self._running.values())
+        for running in supervised:
+            running.drained.wait(5)
+        if self._executor is not None:
+            self._executor.shutdown(wait=True, cancel_futures=True)
+        self._listener.close()
+
+    def _cancel_quietly(self, job_id: str) -> None:
+        try:
+            self.cancel(job_id)
+        except ConflictError:
+            return  # it ended by itself meanwhile
+
+    def _submit(self, function: Callable[..., Any], *args: Any) -> Future[Any]:
+        if self._executor is None:
+            self._executor = self._make_executor()
+        try:
+            return self._executor.submit(function, *args)
+        except BrokenExecutor:
+            # A worker died under an earlier job; that job failed, later ones get new workers.
+            self._executor = self._make_executor()
+            return self._executor.submit(function, *args)
+
+    def _forget_old(self) -> None:
+        ended = [job_id for job_id, job in self._jobs.items() if job.state in ENDED]
+        for job_id in ended[: max(0, len(self._jobs) - KEPT_JOBS)]:
+            del self._jobs[job_id]
+
+    def _accept(self) -> None:
+        while not self._closed:
+            try:
+                connection = self._listener.accept()
+            except (OSError, EOFError, multiprocessing.AuthenticationError):
+                continue
+            threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
+
+    def _listen(self, connection: Connection[Any, Any]) -> None:
+        try:
+            job_id = connection.recv()
+        except (EOFError, OSError):
+            return
+        with self._lock:
+            running = self._running.get(job_id)
+            if running is None:
+                return
+            running.connection = connection
+            if running.cancelled:
+                _send_cancel(connection)
+        self._change(job_id, state="running")
+        try:
+            while True:
+                kind, *values = connection.recv()
+                if kind == "progress":
+                    self._change(job_id, progress=float(values[0]), message=str(values[1]))
+                elif kind == "item":
+                    running.on_item(values[0])
+        except (EOFError, OSError):
+            running.drained.set()
+
+    def _supervise(self, job_id: str, running: _Running) -> None:
+        try:
+            result = running.future.result()
+            running.drained.wait(60)
+            self._end(job_id, running, result, cancelled=False)
+        except BaseException as error:
+            cancelled = running.cancelled or isinstance(error, CancelledError)
+            if cancelled:
+                self._end(job_id, running, None, cancelled=True)
+            else:
+                self._change(job_id, state="failed", error=_sentence(error))
+        finally:
+            running.drained.set()
+            with self._lock:
+                self._running.pop(job_id, None)
+
+    def _end(self, job_id: str, running: _Running, result: Any, *, cancelled: bool) -> None:
+        try:
+            summary = running.finish(result, cancelled)
+        except Exception as error:
+            self._change(job_id, state="failed", error=_sentence(error))
+        else:
+            state: JobState = "cancelled" if cancelled else "done"
+            progress = self.job(job_id).progress if cancelled else 1.0
+            self._change(job_id, state=state, progress=progress, result=summary)
+
+    def _change(self, job_id: str, **fields: Any) -> None:
+        with self._lock:
+            if job_id not in self._jobs or self._jobs[job_id].state in ENDED:
+                return
+            self._jobs[job_id] = job = replace(self._jobs[job_id], **fields)
+        self._notify(job)
+
+
+def _local_processes(workers: int) -> ProcessPoolExecutor:
+    # Not fork: the server's threads and locks must not be copied half-way into a worker.
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(max_workers=workers, mp_context=context)
+
+
+def _ignore(item: object) -> None:
+    """Take no notice of an item."""
+
+
+def _nothing() -> None:
+    """Work that only makes a worker start."""
+
+
+def _run(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
+    with Client(address, authkey=key) as connection:
+        connection.send(job_id)
+        return work(Channel(connection))
+
+
+def _send_cancel(connection: Connection[Any, Any]) -> None:
+    try:
+        connection.send("cancel")
+    except OSError:
+        return  # the work ended in this moment
+
+
+def _sentence(error: BaseException) -> str:
+    if isinstance(error, PointbrushError):
+        return str(error)
+    if isinstance(error, BrokenExecutor):
+        return "the worker process died (out of memory, or a fault in a native decoder)"
+    # Not one of ours: the operator needs the traceback, the user the gist.
+    logger.error("a job failed unexpectedly", exc_info=error)
+    return f"{type(error).__name__}: {error}"

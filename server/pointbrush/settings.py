@@ -1,0 +1,120 @@
+"""Every option, once: its name, default and help; the environment and the command line read it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from pointbrush.errors import BadInputError
+
+PREFIX = "POINTBRUSH_"
+
+
+def _help(text: str) -> dict[str, str]:
+    return {"help": text}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The options of one run; ``Settings.load`` reads them."""
+
+    workspace: Path = field(
+        default=Path("pointbrush-workspace"), metadata=_help("folder of recordings and labels")
+    )
+    host: str = field(default="127.0.0.1", metadata=_help("address to listen on"))
+    port: int = field(default=8080, metadata=_help("port to listen on; 0 takes a free one"))
+    token: str = field(
+        default="", metadata=_help("admin token; empty makes a new one at each start")
+    )
+    database: str = field(
+        default="", metadata=_help("database URL; empty is SQLite inside the workspace")
+    )
+    workers: int = field(default=2, metadata=_help("local processes for jobs"))
+    tls: bool = field(
+        default=False,
+        metadata=_help("serve HTTPS with a certificate of pointbrush's own authority"),
+    )
+    certfile: str = field(
+        default="", metadata=_help("certificate to serve HTTPS with, in place of our own")
+    )
+    keyfile: str = field(default="", metadata=_help("private key of the certificate"))
+    insecure: bool = field(
+        default=False, metadata=_help("listen off loopback without TLS all the same")
+    )
+    import_roots: str = field(
+        default="",
+        metadata=_help(
+            f"folders REST may import from, separated by '{os.pathsep}'; "
+            "empty is the current folder and the home folder"
+        ),
+    )
+    allowed_hosts: str = field(
+        default="", metadata=_help("further host names the page may be reached by, with commas")
+    )
+    max_body: int = field(
+        default=64 * 2**20, metadata=_help("greatest body of a request, bytes (uploads apart)")
+    )
+    max_upload: int = field(default=8 * 2**30, metadata=_help("greatest upload, bytes"))
+    max_message: int = field(
+        default=4 * 2**20, metadata=_help("greatest WebSocket message from a client, bytes")
+    )
+    max_frame_points: int = field(
+        default=500_000_000, metadata=_help("greatest number of points in a frame")
+    )
+    requests_per_second: int = field(
+        default=200, metadata=_help("requests a second that one client may sustain")
+    )
+
+    @classmethod
+    def load(
+        cls, given: Mapping[str, Any] | None = None, environment: Mapping[str, str] | None = None
+    ) -> Settings:
+        """``given`` (the command line; None = not given) over the environment over defaults.
+
+        Raises BadInputError for a value of the wrong form.
+        """
+        environment = os.environ if environment is None else environment
+        types = get_type_hints(cls)
+        values: dict[str, Any] = {}
+        for option in fields(cls):
+            variable = PREFIX + option.name.upper()
+            if variable in environment:
+                values[option.name] = parse(variable, types[option.name], environment[variable])
+        values |= {name: value for name, value in (given or {}).items() if value is not None}
+        return cls(**values)
+
+    @property
+    def database_url(self) -> str:
+        """The database's URL, with the default filled in."""
+        return self.database or f"sqlite:///{(self.workspace / 'labels.sqlite').absolute()}"
+
+    @property
+    def roots(self) -> list[Path]:
+        """Folders that REST may import from, resolved."""
+        given = [Path(root) for root in self.import_roots.split(os.pathsep) if root]
+        return [root.resolve() for root in given or [Path.cwd(), Path.home()]]
+
+
+def options() -> list[Field[Any]]:
+    """All options, for the command line and the docs."""
+    assert all(option.default is not MISSING for option in fields(Settings))  # noqa: S101
+    return list(fields(Settings))
+
+
+def parse(name: str, kind: type, text: str) -> Any:
+    """The value of ``text`` as ``kind``; raises BadInputError naming ``name``."""
+    if kind is bool:
+        if text.lower() in ("1", "true", "yes", "on"):
+            return True
+        if text.lower() in ("", "0", "false", "no", "off"):
+            return False
+        raise BadInputError(f"{name}: expected 1 or 0, got {text!r}")
+    if kind is int:
+        try:
+            return int(text)
+        except ValueError:
+            raise BadInputError(f"{name}: expected an integer, got {text!r}") from None
+    return kind(text)
