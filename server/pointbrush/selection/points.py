@@ -4,31 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-GROUP = 64
-"""Blocks per coarse box: two levels of boxes cull a hundred million points in milliseconds."""
-
 
 class Blocks(Protocol):
-    """Bounding boxes of runs of spatially adjacent points."""
+    """Bounding boxes of runs of spatially adjacent points, and of the chunks that hold the runs.
+
+    Block ``b`` is the points ``first[b]:first[b + 1]`` in stored order, inside ``lo[b]``..``hi[b]``
+    (local metres); chunk ``c`` is the blocks ``chunk_first[c]:chunk_first[c + 1]``.
+    """
 
     @property
     def first(self) -> NDArray[np.int64]:
-        """(B+1,) run borders, in stored order."""
+        """(B+1,) run borders."""
 
     @property
     def lo(self) -> NDArray[np.float32]:
-        """(B, 3) least corners, local metres."""
+        """(B, 3) least corners."""
 
     @property
     def hi(self) -> NDArray[np.float32]:
-        """(B, 3) greatest corners, local metres."""
+        """(B, 3) greatest corners."""
+
+    @property
+    def chunk_first(self) -> NDArray[np.int64]:
+        """(C+1,) each chunk's first block."""
+
+    @property
+    def chunk_lo(self) -> NDArray[np.float32]:
+        """(C, 3) least corners of the chunks."""
+
+    @property
+    def chunk_hi(self) -> NDArray[np.float32]:
+        """(C, 3) greatest corners of the chunks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +61,6 @@ class Points:
     def __len__(self) -> int:
         return len(self.xyz)
 
-    @cached_property
-    def _coarse(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        starts = np.arange(0, len(self.blocks.lo), GROUP)
-        lo = np.minimum.reduceat(self.blocks.lo, starts, axis=0)
-        hi = np.maximum.reduceat(self.blocks.hi, starts, axis=0)
-        return lo, hi
-
     def blocks_in_box(self, lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np.int64]:
         """Numbers of the blocks whose boxes touch the box ``lo``..``hi`` (local metres)."""
 
@@ -68,17 +73,12 @@ class Points:
         self,
         touches: Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.bool_]],
     ) -> NDArray[np.int64]:
-        """Numbers of the blocks whose boxes pass ``touches(lo, hi)``, coarse boxes first."""
-        block_lo, block_hi = self.blocks.lo, self.blocks.hi
-        n = len(block_lo)
-        if n == 0:
-            return np.empty(0, np.int64)
-        if n <= 4 * GROUP:
-            return np.flatnonzero(touches(block_lo, block_hi))
-        groups = np.flatnonzero(touches(*self._coarse))
-        numbers = (groups[:, None] * GROUP + np.arange(GROUP)).ravel()
-        numbers = numbers[numbers < n]
-        return numbers[touches(block_lo[numbers], block_hi[numbers])]
+        """Numbers of the blocks whose boxes pass ``touches(lo, hi)``; chunks are culled first."""
+        chunks = np.flatnonzero(touches(self.blocks.chunk_lo, self.blocks.chunk_hi))
+        first = self.blocks.chunk_first
+        numbers = spans(first[chunks], first[chunks + 1])
+        kept = touches(self.blocks.lo[numbers], self.blocks.hi[numbers])
+        return np.asarray(numbers[kept])
 
     def numbers(self, blocks: NDArray[np.int64]) -> NDArray[np.int64]:
         """Stored numbers of all points in ``blocks``, ascending when ``blocks`` is."""

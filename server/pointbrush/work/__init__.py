@@ -1,0 +1,1 @@
+"""What the workspace does with sequences and labels together, one module per job or action."""

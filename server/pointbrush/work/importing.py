@@ -1,0 +1,106 @@
+"""Import in a worker process, and the labels that came with the files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import TooLargeError
+from pointbrush.formats import open_source
+from pointbrush.frame import PointFrame
+from pointbrush.jobs import Channel
+from pointbrush.labels import LabelStore, Write
+from pointbrush.sequences import Sequence, import_frames
+
+IMPORTED = 3
+DEFAULT_FPS = 30.0
+
+
+@dataclass(frozen=True)
+class ImportWork:
+    """Picklable import of ``paths`` into ``target``; returns the sequence's id."""
+
+    paths: tuple[Path, ...]
+    target: Path
+    sequence_id: str
+    name: str | None = None
+    fps: float | None = None
+    format: str | None = None
+    drop_invalid: bool = False
+    max_points: int = 500_000_000
+
+    def __call__(self, channel: Channel) -> str:
+        """Read, reorder and store every frame; nothing is left behind on any error."""
+        source = open_source(self.paths, self.format, drop_invalid=self.drop_invalid)
+        manifest = import_frames(
+            _limited(source.frames, self.max_points),
+            self.target,
+            sequence_id=self.sequence_id,
+            name=self.name or source.name,
+            fps=self.fps or source.fps or DEFAULT_FPS,
+            total=source.count,
+            progress=channel.progress,
+            source=", ".join(str(path) for path in self.paths),
+        )
+        return manifest.id
+
+
+def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFrame]:
+    for number, frame in enumerate(frames):
+        if len(frame) > max_points:
+            raise TooLargeError(
+                f"frame {number}: expected at most {max_points:,} points, got {len(frame):,}"
+            )
+        yield frame
+
+
+def new_sequence_id(name: str, taken: Callable[[str], bool]) -> str:
+    """A readable, URL-safe id made from ``name`` that is not ``taken`` yet."""
+    slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
+    candidate, number = slug, 1
+    while taken(candidate):
+        number += 1
+        candidate = f"{slug}-{number}"
+    return candidate
+
+
+def import_source_labels(store: LabelStore, recording: Sequence) -> None:
+    """Make the labels that came with the files a first edit, with a palette for them."""
+    sequence = recording.manifest.id
+    writes: dict[int, Write] = {}
+    found: set[int] = set()
+    for index in range(len(recording)):
+        label = recording[index].label
+        if label is None or not label.any():
+            continue
+        numbers = np.flatnonzero(label)
+        found.update(np.unique(label[numbers]).tolist())
+        writes[index] = Write(numbers, label=np.asarray(label[numbers]), provenance=IMPORTED)
+    known: set[int] = {label.id for label in store.palette(sequence)}
+    for label_id in sorted(found - known):
+        store.create_label(sequence, "import", name=f"label {label_id}", id=label_id)
+    if writes:
+        store.apply(
+            sequence,
+            edit_id=None,
+            author="import",
+            kind="import",
+            writes=writes,
+            summary=f"labels that came with the files, {len(writes)} frames",
+        )
+
+
+def result(recording: Sequence) -> dict[str, Any]:
+    """What a finished import job reports."""
+    manifest = recording.manifest
+    return {
+        "sequence": manifest.id,
+        "frames": manifest.frames,
+        "points": int(sum(manifest.points)),
+        "dropped": int(sum(manifest.dropped)),
+    }

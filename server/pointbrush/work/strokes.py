@@ -1,0 +1,132 @@
+"""A stroke on a frame: which points it takes, and what its tool writes to them."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.selection import Points, Selector, Stroke
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import StoredFrame
+
+LAYER_BLOCK = 65_536
+"""Points whose deleted flags are looked up at once."""
+PAINTED = 1
+TREELESS = 4_000_000
+"""Frames above this many points have no k-d tree of their own."""
+
+
+def frame_points(frame: StoredFrame) -> Points:
+    """The view of a stored frame that selection works on."""
+    levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
+    large = frame.count > TREELESS
+    return Points(
+        xyz=frame.xyz,
+        blocks=frame.blocks,
+        rgb=frame.rgb,
+        # An octree's nodes are not global levels: there each block stands for itself.
+        levels=(0,) if large else tuple(first for _, first in levels) or (0,),
+        kdtree=None if large else lambda: frame.kdtree,
+    )
+
+
+def edit_id(given: object) -> str:
+    """A stroke's UUID in its normal form; a new one when none was given."""
+    if given is None:
+        return str(uuid.uuid4())
+    try:
+        return str(uuid.UUID(str(given)))
+    except ValueError:
+        raise BadInputError(f"id: expected a UUID, got {str(given)[:80]!r}") from None
+
+
+class LiveStroke:
+    """A stroke while it is drawn; ``commit`` makes it one durable edit."""
+
+    def __init__(
+        self,
+        store: LabelStore,
+        recording: Recording,
+        frame: int,
+        fields: Mapping[str, Any],
+        stroke_id: str,
+    ) -> None:
+        """``fields``: the contract's stroke without samples, in source coordinates.
+
+        Raises BadInputError, NotFoundError (frame, label), LockedLabelError.
+        """
+        self._store, self._recording = store, recording
+        self.id, self.frame = stroke_id, frame
+        self._source_brush = Stroke.parse({**fields, "samples": []})
+        self._shift = np.asarray(recording.manifest.shift, np.float64)
+        self._brush = self._source_brush.to_local(self._shift)
+        if self._brush.tool == "paint":
+            store.require_paintable(recording.manifest.id, self._brush.label)
+        points = frame_points(recording[frame])
+        alive = self._deleted if self._brush.tool == "restore" else self._alive
+        self._selector = Selector(points, self._brush, alive)
+        self._sampled = False
+
+    def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
+        """Take in samples (``origin``, ``direction``) and return how many points are touched."""
+        stroke = self._source_brush.with_samples(samples).to_local(self._shift)
+        self._sampled = self._sampled or len(samples) > 0
+        self._selector.add(stroke)
+        return len(self._selector.numbers)
+
+    @property
+    def touched(self) -> int:
+        """Points taken so far."""
+        return len(self._selector.numbers)
+
+    def commit(self, author: str) -> Commit:
+        """Write the stroke as one edit, durable when this returns."""
+        if not self._sampled and self._brush.shape not in ("lasso", "box"):
+            raise BadInputError(
+                f"samples: expected at least one for shape '{self._brush.shape}', got none"
+            )
+        numbers = self._selector.numbers
+        living = self._alive(numbers)
+        write = _write(self._brush, numbers, living)
+        return self._store.apply(
+            self._recording.manifest.id,
+            edit_id=self.id,
+            author=author,
+            kind=self._brush.tool,
+            writes={self.frame: write},
+            summary=f"{self._brush.tool} {len(write.indices):,} points",
+        )
+
+    def _alive(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        return ~self._deleted(numbers)
+
+    def _deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        deleted = np.zeros(len(numbers), np.bool_)
+        sequence = self._recording.manifest.id
+        blocks = numbers // LAYER_BLOCK
+        for block in np.unique(blocks):
+            first = int(block) * LAYER_BLOCK
+            values = self._store.values(sequence, self.frame, first, LAYER_BLOCK)
+            mine = blocks == block
+            deleted[mine] = values.deleted[numbers[mine] - first]
+        return deleted
+
+
+def _write(brush: Stroke, numbers: NDArray[np.int64], living: NDArray[np.bool_]) -> Write:
+    only = "unlabeled" if brush.only_unlabeled else "any"
+    match brush.tool:
+        case "paint":
+            return Write(numbers[living], label=brush.label, provenance=PAINTED, only=only)
+        case "erase":
+            return Write(numbers[living], label=0, provenance=0)
+        case "delete":
+            return Write(numbers[living], deleted=True, only=only)
+        case "restore":
+            return Write(numbers[~living], deleted=False)
+    raise ConflictError(f"tool: expected one the workspace knows, got {brush.tool!r}")

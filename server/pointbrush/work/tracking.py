@@ -1,0 +1,192 @@
+"""A tracking run: seeds out of the label store, a method in a worker, one edit back in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
+from pointbrush.jobs import Channel
+from pointbrush.labels import LabelStore, Write
+from pointbrush.sequences import Sequence, open_sequence
+from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
+
+TRACKED = 2
+OVERWRITE = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
+
+
+@dataclass(frozen=True)
+class TrackingWork:
+    """Picklable run; hands each FrameResult over as an item."""
+
+    path: Path
+    database: str
+    start: int
+    stop: int
+    seeds: tuple[Seed, ...]
+    method: str
+    options: TrackOptions
+
+    def __call__(self, channel: Channel) -> None:
+        """Track frame by frame from ``start`` to ``stop``, either way."""
+        recording = open_sequence(self.path)
+        store = LabelStore(self.database)
+        try:
+            order = frame_order(self.start, self.stop)
+            knowledge = _Knowledge(store, recording)
+            results = METHODS[self.method]().track(
+                recording.__getitem__, order, self.seeds, knowledge, self.options
+            )
+            for done, found in enumerate(results, start=1):
+                channel.item(found)
+                channel.progress(min(done / len(order), 1.0), f"frame {found.frame}")
+        finally:
+            store.close()
+
+
+@dataclass(frozen=True)
+class _Knowledge:
+    """What people have already said about a frame, in stored order."""
+
+    store: LabelStore
+    recording: Sequence
+
+    def __call__(self, frame: int) -> FrameKnowledge:
+        values = self.store.values(self.recording.manifest.id, frame)
+        return FrameKnowledge(values.label, values.provenance, values.deleted)
+
+
+def frame_order(start: int, stop: int) -> list[int]:
+    """Frames from ``start`` to ``stop``, both included, forward or backward."""
+    return list(range(start, stop + 1) if stop >= start else range(start, stop - 1, -1))
+
+
+def prepare(
+    store: LabelStore, recording: Sequence, labels: list[int] | None, start: int, stop: int
+) -> tuple[Seed, ...]:
+    """The points of each label in the start frame; all unlocked labels there when None.
+
+    Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no points, no range).
+    """
+    for name, frame in (("start", start), ("stop", stop)):
+        if not 0 <= frame < len(recording):
+            raise NotFoundError(f"{name}: expected a frame 0 to {len(recording) - 1}, got {frame}")
+    if start == stop:
+        raise BadInputError(f"stop: expected another frame than start ({start})")
+    sequence = recording.manifest.id
+    values = store.values(sequence, start)
+    alive = np.where(values.deleted, 0, values.label)
+    palette = {label.id: label for label in store.palette(sequence)}
+    present = [number for number in np.unique(alive).tolist() if number]
+    chosen = labels if labels is not None else [n for n in present if not palette[n].locked]
+    if not chosen:
+        raise BadInputError(f"labels: expected labelled points in frame {start}, there are none")
+    for number in chosen:
+        if number not in palette:
+            raise NotFoundError(f"labels: expected a label of the palette, got {number}")
+        if palette[number].locked:
+            raise LockedLabelError(f"labels: '{palette[number].name}' ({number}) is locked")
+        if number not in present:
+            raise BadInputError(
+                f"labels: expected points of '{palette[number].name}' ({number}) in frame "
+                f"{start}, there are none"
+            )
+    return tuple(Seed(number, np.flatnonzero(alive == number)) for number in chosen)
+
+
+def require_method(method: str) -> None:
+    """Raise BadInputError unless ``method`` is a known tracking method."""
+    if method not in METHODS:
+        raise BadInputError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")
+
+
+@dataclass
+class Findings:
+    """What a run has found so far, in this process; becomes one edit."""
+
+    store: LabelStore
+    sequence: str
+    start: int
+    labels: tuple[int, ...]
+    overwrite: str
+    results: list[FrameResult] = field(default_factory=list)
+
+    def add(self, found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
+        """Keep a result; returns its points and their labels, for showing at once."""
+        self.results.append(found)
+        return _flat(found)
+
+    def commit(self, edit: str, author: str, summary: str) -> dict[str, Any]:
+        """Write everything as one edit, merging with what people did meanwhile."""
+        tracks = [track for found in self.results for track in self._tracks(found)]
+        if not tracks:
+            return {"edit": None, "changed": 0, "frames": 0}
+        commit = self.store.apply(
+            self.sequence,
+            edit_id=edit,
+            author=author,
+            kind="tracking",
+            writes=dict(self._writes()),
+            summary=summary,
+            tracks=tracks,
+        )
+        return {
+            "edit": commit.edit_id,
+            "changed": commit.changed,
+            "revision": commit.revision,
+            "frames": len(self.results),
+        }
+
+    def _writes(self) -> Iterator[tuple[int, Write]]:
+        for found in self.results:
+            if found.frame == self.start:
+                continue
+            numbers, label = _flat(found)
+            # What an earlier run gave these labels here and this one did not find goes.
+            values = self.store.values(self.sequence, found.frame)
+            stale = np.isin(values.label, self.labels) & (values.provenance == TRACKED)
+            stale[numbers] = False
+            gone = np.flatnonzero(stale) if self.overwrite != "never" else np.empty(0, np.int64)
+            numbers = np.concatenate([numbers, gone])
+            label = np.concatenate([label, np.zeros(len(gone), np.uint16)])
+            order = np.argsort(numbers, kind="stable")
+            numbers, label = numbers[order], label[order]
+            provenance = np.where(label > 0, TRACKED, 0).astype(np.uint8)
+            yield (
+                found.frame,
+                Write(numbers, label=label, provenance=provenance, only=OVERWRITE[self.overwrite]),
+            )
+
+    def _tracks(self, found: FrameResult) -> list[dict[str, Any]]:
+        return [
+            {
+                "label": label,
+                "frame": found.frame,
+                "start": self.start,
+                "pose": np.asarray(track.pose, np.float64).ravel().tolist(),
+                "rmse": float(track.rmse),
+                "inliers": float(track.inliers),
+                "confidence": float(track.confidence),
+                "points": int(track.points),
+                "state": track.state,
+            }
+            for label, track in found.tracks.items()
+        ]
+
+
+def _flat(found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
+    """Point numbers, sorted, and their labels, of all labels of one result."""
+    if not found.assignments:
+        return np.empty(0, np.int64), np.empty(0, np.uint16)
+    numbers = np.concatenate([np.asarray(n, np.int64) for n in found.assignments.values()])
+    label = np.repeat(
+        np.array(list(found.assignments), np.uint16),
+        [len(n) for n in found.assignments.values()],
+    )
+    order = np.argsort(numbers, kind="stable")
+    return numbers[order], label[order]

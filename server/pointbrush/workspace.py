@@ -1,0 +1,465 @@
+"""The one façade: every front (REST, socket, command line, review panel) calls it.
+
+A workspace is a folder of imported sequences and a label database.  Indices and arrays that
+leave here are in source order unless a name says ``stored``.
+"""
+
+from __future__ import annotations
+
+import shutil
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import (
+    BadInputError,
+    ConflictError,
+    ForbiddenError,
+    LockedLabelError,
+    NotFoundError,
+)
+from pointbrush.formats import EXPORTS, export
+from pointbrush.frame import PointFrame
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Write
+from pointbrush.sequences import Manifest, open_sequence, update_manifest
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.settings import Settings
+from pointbrush.tracking import FrameResult, TrackOptions
+from pointbrush.work import exporting, importing, tracking
+from pointbrush.work.strokes import LiveStroke, edit_id
+
+Layer = Literal["label", "provenance", "deleted"]
+LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
+
+
+@dataclass(frozen=True, eq=False)
+class Provisional:
+    """What a tracking run just found in a frame: stored numbers and a label for each."""
+
+    sequence: str
+    frame: int
+    job: str
+    numbers: NDArray[np.int64]
+    labels: NDArray[np.uint16]
+    found: FrameResult
+
+
+@dataclass(frozen=True)
+class Retracted:
+    """A run's provisional findings are void: it failed, or was cancelled without keeping."""
+
+    sequence: str
+    job: str
+    frames: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class SequencesChanged:
+    """A sequence was imported, renamed or deleted."""
+
+    sequence: str
+
+
+Event = Commit | Job | Provisional | Retracted | SequencesChanged
+
+
+class Workspace:
+    """A folder of recordings and their labels; thread-safe."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Open (or make) the workspace folder and its database.
+
+        Raises BadInputError when the folder cannot be used, UnavailableError without database.
+        """
+        self.settings = settings
+        self.root = settings.workspace.absolute()
+        self._folder = self.root / "sequences"
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise BadInputError(
+                f"workspace: expected a folder to write in, got {self.root}: {error.strerror}"
+            ) from None
+        self._lock = threading.RLock()
+        self._open: dict[str, Recording] = {}
+        self._importing: set[str] = set()
+        self._keep: set[str] = set()
+        self._listeners: list[Callable[[Event], None]] = []
+        self.store = LabelStore(settings.database_url)
+        self._unsubscribe = self.store.subscribe(self._publish)
+        self.runner = JobRunner(self._publish, workers=settings.workers)
+        for manifest in self.sequences():
+            self.store.register(manifest.id, manifest.points)
+
+    def close(self) -> None:
+        """Cancel jobs, end worker processes, close the database."""
+        self.runner.close()
+        self._unsubscribe()
+        self.store.close()
+
+    def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
+        """Call ``listener`` at every event, from any thread; returns what undoes it."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def undo() -> None:
+            with self._lock:
+                if listener in self._listeners:
+                    self._listeners.remove(listener)
+
+        return undo
+
+    def _publish(self, event: Event) -> None:
+        with self._lock:
+            listeners = list(self._listeners)
+        for listener in listeners:
+            listener(event)
+
+    # ── sequences ────────────────────────────────────────────────────────────────────────
+
+    def sequences(self) -> list[Manifest]:
+        """Manifests of all recordings, by name."""
+        found = [
+            self.recording(path.name).manifest
+            for path in self._folder.iterdir()
+            if (path / "manifest.json").is_file() and not path.name.startswith(".")
+        ]
+        return sorted(found, key=lambda manifest: manifest.name.lower())
+
+    def recording(self, sequence: str) -> Recording:
+        """The stored recording; raises NotFoundError."""
+        with self._lock:
+            if sequence not in self._open:
+                path = self._folder / sequence
+                plain = path.parent == self._folder and not sequence.startswith(".")
+                if not plain or not (path / "manifest.json").is_file():
+                    raise NotFoundError(
+                        f"sequence: expected the id of a sequence, got {sequence!r}"
+                    )
+                self._open[sequence] = open_sequence(path)
+            return self._open[sequence]
+
+    def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
+        """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
+        self.recording(sequence)
+        with self._lock:
+            update_manifest(self._folder / sequence, **fields)
+            self._open.pop(sequence, None)
+        self._publish(SequencesChanged(sequence))
+        return self.recording(sequence).manifest
+
+    def delete_sequence(self, sequence: str) -> None:
+        """Remove a recording and its labels; raises ConflictError while a job works on it."""
+        self.recording(sequence)
+        busy = [job for job in self.runner.jobs() if job.sequence == sequence]
+        if any(job.state in ("queued", "running") for job in busy):
+            raise ConflictError(f"sequence: expected no running jobs on {sequence!r}")
+        with self._lock:
+            # Renamed first: a half-deleted folder must never look like a recording.
+            doomed = self._folder / f".deleted-{sequence}"
+            shutil.rmtree(doomed, ignore_errors=True)
+            (self._folder / sequence).rename(doomed)
+            self._open.pop(sequence, None)
+        self.store.forget(sequence)
+        shutil.rmtree(doomed, ignore_errors=True)
+        self._publish(SequencesChanged(sequence))
+
+    def import_paths(
+        self,
+        paths: Sequence[Path],
+        *,
+        name: str | None = None,
+        fps: float | None = None,
+        file_format: str | None = None,
+        drop_invalid: bool = False,
+        cleanup: Path | None = None,
+    ) -> Job:
+        """Import files as one sequence in a job; ``cleanup`` is removed when it has ended."""
+        for path in paths:
+            if not any(mark in str(path) for mark in "*?[") and not path.exists():
+                raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
+        with self._lock:
+            default = paths[0].stem if len(paths) == 1 else paths[0].parent.name
+            sequence = importing.new_sequence_id(
+                name or default,
+                lambda i: (self._folder / i).exists() or i in self._importing,
+            )
+            self._importing.add(sequence)
+        work = importing.ImportWork(
+            paths=tuple(path.absolute() for path in paths),
+            target=self._folder / sequence,
+            sequence_id=sequence,
+            name=name,
+            fps=fps,
+            format=file_format,
+            drop_invalid=drop_invalid,
+            max_points=self.settings.max_frame_points,
+        )
+
+        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled:
+                return {}
+            recording = self.recording(sequence)
+            self.store.register(sequence, recording.manifest.points)
+            importing.import_source_labels(self.store, recording)
+            self._publish(SequencesChanged(sequence))
+            return importing.result(recording)
+
+        def done(_: Job) -> None:
+            self._importing.discard(sequence)
+            if cleanup is not None:
+                shutil.rmtree(cleanup, ignore_errors=True)
+
+        return self.runner.submit("import", sequence, work, finish, done=done)
+
+    def allowed_path(self, path: str) -> Path:
+        """``path`` resolved, if it lies under the allowed roots; raises ForbiddenError."""
+        resolved = Path(path).resolve()
+        if not any(resolved.is_relative_to(root) for root in self.settings.roots):
+            roots = ", ".join(map(str, self.settings.roots))
+            raise ForbiddenError(f"path: expected one under {roots}, got {path}")
+        return resolved
+
+    # ── points and annotations ───────────────────────────────────────────────────────────
+
+    def points(self, sequence: str, frame: int) -> PointFrame:
+        """One frame as it was in its file: source order and coordinates, exact."""
+        return exporting.source_frame(self.recording(sequence), frame)
+
+    def values(
+        self, sequence: str, frame: int, first: int = 0, count: int | None = None
+    ) -> FrameValues:
+        """Annotation values of points [first, first + count), in stored order."""
+        self.recording(sequence)[frame]
+        return self.store.values(sequence, frame, first, count)
+
+    def annotation(
+        self, sequence: str, frame: int, layer: str = "label"
+    ) -> tuple[NDArray[Any], int]:
+        """A layer of a frame's annotation (N,), and the sequence's revision it is of."""
+        stored = self.recording(sequence)[frame]
+        _require_layer(layer)
+        values = self.store.values(sequence, frame)
+        return stored.to_source(getattr(values, layer)), values.revision
+
+    def put_annotation(
+        self,
+        sequence: str,
+        frame: int,
+        array: NDArray[Any],
+        *,
+        author: str,
+        layer: str = "label",
+        if_match: int | None = None,
+        edit: str | None = None,
+    ) -> Commit:
+        """Replace a layer of a frame's annotation, as one edit.
+
+        Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
+        """
+        stored = self.recording(sequence)[frame]
+        dtype = np.dtype(_require_layer(layer))
+        if array.shape != (stored.count,) or array.dtype != dtype:
+            raise BadInputError(
+                f"annotation: expected ({stored.count},) {dtype}, got {array.shape} {array.dtype}"
+            )
+        wanted = array[stored.source_index]
+        now = self.store.values(sequence, frame)
+        if layer == "label":
+            self._require_allowed(sequence, now.label, wanted)
+        numbers = np.flatnonzero(wanted != getattr(now, layer))
+        value = wanted[numbers]
+        if layer == "label":
+            write = Write(numbers, label=value, provenance=(value > 0).astype(np.uint8) * 3)
+        elif layer == "provenance":
+            if value.size and value.max() > 3:
+                raise BadInputError(f"provenance: expected 0 to 3, got {int(value.max())}")
+            write = Write(numbers, provenance=value)
+        else:
+            write = Write(numbers, deleted=value)
+        return self.store.apply(
+            sequence,
+            edit_id=edit_id(edit),
+            author=author,
+            kind="import",
+            writes={frame: write},
+            summary=f"annotation of frame {frame}",
+            if_match=if_match,
+        )
+
+    def _require_allowed(
+        self, sequence: str, now: NDArray[np.uint16], wanted: NDArray[np.uint16]
+    ) -> None:
+        palette = {label.id: label for label in self.store.palette(sequence)}
+        unknown = [n for n in np.unique(wanted).tolist() if n and n not in palette]
+        if unknown:
+            raise BadInputError(
+                f"annotation: expected labels of the palette, got unknown {unknown[:10]}"
+            )
+        locked = [label.id for label in palette.values() if label.locked]
+        change = now != wanted
+        if (np.isin(now[change], locked) | np.isin(wanted[change], locked)).any():
+            raise LockedLabelError("annotation: expected no change of points of locked labels")
+
+    # ── palette ──────────────────────────────────────────────────────────────────────────
+
+    def palette(self, sequence: str) -> list[Label]:
+        """The sequence's labels."""
+        self.recording(sequence)
+        return self.store.palette(sequence)
+
+    def label(self, sequence: str, label_id: int) -> Label:
+        """One label; raises NotFoundError."""
+        for label in self.palette(sequence):
+            if label.id == label_id:
+                return label
+        raise NotFoundError(f"label: expected the id of a label, got {label_id}")
+
+    def create_label(self, sequence: str, author: str, **fields: Any) -> Label:
+        """Add a label (``name``; optional ``category``, ``color``, ``id``)."""
+        self.recording(sequence)
+        return self.store.create_label(sequence, author, **fields)[0]
+
+    def update_label(self, sequence: str, author: str, label_id: int, **fields: Any) -> Label:
+        """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``."""
+        self.recording(sequence)
+        return self.store.update_label(sequence, author, label_id, **fields)[0]
+
+    def delete_label(self, sequence: str, author: str, label_id: int) -> Commit:
+        """Remove a label; its points become unlabeled in the same edit."""
+        self.recording(sequence)
+        return self.store.delete_label(sequence, author, label_id)
+
+    # ── edits ────────────────────────────────────────────────────────────────────────────
+
+    def begin_stroke(
+        self, sequence: str, frame: int, brush: Mapping[str, Any], stroke_id: str | None = None
+    ) -> LiveStroke:
+        """Start a stroke that is still being drawn; see LiveStroke."""
+        return LiveStroke(self.store, self.recording(sequence), frame, brush, edit_id(stroke_id))
+
+    def stroke(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
+        """Apply a whole stroke (the contract's fields); durable when this returns."""
+        stroke_id = edit_id(fields.get("id"))
+        repeated = self.store.find(sequence, stroke_id)
+        if repeated is not None:
+            return repeated
+        live = self.begin_stroke(sequence, frame, fields, stroke_id)
+        live.add(fields.get("samples") or [])
+        return live.commit(author)
+
+    def undo(self, sequence: str, author: str, edit: str | None = None) -> Commit:
+        """Take back this author's last edit; raises ConflictError when there is none."""
+        self.recording(sequence)
+        return self.store.undo(sequence, author, edit_id(edit))
+
+    def redo(self, sequence: str, author: str, edit: str | None = None) -> Commit:
+        """Bring back what this author's last undo took; raises ConflictError."""
+        self.recording(sequence)
+        return self.store.redo(sequence, author, edit_id(edit))
+
+    def edits(self, sequence: str, before: int | None = None, limit: int = 100) -> list[EditInfo]:
+        """The history, newest first."""
+        self.recording(sequence)
+        return self.store.edits(sequence, before=before, limit=limit)
+
+    # ── tracking ─────────────────────────────────────────────────────────────────────────
+
+    def track(
+        self,
+        sequence: str,
+        *,
+        start: int,
+        stop: int,
+        author: str,
+        labels: Sequence[int] | None = None,
+        method: str = "auto",
+        overwrite: str = "tracked",
+        continue_lost: bool = False,
+        edit: str | None = None,
+    ) -> Job:
+        """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job."""
+        recording = self.recording(sequence)
+        tracking.require_method(method)
+        if overwrite not in tracking.OVERWRITE:
+            expected = ", ".join(tracking.OVERWRITE)
+            raise BadInputError(f"overwrite: expected one of {expected}, got {overwrite!r}")
+        chosen = None if labels is None else list(labels)
+        seeds = tracking.prepare(self.store, recording, chosen, start, stop)
+        locked = frozenset(label.id for label in self.store.palette(sequence) if label.locked)
+        options = TrackOptions(
+            overwrite=overwrite,  # type: ignore[arg-type]  # checked above
+            locked=locked,
+            continue_lost=continue_lost,
+        )
+        work = tracking.TrackingWork(
+            recording.path, self.settings.database_url, start, stop, seeds, method, options
+        )
+        ids = tuple(seed.label for seed in seeds)
+        findings = tracking.Findings(self.store, sequence, start, ids, overwrite)
+        run_id = edit_id(edit)
+
+        def on_item(job: Job, found: FrameResult) -> None:
+            numbers, values = findings.add(found)
+            self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
+
+        def finish(job: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled and job.id not in self._keep:
+                return {"edit": None, "changed": 0, "frames": 0}
+            summary = f"tracked {len(ids)} labels, frames {start} to {stop}, {method}"
+            return findings.commit(run_id, author, summary)
+
+        def done(job: Job) -> None:
+            self._keep.discard(job.id)
+            frames = tuple(found.frame for found in findings.results)
+            self._publish(Retracted(sequence, job.id, frames))
+
+        return self.runner.submit("tracking", sequence, work, finish, on_item, done)
+
+    def tracks(self, sequence: str) -> list[dict[str, Any]]:
+        """Pose, confidence and state of every tracked label in every frame."""
+        self.recording(sequence)
+        return self.store.tracks(sequence)
+
+    # ── export and jobs ──────────────────────────────────────────────────────────────────
+
+    def export(
+        self, sequence: str, export_format: str, out: Path | BinaryIO, frames: str | None = None
+    ) -> None:
+        """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
+
+        Raises BadInputError for an unknown format or range.
+        """
+        recording = self.recording(sequence)
+        if export_format not in EXPORTS:
+            known = ", ".join(sorted(EXPORTS))
+            raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
+        chosen = exporting.parse_frames(frames, len(recording))
+        labeled = exporting.labeled_frames(self.store, recording, chosen)
+        export(export_format, labeled, self.store.palette(sequence), out)
+
+    def jobs(self) -> list[Job]:
+        """All remembered jobs, newest first."""
+        return self.runner.jobs()
+
+    def job(self, job_id: str) -> Job:
+        """One job; raises NotFoundError."""
+        return self.runner.job(job_id)
+
+    def cancel(self, job_id: str, *, keep: bool = False) -> Job:
+        """Stop a job; ``keep`` commits what a tracking run has found so far."""
+        if keep:
+            self._keep.add(job_id)
+        return self.runner.cancel(job_id)
+
+
+def _require_layer(layer: str) -> type:
+    if layer not in LAYERS:
+        raise BadInputError(f"layer: expected one of {', '.join(LAYERS)}, got {layer!r}")
+    return LAYERS[layer]

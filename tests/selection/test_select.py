@@ -1,0 +1,261 @@
+"""Selection against the definition of each shape, tested point by point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.errors import BadInputError
+from pointbrush.selection import Points, Selector, Stroke, first_hits, select
+from pointbrush.sequences.blocks import Blocks, bound, cut
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def indexed(xyz: NDArray[np.float32], rgb: NDArray[np.uint8] | None = None) -> Points:
+    """Points in the order given, with blocks over it."""
+    chunk_first = np.array([0, *range(1000, len(xyz), 1000), len(xyz)], np.int64)
+    first, chunk_block = cut(chunk_first)
+    lo, hi = bound(xyz, first)
+    chunk_lo, chunk_hi = bound(xyz, chunk_first)
+    blocks = Blocks(first, lo, hi, chunk_block, chunk_lo, chunk_hi)
+    return Points(xyz, blocks, rgb, (0,), lambda: cKDTree(xyz))
+
+
+def cloud(seed: int, n: int = 3000) -> tuple[np.random.Generator, NDArray[np.float32]]:
+    rng = np.random.default_rng(seed)
+    return rng, rng.uniform(-1, 1, (n, 3)).astype(np.float32)
+
+
+def stroke(shape: str, origins: object, directions: object = None, **fields: object) -> Stroke:
+    origins = np.atleast_2d(np.asarray(origins, float))
+    if directions is None:
+        directions = np.tile([0.0, 0.0, -1.0], (len(origins), 1))
+    samples = [
+        {"origin": o.tolist(), "direction": d.tolist()}
+        for o, d in zip(origins, np.atleast_2d(np.asarray(directions, float)), strict=True)
+    ]
+    return Stroke.parse({"label": 1, "shape": shape, "samples": samples, **fields})
+
+
+def to_segment(
+    xyz: NDArray[np.float32], a: NDArray[np.float64], b: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Distances to a segment, written the plain way."""
+    t = np.clip(((xyz - a) @ (b - a)) / max(float((b - a) @ (b - a)), 1e-300), 0, 1)
+    return np.linalg.norm(xyz - (a + t[:, None] * (b - a)), axis=1)
+
+
+@given(SEEDS, st.integers(1, 6), st.floats(0.02, 0.7))
+@settings(deadline=None, max_examples=60)
+def test_sphere_is_the_swept_ball(seed: int, samples: int, radius: float) -> None:
+    rng, xyz = cloud(seed)
+    path = rng.uniform(-1, 1, (samples, 3))
+    nearest = np.min(
+        [to_segment(xyz, a, b) for a, b in zip(path, [*path[1:], path[-1]], strict=True)], axis=0
+    )
+    got = select(indexed(xyz), stroke("sphere", path, radius=radius))
+    assert set(got) >= set(np.flatnonzero(nearest < radius * (1 - 1e-6)))
+    assert set(got) <= set(np.flatnonzero(nearest <= radius * (1 + 1e-6)))
+    assert (np.diff(got) > 0).all()
+
+
+@given(SEEDS, st.floats(0.02, 0.4))
+@settings(deadline=None, max_examples=60)
+def test_ray_through_takes_everything_near_the_half_line(seed: int, radius: float) -> None:
+    rng, xyz = cloud(seed)
+    origin, direction = rng.uniform(-2, 2, 3), rng.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    along = (xyz - origin) @ direction
+    off = np.linalg.norm(xyz - origin - along[:, None] * direction, axis=1)
+    got = select(indexed(xyz), stroke("ray", origin, direction, radius=radius, through=True))
+    assert set(got) == set(np.flatnonzero((along >= 0) & (off <= radius)))
+
+
+@given(SEEDS)
+@settings(deadline=None, max_examples=40)
+def test_ray_paints_the_first_of_two_walls(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    wall = np.column_stack([rng.uniform(-1, 1, (4000, 2)), np.full(4000, -1.0)])
+    xyz = np.concatenate([wall, wall * [1, 1, 2]]).astype(np.float32)
+    aim = rng.uniform(-0.5, 0.5, 2)
+    got = select(indexed(xyz), stroke("ray", [*aim, 1.0], radius=0.1))
+    off = np.linalg.norm(xyz[:, :2] - aim, axis=1)
+    assert set(got) <= set(np.flatnonzero((xyz[:, 2] > -1.5) & (off <= 0.1 + 1e-6)))
+    assert set(got) >= set(np.flatnonzero((xyz[:, 2] > -1.5) & (off <= 0.09)))
+
+
+def test_ray_axis_aligned_in_a_border_plane_still_hits() -> None:
+    xyz = np.array([[0, 0, -1], [0, 0.001, -1], [1, 0, -2]], np.float32)
+    assert select(indexed(xyz), stroke("ray", [0, 0, 0], [0, 0, -1], radius=0.05)).tolist() == [
+        0,
+        1,
+    ]
+
+
+def test_ray_goes_through_what_is_deleted() -> None:
+    xyz = np.array([[0, 0, -1], [0, 0, -2]], np.float32)
+    ray = stroke("ray", [0, 0, 0], radius=0.05)
+    hit = first_hits(indexed(xyz), ray.origins, ray.directions, 0.05, lambda n: n != 0)
+    assert hit[0].tolist() == pytest.approx([0, 0, -2])
+
+
+def test_ray_into_the_void_takes_nothing() -> None:
+    _, xyz = cloud(3)
+    assert len(select(indexed(xyz), stroke("ray", [0, 0, 5], [0, 0, 1], radius=0.1))) == 0
+
+
+@given(SEEDS)
+@settings(deadline=None, max_examples=40)
+def test_box_is_every_point_inside(seed: int) -> None:
+    rng, xyz = cloud(seed)
+    turn = Rotation.random(rng=rng)
+    center, size = rng.uniform(-0.5, 0.5, 3), rng.uniform(0.05, 1.5, 3)
+    inside = (np.abs(turn.inv().apply(xyz - center)) <= size / 2).all(axis=1)
+    fields = {
+        "center": center.tolist(),
+        "size": size.tolist(),
+        "quaternion": turn.as_quat().tolist(),
+    }
+    got = select(indexed(xyz), Stroke.parse({"label": 1, "shape": "box", **fields}))
+    assert set(got) == set(np.flatnonzero(inside))
+
+
+@given(SEEDS)
+@settings(deadline=None, max_examples=40)
+def test_lasso_is_every_point_that_projects_inside(seed: int) -> None:
+    rng, xyz = cloud(seed)
+    near, far, f = 0.1, 10.0, 1.3
+    projection = np.array(
+        [
+            [f, 0, 0, 0],
+            [0, f, 0, 0],
+            [0, 0, (far + near) / (near - far), 2 * far * near / (near - far)],
+            [0, 0, -1, 0],
+        ]
+    )
+    view = np.eye(4)
+    view[:3, :3] = Rotation.random(rng=rng).as_matrix()
+    view[:3, 3] = [0, 0, -1.5]
+    matrix = projection @ view
+    x, y, w, h = *rng.uniform(-0.6, 0.2, 2), *rng.uniform(0.1, 0.8, 2)
+    polygon = [[x, y], [x + w, y], [x + w, y + h], [x, y + h]]
+    clip = np.column_stack([xyz, np.ones(len(xyz))]) @ matrix.T
+    ndc = clip[:, :2] / clip[:, 3:]
+    inside = (clip[:, 3] > 0) & (clip[:, 2] >= -clip[:, 3])
+    inside &= ((ndc > [x, y]) & (ndc < [x + w, y + h])).all(axis=1)
+    fields = {"polygon": polygon, "matrix": matrix.ravel().tolist()}
+    got = select(indexed(xyz), Stroke.parse({"label": 1, "shape": "lasso", **fields}))
+    assert set(got) == set(np.flatnonzero(inside))
+
+
+def test_lasso_knows_concave_polygons() -> None:
+    xyz = np.array([[0, 0.5, 0], [0.5, -0.5, 0]], np.float32)
+    u_shape = [[-1, -1], [1, -1], [1, 1], [0.2, 1], [0.2, 0], [-0.2, 0], [-0.2, 1], [-1, 1]]
+    fields = {"polygon": u_shape, "matrix": np.eye(4).ravel().tolist()}
+    assert select(
+        indexed(xyz), Stroke.parse({"label": 1, "shape": "lasso", **fields})
+    ).tolist() == [1]
+
+
+def two_plates(rng: np.random.Generator, gap: float) -> tuple[NDArray[np.float32], int]:
+    u = rng.uniform(0, 0.5, (6000, 2))
+    left = np.column_stack([u - [0.5 + gap, 0], np.zeros(6000)])
+    right = np.column_stack([u, np.zeros(6000)])
+    return np.concatenate([left, right]).astype(np.float32), 6000
+
+
+def test_grow_stops_at_a_gap() -> None:
+    xyz, n = two_plates(np.random.default_rng(0), gap=0.1)
+    got = select(indexed(xyz), stroke("grow", [0.25, 0.25, 1], radius=0.05))
+    assert got.min() >= n
+    assert len(got) > 0.99 * n
+
+
+def test_grow_stops_at_another_colour() -> None:
+    xyz, n = two_plates(np.random.default_rng(1), gap=0.0)
+    rgb = np.repeat(np.array([[200, 30, 30], [30, 30, 200]], np.uint8), n, axis=0)
+    got = select(indexed(xyz, rgb), stroke("grow", [0.25, 0.25, 1], radius=0.05))
+    assert got.min() >= n
+    assert len(got) > 0.99 * n
+
+
+def test_grow_stops_at_a_corner() -> None:
+    rng = np.random.default_rng(2)
+    u = rng.uniform(0, 0.5, (8000, 2))
+    floor = np.column_stack([u, np.zeros(8000)])
+    wall = np.column_stack([np.zeros(8000), u])
+    xyz = np.concatenate([floor, wall]).astype(np.float32)
+    got = select(indexed(xyz), stroke("grow", [0.3, 0.3, 1], radius=0.05))
+    assert (got < 8000).sum() > 0.95 * 8000
+    assert (got >= 8000).sum() < 0.1 * 8000
+
+
+@given(SEEDS, st.sampled_from(["sphere", "ray"]), st.integers(1, 7))
+@settings(deadline=None, max_examples=40)
+def test_batches_of_samples_take_what_the_whole_stroke_takes(
+    seed: int, shape: str, batch: int
+) -> None:
+    rng, xyz = cloud(seed)
+    points = indexed(xyz)
+    whole = stroke(shape, rng.uniform(-1, 1, (12, 3)), rng.normal(size=(12, 3)), radius=0.15)
+    selector = Selector(points, stroke(shape, np.empty((0, 3)), radius=0.15))
+    fresh = []
+    for start in range(0, 12, batch):
+        some = stroke(
+            shape,
+            whole.origins[start : start + batch],
+            whole.directions[start : start + batch],
+            radius=0.15,
+        )
+        fresh.append(selector.add(some))
+    assert selector.numbers.tolist() == select(points, whole).tolist()
+    assert np.sort(np.concatenate(fresh)).tolist() == selector.numbers.tolist()
+
+
+@pytest.mark.parametrize("shape", ["sphere", "ray", "grow"])
+def test_an_empty_frame_gives_nothing(shape: str) -> None:
+    xyz = np.empty((0, 3), np.float32)
+    assert len(select(indexed(xyz), stroke(shape, [0, 0, 0], radius=0.1))) == 0
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"shape": "blob"}, "shape"),
+        ({"tool": "burn"}, "tool"),
+        ({"radius": -1}, "radius"),
+        ({"radius": float("nan")}, "radius"),
+        ({"label": 0}, "erase"),
+        ({"label": 70000}, "65534"),
+        ({"samples": [{"origin": [0, 0], "direction": [0, 0, 1]}]}, "origin"),
+        ({"samples": [{"origin": [0, 0, float("inf")]}]}, "origin"),
+        ({"samples": [{"origin": [0, 0, 0], "direction": [0, 0, 0]}]}, "direction"),
+        ({"shape": "lasso", "polygon": [[0, 0], [1, 1]]}, "polygon"),
+        ({"shape": "lasso", "polygon": [[0, 0], [1, 1], [1, 0]]}, "matrix"),
+        ({"shape": "box", "center": [0, 0, 0], "size": [1, 0, 1]}, "size"),
+        ({"shape": "box", "size": [1, 1, 1]}, "center"),
+    ],
+)
+def test_bad_strokes_say_what_was_expected(fields: dict[str, object], says: str) -> None:
+    with pytest.raises(BadInputError, match=says):
+        Stroke.parse({"label": 1, "shape": "sphere", **fields})
+
+
+def test_a_sampled_shape_needs_samples() -> None:
+    _, xyz = cloud(0)
+    with pytest.raises(BadInputError, match="at least one"):
+        select(indexed(xyz), stroke("ray", np.empty((0, 3))))
+
+
+def test_strokes_move_to_local_coordinates() -> None:
+    shift = np.array([500_000.0, 4_000_000.0, 100.0])
+    _, xyz = cloud(5)
+    here = stroke("sphere", [0.1, 0.2, 0.3], radius=0.4)
+    there = stroke("sphere", np.array([0.1, 0.2, 0.3]) + shift, radius=0.4).to_local(shift)
+    assert select(indexed(xyz), here).tolist() == select(indexed(xyz), there).tolist()
