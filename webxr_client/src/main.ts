@@ -1,3 +1,3 @@
 import { mountPanels } from './panels/index';
 
-mountPanels(document.getElementById('panels')!);
+mountPanels();

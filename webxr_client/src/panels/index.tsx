@@ -1,4 +1,40 @@
-/** The desk's panels. */
-export function mountPanels(root: HTMLElement): void {
-  root.replaceChildren();
+/** The desk's panels, around the canvas of `index.html`. */
+import '../style/index.css';
+import { effect } from '@preact/signals';
+import { render, type ComponentChild } from 'preact';
+import { state } from '../state';
+import { Help, helpOpen } from './help';
+import { acceptDrops } from './import-files';
+import { Palette } from './palette';
+import { Stage } from './stage';
+import { Timeline } from './timeline';
+import { Toolbar } from './toolbar';
+import { Tooltip } from './tooltip';
+
+/** Fill the places of the page; the result empties them again. */
+export function mountPanels(): () => void {
+  const page = document;
+  const places: [string, ComponentChild][] = [
+    ['toolbar', <Toolbar />],
+    ['palette', <Palette />],
+    ['overlay', <Stage />],
+    ['timeline', <Timeline />],
+    ['panels', [<Tooltip />, <Help />]],
+  ];
+  for (const [id, panel] of places) render(panel, page.getElementById(id)!);
+  const layout = effect(() => {
+    page.getElementById('app')!.classList.toggle('welcome', state.sequence.value === null);
+    page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
+  });
+  const drops = acceptDrops();
+  const help = (event: KeyboardEvent): void => {
+    if (event.key === '?' && !(event.target instanceof HTMLInputElement)) helpOpen.value = true;
+  };
+  page.addEventListener('keydown', help);
+  return () => {
+    page.removeEventListener('keydown', help);
+    drops();
+    layout();
+    for (const [id] of places) render(null, page.getElementById(id)!);
+  };
 }

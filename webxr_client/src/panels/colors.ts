@@ -1,0 +1,94 @@
+/** Label colours: far apart, light enough to be read on the dark room. */
+
+export const LABEL_COLORS = [
+  '#ff5d5d',
+  '#ffb02e',
+  '#ffe14d',
+  '#8ddf4a',
+  '#2fce8f',
+  '#2fd5e0',
+  '#4aa8ff',
+  '#8c86ff',
+  '#c46bff',
+  '#ff6ec7',
+  '#ff8a65',
+  '#d6c08c',
+  '#a4b85c',
+  '#5fb7a6',
+  '#86b6d9',
+  '#d59ad0',
+] as const;
+
+export type Rgb = readonly [number, number, number];
+
+/** "#rrggbb" → 0..255 each. */
+export function parseColor(color: string): Rgb {
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
+}
+
+function linear(channel: number): number {
+  const value = channel / 255;
+  return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+}
+
+/** Relative luminance of WCAG 2, 0..1. */
+export function luminance(color: string): number {
+  const [red, green, blue] = parseColor(color);
+  return 0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);
+}
+
+/** Contrast ratio of WCAG 2, 1..21. */
+export function contrast(one: string, other: string): number {
+  const first = luminance(one);
+  const second = luminance(other);
+  return (Math.max(first, second) + 0.05) / (Math.min(first, second) + 0.05);
+}
+
+/** Black or white, whichever is easier to read on `color`. */
+export function inkOn(color: string): '#07131f' | '#ffffff' {
+  return contrast(color, '#07131f') >= contrast(color, '#ffffff') ? '#07131f' : '#ffffff';
+}
+
+/** Oklab, where distance is close to what the eye sees (Björn Ottosson, 2020). */
+function oklab(color: string): Rgb {
+  const [red, green, blue] = parseColor(color);
+  const r = linear(red);
+  const g = linear(green);
+  const b = linear(blue);
+  const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return [
+    0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s,
+    1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
+  ];
+}
+
+/** How different two colours look; 0 is the same. */
+export function difference(one: string, other: string): number {
+  const a = oklab(one);
+  const b = oklab(other);
+  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/** The colour of the set that is farthest from all that are taken. */
+export function suggestColor(taken: readonly string[]): string {
+  const distance = (color: string): number =>
+    Math.min(Infinity, ...taken.map((other) => difference(color, other)));
+  return LABEL_COLORS.reduce((best, color) => (distance(color) > distance(best) ? color : best));
+}
+
+/** "pin 2" after "pin 1": counts on from the names that exist in a category. */
+export function suggestName(category: string, names: readonly string[]): string {
+  const base = category.trim() || 'label';
+  const numbers = names
+    .map((name) => new RegExp(`^${escapeRegExp(base)}\\s*(\\d+)$`, 'i').exec(name.trim())?.[1])
+    .map((digits) => (digits === undefined ? 0 : Number(digits)));
+  return `${base} ${Math.max(0, ...numbers) + 1}`;
+}
+
+function escapeRegExp(text: string): string {
+  return text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
+}

@@ -1,0 +1,43 @@
+/** Numbers as people read them. */
+
+const THIN_SPACE = '\u2009';
+
+/** 1234567 → "1 234 567" with thin spaces. */
+export function count(value: number): string {
+  return String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, THIN_SPACE);
+}
+
+/** 217088 → "217 k", 1234567 → "1.23 M"; for places where a full number does not fit. */
+export function shortCount(value: number): string {
+  if (value < 10_000) return count(value);
+  if (value < 999_500) return `${Math.round(value / 1000)}${THIN_SPACE}k`;
+  return `${(value / 1e6).toFixed(value < 1e7 ? 2 : 1)}${THIN_SPACE}M`;
+}
+
+/** 0.05 → "5.0 cm", 1.5 → "1.50 m". */
+export function metres(value: number): string {
+  if (value < 0.995) {
+    const centimetres = value * 100;
+    return `${centimetres.toFixed(centimetres < 9.95 ? 1 : 0)} cm`;
+  }
+  return `${value.toFixed(value < 9.995 ? 2 : 1)} m`;
+}
+
+/** 83.4 → "1:23.40". */
+export function clock(seconds: number): string {
+  const hundredths = Math.round(Math.max(0, seconds) * 100);
+  const minutes = Math.floor(hundredths / 6000);
+  const rest = ((hundredths - minutes * 6000) / 100).toFixed(2);
+  return `${minutes}:${rest.padStart(5, '0')}`;
+}
+
+/** 2 plus "frame" → "2 frames". */
+export function plural(value: number, noun: string): string {
+  return `${count(value)} ${noun}${value === 1 ? '' : 's'}`;
+}
+
+export function bytes(value: number): string {
+  if (value < 1e6) return `${Math.round(value / 1e3)} kB`;
+  if (value < 1e9) return `${(value / 1e6).toFixed(1)} MB`;
+  return `${(value / 1e9).toFixed(2)} GB`;
+}

@@ -1,0 +1,90 @@
+/** What is done rarely to a label. */
+import type { RefObject } from 'preact';
+import { useState } from 'preact/hooks';
+import { actions } from '../actions';
+import type { Label } from '../protocol/messages';
+import { canEdit, state } from '../state';
+import { Button } from './controls';
+import { plural } from './format';
+import { Icon } from './icon';
+import { renaming } from './palette';
+import { Popover } from './popover';
+
+interface LabelMenuProps {
+  label: Label;
+  anchor: RefObject<HTMLElement | null>;
+  onClose: () => void;
+}
+
+export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
+  const [confirm, setConfirm] = useState(false);
+  const points = state.counts.value.get(label.id) ?? 0;
+  const remove = (): void => {
+    onClose();
+    void actions.deleteLabel(label.id);
+  };
+  return (
+    <Popover anchor={anchor} label={label.name} onClose={onClose} class="label-menu">
+      {confirm ? (
+        <div class="confirm">
+          <p>
+            {plural(points, 'point')} of “{label.name}” will be unlabeled. This can be undone.
+          </p>
+          <div class="form-end">
+            <Button label="Keep" onClick={onClose} />
+            <Button label="Delete" kind="outlined" onClick={remove} />
+          </div>
+        </div>
+      ) : (
+        <>
+          <CategoryField label={label} />
+          <button
+            type="button"
+            class="menu-item"
+            disabled={!canEdit.value}
+            onClick={() => {
+              onClose();
+              renaming.value = label.id;
+            }}
+          >
+            <Icon name="pencil" /> Rename
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            disabled={!canEdit.value || label.locked}
+            onClick={() => (points > 0 ? setConfirm(true) : remove())}
+          >
+            <Icon name="trash" /> Delete{label.locked && <span class="end">locked</span>}
+          </button>
+        </>
+      )}
+    </Popover>
+  );
+}
+
+function CategoryField({ label }: { label: Label }) {
+  const categories = [...new Set(state.palette.value.map((other) => other.category))];
+  return (
+    <label class="row">
+      <span>Category</span>
+      <input
+        class="field"
+        list="categories"
+        data-autofocus
+        defaultValue={label.category}
+        maxLength={80}
+        disabled={!canEdit.value}
+        onKeyDown={(event) => event.key !== 'Escape' && event.stopPropagation()}
+        onChange={(event) => {
+          void actions.updateLabel(label.id, { category: event.currentTarget.value.trim() });
+        }}
+      />
+      <datalist id="categories">
+        {categories.filter(Boolean).map((category) => (
+          <option key={category} value={category} />
+        ))}
+      </datalist>
+    </label>
+  );
+}

@@ -1,0 +1,75 @@
+/** Who else is here, and whether the server is. */
+import { state, type Person } from '../state';
+import { inkOn } from './colors';
+
+const SHOWN = 4;
+
+export function People() {
+  const people = state.people.value;
+  if (people.length === 0) return null;
+  return (
+    <ul class="people" aria-label="People present">
+      {people.slice(0, SHOWN).map((person) => (
+        <PersonBadge key={person.viewer} person={person} />
+      ))}
+      {people.length > SHOWN && (
+        <li class="person more" data-tip={people.slice(SHOWN).map(nameOf).join(', ')}>
+          +{people.length - SHOWN}
+        </li>
+      )}
+    </ul>
+  );
+}
+
+function PersonBadge({ person }: { person: Person }) {
+  const where = `on frame ${person.frame}${person.head ? ', in a headset' : ''}`;
+  return (
+    <li
+      class="person"
+      style={{ '--color': person.color, '--ink': inkOn(person.color) }}
+      data-tip={`${nameOf(person)}, ${where}`}
+    >
+      {initials(nameOf(person))}
+      <span class="visually-hidden">{where}</span>
+    </li>
+  );
+}
+
+function nameOf(person: Person): string {
+  return person.name || 'Someone';
+}
+
+function initials(name: string): string {
+  const words = name.trim().split(/\s+/);
+  return words
+    .slice(0, 2)
+    .map((word) => String.fromCodePoint(word.codePointAt(0) ?? 32))
+    .join('')
+    .toUpperCase();
+}
+
+const WORDS = {
+  connecting: 'Connecting',
+  online: 'Saved',
+  offline: 'Offline',
+  refused: 'Refused',
+} as const;
+
+export function ConnectionStatus() {
+  const connection = state.connection.value;
+  const pending = state.pending.value;
+  const saving = connection.state === 'online' && pending > 0;
+  const word = saving ? 'Saving' : WORDS[connection.state];
+  const tip = connection.detail || (saving ? 'Strokes are on their way' : 'Every stroke is stored');
+  return (
+    <span
+      class="connection"
+      role="status"
+      data-state={saving ? 'saving' : connection.state}
+      data-tip={connection.state === 'connecting' ? 'Reaching the server' : tip}
+    >
+      <span class="dot" />
+      {word}
+    </span>
+  );
+}

@@ -1,0 +1,93 @@
+/** The recording's name; opens the list of the others. */
+import { signal } from '@preact/signals';
+import { useCallback, useRef } from 'preact/hooks';
+import { actions } from '../actions';
+import { importJob, state, type SequenceSummary } from '../state';
+import { pickFiles } from './import-files';
+import { plural, shortCount } from './format';
+import { Icon } from './icon';
+import { Popover } from './popover';
+
+const open = signal(false);
+const close = (): void => {
+  open.value = false;
+};
+
+export function SequenceMenu() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  const toggle = useCallback(() => {
+    open.value = !open.value;
+    if (open.value) void actions.refreshSequences();
+  }, []);
+  const sequence = state.sequence.value;
+  return (
+    <>
+      <button
+        ref={anchor}
+        type="button"
+        class="button sequence-button"
+        aria-haspopup="dialog"
+        aria-expanded={open.value}
+        data-tip="Recordings"
+        onClick={toggle}
+      >
+        <span class="name">{sequence?.name ?? 'Recordings'}</span>
+        <Icon name="chevron" />
+      </button>
+      {open.value && (
+        <Popover anchor={anchor} label="Recordings" onClose={close}>
+          <ul class="sequence-list">
+            {(state.sequences.value ?? []).map((row) => (
+              <SequenceRow key={row.id} row={row} />
+            ))}
+          </ul>
+          <hr />
+          <button
+            type="button"
+            class="menu-item"
+            disabled={importJob.value !== null}
+            onClick={() => {
+              close();
+              pickFiles();
+            }}
+          >
+            <Icon name="import" /> Import files…
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            onClick={() => {
+              close();
+              actions.closeSequence();
+            }}
+          >
+            <Icon name="folder" /> All recordings
+          </button>
+        </Popover>
+      )}
+    </>
+  );
+}
+
+function SequenceRow({ row }: { row: SequenceSummary }) {
+  const current = state.sequence.value?.id === row.id;
+  return (
+    <li>
+      <button
+        type="button"
+        class="menu-item"
+        aria-current={current}
+        onClick={() => {
+          close();
+          if (!current) actions.openSequence(row.id);
+        }}
+      >
+        <Icon name={current ? 'check' : 'points'} />
+        <span class="name">{row.name}</span>
+        <span class="end number">
+          {plural(row.frames, 'frame')} · {shortCount(row.points)}
+        </span>
+      </button>
+    </li>
+  );
+}

@@ -1,0 +1,165 @@
+/** What lies over the canvas: states, progress, what is under the pointer. */
+import { useEffect, useState } from 'preact/hooks';
+import { actions, type ViewPreset } from '../actions';
+import { activeLabel, state } from '../state';
+import { Button } from './controls';
+import { plural, metres, shortCount } from './format';
+import { dropping } from './import-files';
+import { Icon } from './icon';
+import { JobCards } from './jobs';
+import { Toasts } from './toasts';
+import { Welcome } from './welcome';
+
+export function Stage() {
+  const { session } = state.xr.value;
+  if (session === 'running') return <InHeadset />;
+  return (
+    <>
+      {state.sequence.value ? <InRecording /> : <Welcome />}
+      <div class="corner">
+        <Toasts />
+        <JobCards />
+      </div>
+      {dropping.value && <DropTarget />}
+    </>
+  );
+}
+
+function InRecording() {
+  const empty = state.shown.value.frame < 0 || state.opening.value !== null;
+  return (
+    <>
+      <OfflineBanner />
+      {empty && <Opening />}
+      <Readout />
+      <Views />
+    </>
+  );
+}
+
+function Opening() {
+  return (
+    <div class="center" role="status">
+      <div class="spinner" />
+      <p class="soft">Opening {state.sequence.value?.name ?? 'the recording'}…</p>
+    </div>
+  );
+}
+
+function OfflineBanner() {
+  const { state: connection, detail, retryAt } = state.connection.value;
+  const pending = state.pending.value;
+  if (connection === 'online') return null;
+  if (connection === 'refused') {
+    return (
+      <div class="banner bad" role="alert">
+        <Icon name="warning" />
+        <span>
+          <strong>The server refused this page.</strong> {detail}
+        </span>
+      </div>
+    );
+  }
+  return (
+    <div class="banner" role="status">
+      <Icon name="offline" />
+      <span>
+        <strong>The server is away.</strong> You can go on painting
+        {pending > 0 ? `; ${plural(pending, 'stroke')} will be sent when it is back.` : '.'}
+      </span>
+      <Retry at={retryAt} />
+    </div>
+  );
+}
+
+function Retry({ at }: { at: number | null }) {
+  const [now, setNow] = useState(() => performance.now());
+  useEffect(() => {
+    const timer = setInterval(() => setNow(performance.now()), 1000);
+    return () => clearInterval(timer);
+  }, []);
+  const seconds = at === null ? 0 : Math.ceil((at - now) / 1000);
+  return (
+    <>
+      {seconds > 0 && <span class="number soft">Next try in {seconds} s</span>}
+      <Button label="Try now" kind="outlined" onClick={() => actions.reconnect()} />
+    </>
+  );
+}
+
+/** Bottom left: what the pointer is on, and whether the frame is complete. */
+function Readout() {
+  const hover = state.hover.value;
+  const { points, total } = state.shown.value;
+  const sharpening = total > 0 && points < total;
+  const label = hover && state.palette.value.find((entry) => entry.id === hover.label);
+  const painting = state.tool.value !== 'navigate' && state.tool.value !== 'pick';
+  return (
+    <div class="readout number">
+      {hover && (
+        <span>
+          {label && <span class="swatch" style={{ '--color': label.color }} />}
+          {label?.name ?? 'Unlabeled'}
+          <span class="soft">
+            {metres(hover.distance)}
+            {painting && hover.points > 0 ? ` · ${plural(hover.points, 'point')} in the brush` : ''}
+          </span>
+        </span>
+      )}
+      {sharpening && (
+        <span class="soft">
+          {shortCount(points)} of {shortCount(total)} points
+        </span>
+      )}
+      {state.tool.value === 'paint' && !activeLabel.value && total > 0 && (
+        <span>Choose or create a label to paint</span>
+      )}
+    </div>
+  );
+}
+
+const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
+  ['sensor', 'Sensor', 'Look from where the sensor stood', 'R'],
+  ['top', 'Top', 'Look from above', 'T'],
+  ['front', 'Front', 'Look from the front', ''],
+  ['left', 'Side', 'Look from the side', ''],
+  ['fit', 'Fit', 'Show everything', ''],
+];
+
+function Views() {
+  return (
+    <div class="views" role="group" aria-label="View">
+      {VIEWS.map(([preset, name, tip, keys]) => (
+        <button
+          key={preset}
+          type="button"
+          class="button"
+          data-tip={tip}
+          data-keys={keys || undefined}
+          onClick={() => actions.viewFrom(preset)}
+        >
+          {name}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+function DropTarget() {
+  return (
+    <div class="drop-target">
+      <Icon name="import" />
+      <p>Drop to import as one recording</p>
+    </div>
+  );
+}
+
+function InHeadset() {
+  return (
+    <div class="center in-headset" role="status">
+      <Icon name="headset" />
+      <p>The recording is in the headset.</p>
+      <Button label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
+    </div>
+  );
+}

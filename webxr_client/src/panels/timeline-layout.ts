@@ -1,0 +1,145 @@
+/**
+ * Where things are on the timeline: pure functions, shared by the desk and the room.
+ *
+ * A `Span` is the visible stretch of frames; frame i covers [i, i + 1), so that its middle is
+ * where the playhead stands.
+ */
+import type { TimelineRow } from '../state';
+
+export interface Span {
+  /** First visible frame, may be fractional while zoomed. */
+  readonly first: number;
+  /** Number of visible frames. */
+  readonly length: number;
+}
+
+/** What a stretch of a strip says; later ones in `SEVERITY` win where frames share a pixel. */
+export type CellKind = 'none' | 'tracked' | 'painted' | 'occluded' | 'doubtful' | 'lost';
+const SEVERITY: readonly CellKind[] = [
+  'none',
+  'tracked',
+  'painted',
+  'occluded',
+  'doubtful',
+  'lost',
+];
+
+/** Below this a tracked frame is shown as doubtful. */
+export const DOUBTFUL_BELOW = 0.5;
+
+const OCCLUDED = 3;
+const LOST = 4;
+
+/** What the label's cell of a frame says. */
+export function cellKind(row: TimelineRow, frame: number): CellKind {
+  if (row.state[frame] === LOST) return 'lost';
+  if (row.state[frame] === OCCLUDED) return 'occluded';
+  const painted = row.painted[frame] ?? 0;
+  const points = row.points[frame] ?? 0;
+  if (points === 0) return 'none';
+  if (painted > 0) return 'painted';
+  return (row.confidence[frame] ?? 1) < DOUBTFUL_BELOW ? 'doubtful' : 'tracked';
+}
+
+export interface Run {
+  /** Frames [from, to), whole or grouped. */
+  readonly from: number;
+  readonly to: number;
+  readonly kind: CellKind;
+}
+
+/** Runs of equal cells in a span, frames grouped so that there are at most `columns` of them. */
+export function runs(row: TimelineRow, span: Span, frames: number, columns: number): Run[] {
+  const first = Math.max(0, Math.floor(span.first));
+  const last = Math.min(frames, Math.ceil(span.first + span.length));
+  const group = Math.max(1, Math.ceil((last - first) / Math.max(1, columns)));
+  const found: Run[] = [];
+  for (let at = first; at < last; at += group) {
+    const to = Math.min(last, at + group);
+    let worst = 0;
+    for (let frame = at; frame < to; frame++) {
+      worst = Math.max(worst, SEVERITY.indexOf(cellKind(row, frame)));
+    }
+    const kind = SEVERITY[worst]!;
+    if (kind === 'none') continue;
+    const previous = found.at(-1);
+    if (previous?.to === at && previous.kind === kind) {
+      found[found.length - 1] = { ...previous, to };
+    } else {
+      found.push({ from: at, to, kind });
+    }
+  }
+  return found;
+}
+
+/** Frames of any label that need a look, ascending. */
+export function doubtfulFrames(rows: Iterable<TimelineRow>, frames: number): number[] {
+  const doubtful = new Set<number>();
+  for (const row of rows) {
+    for (let frame = 0; frame < frames; frame++) {
+      const kind = cellKind(row, frame);
+      if (kind === 'doubtful' || kind === 'lost') doubtful.add(frame);
+    }
+  }
+  return [...doubtful].sort((a, b) => a - b);
+}
+
+/** Pixels from the left edge for a (fractional) frame. */
+export function frameToX(frame: number, span: Span, width: number): number {
+  return ((frame - span.first) / span.length) * width;
+}
+
+/** The frame under a pixel, clamped to the recording. */
+export function xToFrame(x: number, span: Span, width: number, frames: number): number {
+  const frame = Math.floor(span.first + (x / Math.max(1, width)) * span.length);
+  return Math.min(Math.max(0, frame), Math.max(0, frames - 1));
+}
+
+const MIN_VISIBLE = 8;
+
+/** Zoom by `factor` (> 1 shows less) so that the frame under `x` stays under it. */
+export function zoom(span: Span, factor: number, x: number, width: number, frames: number): Span {
+  const length = Math.min(frames, Math.max(Math.min(MIN_VISIBLE, frames), span.length / factor));
+  const anchor = span.first + (x / Math.max(1, width)) * span.length;
+  return clampSpan({ first: anchor - (x / Math.max(1, width)) * length, length }, frames);
+}
+
+export function pan(span: Span, by: number, frames: number): Span {
+  return clampSpan({ first: span.first + by, length: span.length }, frames);
+}
+
+export function clampSpan(span: Span, frames: number): Span {
+  const length = Math.min(Math.max(1, frames), span.length);
+  return { first: Math.min(Math.max(0, span.first), Math.max(0, frames - length)), length };
+}
+
+/** The span moved just as far as needed to show a frame. */
+export function reveal(span: Span, frame: number, frames: number): Span {
+  if (frame < span.first) return clampSpan({ ...span, first: frame }, frames);
+  if (frame + 1 > span.first + span.length) {
+    return clampSpan({ ...span, first: frame + 1 - span.length }, frames);
+  }
+  return span;
+}
+
+export interface Tick {
+  readonly frame: number;
+  readonly major: boolean;
+}
+
+const STEPS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000, 50000];
+const LABEL_ROOM = 56;
+const TICK_ROOM = 6;
+
+/** Ruler marks: numbered ones at round frames with room for the number, small ones between. */
+export function ticks(span: Span, width: number, frames: number): Tick[] {
+  const perFrame = width / span.length;
+  const major = STEPS.find((step) => step * perFrame >= LABEL_ROOM) ?? STEPS.at(-1)!;
+  const minor = STEPS.find((step) => step * perFrame >= TICK_ROOM && major % step === 0) ?? major;
+  const last = Math.min(frames - 1, Math.ceil(span.first + span.length));
+  const marks: Tick[] = [];
+  for (let frame = Math.ceil(span.first / minor) * minor; frame <= last; frame += minor) {
+    marks.push({ frame, major: frame % major === 0 });
+  }
+  return marks;
+}

@@ -1,0 +1,123 @@
+/** Time, below: transport, ruler, and one strip per label. */
+import { actions } from '../actions';
+import { state } from '../state';
+import { Button } from './controls';
+import { clock, plural } from './format';
+import { frameRange, ordered } from './range';
+import { doubtfulFrames } from './timeline-layout';
+import { Strips } from './timeline-strips';
+import { trackOpen } from './track-form';
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+
+export function Timeline() {
+  const sequence = state.sequence.value;
+  if (!sequence) return null;
+  return (
+    <>
+      <div class="transport">
+        <Transport />
+        <span class="divider" />
+        <Position frames={sequence.frames} fps={sequence.fps} />
+        <span class="spacer" />
+        <RangeChip />
+        <Doubtful frames={sequence.frames} />
+      </div>
+      <Strips frames={sequence.frames} />
+    </>
+  );
+}
+
+function Transport() {
+  const playing = state.playing.value;
+  const speed = state.speed.value;
+  const speeds = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS, speed].sort((a, b) => a - b);
+  return (
+    <div class="group">
+      <Button icon="first" tip="First frame" keys="Home" onClick={() => actions.seek(0)} />
+      <Button icon="back" tip="One frame back" keys="←" onClick={() => actions.step(-1)} />
+      <Button
+        icon={playing ? 'pause' : 'play'}
+        tip={playing ? 'Pause' : 'Play'}
+        keys="Space"
+        class="play"
+        onClick={() => actions.togglePlay()}
+      />
+      <Button icon="forward" tip="One frame forward" keys="→" onClick={() => actions.step(1)} />
+      <Button
+        icon="last"
+        tip="Last frame"
+        keys="End"
+        onClick={() => actions.seek((state.sequence.peek()?.frames ?? 1) - 1)}
+      />
+      <Button
+        icon="loop"
+        tip="Loop"
+        keys="L"
+        pressed={state.loop.value}
+        onClick={() => actions.toggleLoop()}
+      />
+      <select
+        class="field speed"
+        aria-label="Speed"
+        data-tip="Speed"
+        value={speed}
+        onChange={(event) => actions.setSpeed(Number(event.currentTarget.value))}
+      >
+        {speeds.map((value) => (
+          <option key={value} value={value}>
+            {value}×
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+function Position({ frames, fps }: { frames: number; fps: number }) {
+  const frame = state.frame.value;
+  return (
+    <span class="position number">
+      <b>{frame}</b>
+      <span class="faint">/ {frames - 1}</span>
+      {fps > 0 && <span class="soft">{clock(frame / fps)}</span>}
+    </span>
+  );
+}
+
+function RangeChip() {
+  const range = frameRange.value;
+  if (!range) return null;
+  const [from, to] = ordered(range);
+  return (
+    <span class="chip number">
+      Frames {from} – {to}
+      <Button label="Track…" kind="outlined" small onClick={() => (trackOpen.value = true)} />
+      <Button icon="close" tip="Forget the range" small onClick={() => (frameRange.value = null)} />
+    </span>
+  );
+}
+
+function Doubtful({ frames }: { frames: number }) {
+  const doubtful = doubtfulFrames(state.timeline.value.rows.values(), frames);
+  if (doubtful.length === 0) return null;
+  return (
+    <span class="chip warn number">
+      <Button
+        icon="previous"
+        tip="Previous doubtful frame"
+        keys=","
+        small
+        onClick={() => actions.nextDoubtful(-1)}
+      />
+      {plural(doubtful.length, 'doubtful frame')}
+      <Button
+        icon="next"
+        tip="Next doubtful frame"
+        keys="."
+        small
+        onClick={() => actions.nextDoubtful(1)}
+      />
+    </span>
+  );
+}

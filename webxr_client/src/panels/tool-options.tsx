@@ -1,0 +1,157 @@
+/** The second row: how the tool takes points, and how the recording is shown. */
+import { actions } from '../actions';
+import { patch, RADIUS_MAX, RADIUS_MIN, state, type BrushShape, type ColorMode } from '../state';
+import { Check, Slider } from './controls';
+import { metres } from './format';
+import { Icon } from './icon';
+import type { IconName } from './icons';
+
+interface ShapeEntry {
+  shape: BrushShape;
+  icon: IconName;
+  label: string;
+  tip: string;
+  keys: string;
+}
+
+const SHAPES: readonly ShapeEntry[] = [
+  { shape: 'brush', icon: 'brush', label: 'Brush', tip: 'A ball on the surface', keys: 'B' },
+  { shape: 'fill', icon: 'fill', label: 'Fill', tip: 'The region that hangs together', keys: 'F' },
+  { shape: 'lasso', icon: 'lasso', label: 'Lasso', tip: 'Everything inside an outline', keys: 'O' },
+];
+
+const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
+  ['rgb', 'Colour', 'rgb'],
+  ['intensity', 'Intensity', 'intensity'],
+  ['height', 'Height', ''],
+  ['plain', 'Plain', ''],
+];
+
+export function ToolOptions() {
+  const tool = state.tool.value;
+  return (
+    <div class="toolbar-row options">
+      {tool === 'navigate' ? <NavigateHints /> : tool === 'pick' ? <PickHint /> : <BrushOptions />}
+      <span class="spacer" />
+      <ViewOptions />
+    </div>
+  );
+}
+
+function NavigateHints() {
+  return (
+    <span class="hint">
+      Drag to turn · right-drag to move · wheel to come closer · <span class="kbd">W A S D</span> to
+      walk
+    </span>
+  );
+}
+
+function PickHint() {
+  return <span class="hint">Click a point to continue with its label</span>;
+}
+
+function BrushOptions() {
+  const brush = state.brush.value;
+  return (
+    <>
+      <div class="segmented" role="radiogroup" aria-label="Shape">
+        {SHAPES.map(({ shape, icon, label, tip, keys }) => (
+          <button
+            key={shape}
+            type="button"
+            role="radio"
+            class="button"
+            aria-checked={brush.shape === shape}
+            data-tip={tip}
+            data-keys={keys}
+            onClick={() => actions.setShape(shape)}
+          >
+            <Icon name={icon} />
+            {label}
+          </button>
+        ))}
+      </div>
+      {brush.shape !== 'lasso' && (
+        <Slider
+          label={brush.shape === 'fill' ? 'Reach' : 'Radius'}
+          value={brush.radius}
+          min={RADIUS_MIN}
+          max={RADIUS_MAX}
+          logarithmic
+          tip="Size of the brush"
+          keys="[ ]"
+          shown={metres(brush.radius)}
+          onInput={(radius) => actions.setRadius(radius)}
+        />
+      )}
+      {state.tool.value === 'paint' && (
+        <Check
+          label="Only unlabeled"
+          tip="Points that have a label keep it"
+          checked={brush.onlyUnlabeled}
+          onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}
+        />
+      )}
+      {brush.shape === 'brush' && (
+        <Check
+          label="Through"
+          tip="Also points behind the first surface"
+          checked={brush.through}
+          onChange={(through) => patch(state.brush, { through })}
+        />
+      )}
+    </>
+  );
+}
+
+function ViewOptions() {
+  const view = state.view.value;
+  const fields = state.sequence.value?.fields ?? [];
+  return (
+    <>
+      <select
+        class="field"
+        aria-label="Colour points by"
+        data-tip="Colour points by"
+        value={view.color}
+        onChange={(event) => actions.setView({ color: event.currentTarget.value as ColorMode })}
+      >
+        {COLOR_MODES.filter(([, , field]) => !field || fields.includes(field)).map(
+          ([mode, name]) => (
+            <option key={mode} value={mode}>
+              {name}
+            </option>
+          ),
+        )}
+      </select>
+      <Slider
+        label="Labels over colour"
+        before={<Icon name="view" />}
+        value={view.labelBlend}
+        min={0}
+        max={1}
+        tip="From the recording's own colours to label colours only"
+        shown={`${Math.round(view.labelBlend * 100)} %`}
+        onInput={(labelBlend) => actions.setView({ labelBlend })}
+      />
+      <Slider
+        label="Point size"
+        before={<Icon name="points" />}
+        value={view.pointSize}
+        min={0.25}
+        max={4}
+        logarithmic
+        tip="Point size"
+        shown={`${view.pointSize.toFixed(1)}×`}
+        onInput={(pointSize) => actions.setView({ pointSize })}
+      />
+      <Check
+        label="Depth shading"
+        tip="Darken edges in depth, so that shapes stand out"
+        checked={view.eyeDome}
+        onChange={(eyeDome) => actions.setView({ eyeDome })}
+      />
+    </>
+  );
+}

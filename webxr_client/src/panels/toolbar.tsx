@@ -1,0 +1,199 @@
+/** Above the canvas: recording, tools, history, tracking, export, people. */
+import { useRef } from 'preact/hooks';
+import { signal } from '@preact/signals';
+import { actions } from '../actions';
+import { canEdit, state, trackingJob, type Tool } from '../state';
+import { Button } from './controls';
+import { ExportMenu } from './export-menu';
+import { helpOpen } from './help';
+import { Icon } from './icon';
+import type { IconName } from './icons';
+import { ConnectionStatus, People } from './people';
+import { SequenceMenu } from './sequence-menu';
+import { ToolOptions } from './tool-options';
+import { TrackForm, trackOpen } from './track-form';
+
+interface ToolEntry {
+  tool: Tool;
+  icon: IconName;
+  label: string;
+  tip: string;
+  keys: string;
+}
+
+const TOOLS: readonly ToolEntry[] = [
+  {
+    tool: 'navigate',
+    icon: 'navigate',
+    label: 'Look',
+    tip: 'Look around: drag to turn',
+    keys: 'V',
+  },
+  { tool: 'paint', icon: 'brush', label: 'Paint', tip: 'Paint the active label', keys: 'B' },
+  { tool: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'E' },
+  {
+    tool: 'pick',
+    icon: 'picker',
+    label: 'Pick',
+    tip: 'Take the label under the pointer',
+    keys: 'I',
+  },
+  { tool: 'delete', icon: 'noise', label: 'Delete', tip: 'Delete noise points', keys: 'X' },
+  {
+    tool: 'restore',
+    icon: 'restore',
+    label: 'Restore',
+    tip: 'Bring deleted points back',
+    keys: '',
+  },
+];
+
+export function Toolbar() {
+  if (!state.sequence.value) return <WelcomeBar />;
+  return (
+    <>
+      <div class="toolbar-row">
+        <SequenceMenu />
+        <span class="divider" />
+        <Tools />
+        <span class="divider" />
+        <History />
+        <span class="spacer" />
+        <TrackButton />
+        <ExportButton />
+        <People />
+        <ConnectionStatus />
+        <VrButton />
+        <HelpButton />
+      </div>
+      <ToolOptions />
+    </>
+  );
+}
+
+function WelcomeBar() {
+  return (
+    <div class="toolbar-row">
+      <span class="brand">pointbrush</span>
+      <span class="spacer" />
+      <ConnectionStatus />
+      <HelpButton />
+    </div>
+  );
+}
+
+function Tools() {
+  return (
+    <div class="group tools" role="radiogroup" aria-label="Tool">
+      {TOOLS.map(({ tool, icon, label, tip, keys }) => (
+        <button
+          key={tool}
+          type="button"
+          role="radio"
+          class="button"
+          aria-checked={state.tool.value === tool}
+          aria-label={label}
+          data-tip={tip}
+          data-keys={keys || undefined}
+          disabled={tool !== 'navigate' && !canEdit.value}
+          onClick={() => actions.setTool(tool)}
+        >
+          <Icon name={icon} />
+          <span class="button-label">{label}</span>
+        </button>
+      ))}
+    </div>
+  );
+}
+
+function History() {
+  const undo = state.undo.value;
+  const redo = state.redo.value;
+  return (
+    <div class="group">
+      <Button
+        icon="undo"
+        tip={undo === null ? 'Nothing to undo' : `Undo: ${undo}`}
+        keys="Ctrl Z"
+        disabled={undo === null}
+        onClick={() => actions.undo()}
+      />
+      <Button
+        icon="redo"
+        tip={redo === null ? 'Nothing to redo' : `Redo: ${redo}`}
+        keys="Ctrl Shift Z"
+        disabled={redo === null}
+        onClick={() => actions.redo()}
+      />
+    </div>
+  );
+}
+
+function TrackButton() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  return (
+    <>
+      <Button
+        buttonRef={anchor}
+        icon="track"
+        label="Track…"
+        tip="Carry labels through the following or preceding frames"
+        expanded={trackOpen.value}
+        disabled={!canEdit.value || trackingJob.value !== null}
+        onClick={() => (trackOpen.value = !trackOpen.value)}
+      />
+      {trackOpen.value && <TrackForm anchor={anchor} />}
+    </>
+  );
+}
+
+const exportOpen = signal(false);
+
+function ExportButton() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  return (
+    <>
+      <Button
+        buttonRef={anchor}
+        icon="export"
+        label="Export"
+        tip="Download points and labels"
+        expanded={exportOpen.value}
+        onClick={() => (exportOpen.value = !exportOpen.value)}
+      />
+      {exportOpen.value && (
+        <ExportMenu anchor={anchor} onClose={() => (exportOpen.value = false)} />
+      )}
+    </>
+  );
+}
+
+function VrButton() {
+  const { supported, session, passthrough } = state.xr.value;
+  if (!supported) return null;
+  if (session === 'running') {
+    return (
+      <Button icon="exit" label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
+    );
+  }
+  return (
+    <Button
+      icon="headset"
+      label="Enter VR"
+      kind="primary"
+      tip={
+        passthrough
+          ? 'Step into the recording; the room around you can stay visible'
+          : 'Step into the recording'
+      }
+      disabled={session === 'starting'}
+      onClick={() => void actions.enterVR()}
+    />
+  );
+}
+
+function HelpButton() {
+  return (
+    <Button icon="help" tip="Keyboard and mouse" keys="?" onClick={() => (helpOpen.value = true)} />
+  );
+}
