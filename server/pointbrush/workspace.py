@@ -25,7 +25,7 @@ from pointbrush.errors import (
 )
 from pointbrush.formats import EXPORTS, export
 from pointbrush.frame import PointFrame
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.jobs import Job, JobRunner, Work
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Write
 from pointbrush.sequences import Manifest, open_sequence, update_manifest
 from pointbrush.sequences import Sequence as Recording
@@ -184,13 +184,8 @@ class Workspace:
         for path in paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        with self._lock:
-            default = paths[0].stem if len(paths) == 1 else paths[0].parent.name
-            sequence = importing.new_sequence_id(
-                name or default,
-                lambda i: (self._folder / i).exists() or i in self._importing,
-            )
-            self._importing.add(sequence)
+        default = paths[0].stem if len(paths) == 1 else paths[0].parent.name
+        sequence = self._new_id(name or default)
         work = importing.ImportWork(
             paths=tuple(path.absolute() for path in paths),
             target=self._folder / sequence,
@@ -201,18 +196,41 @@ class Workspace:
             drop_invalid=drop_invalid,
             max_points=self.settings.max_frame_points,
         )
+        return self._submit_import(sequence, work, importing.import_source_labels, cleanup)
 
+    def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
+        """Make the sample recording and import it, with a palette for its objects."""
+        sequence = self._new_id("juggling")
+        work = importing.SampleWork(self._folder / sequence, sequence, frames, seed)
+        return self._submit_import(sequence, work, importing.create_sample_labels)
+
+    def _new_id(self, name: str) -> str:
+        with self._lock:
+            sequence = importing.new_sequence_id(
+                name, lambda i: (self._folder / i).exists() or i in self._importing
+            )
+            self._importing.add(sequence)
+        return sequence
+
+    def _submit_import(
+        self,
+        sequence: str,
+        work: Work,
+        label: Callable[[LabelStore, Recording], None],
+        cleanup: Path | None = None,
+    ) -> Job:
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:
                 return {}
             recording = self.recording(sequence)
             self.store.register(sequence, recording.manifest.points)
-            importing.import_source_labels(self.store, recording)
+            label(self.store, recording)
             self._publish(SequencesChanged(sequence))
             return importing.result(recording)
 
         def done(_: Job) -> None:
-            self._importing.discard(sequence)
+            with self._lock:
+                self._importing.discard(sequence)
             if cleanup is not None:
                 shutil.rmtree(cleanup, ignore_errors=True)
 

@@ -15,15 +15,18 @@ from pointbrush.formats import open_source
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import Channel
 from pointbrush.labels import LabelStore, Write
+from pointbrush.samples import generate
 from pointbrush.sequences import Sequence, import_frames
 
 IMPORTED = 3
 DEFAULT_FPS = 30.0
+SAMPLE = "sample recording"
+"""How the source of the sample begins in its manifest."""
 
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` into ``target``; returns the sequence's id."""
+    """Picklable import of ``paths`` into the new folder ``target``."""
 
     paths: tuple[Path, ...]
     target: Path
@@ -34,10 +37,10 @@ class ImportWork:
     drop_invalid: bool = False
     max_points: int = 500_000_000
 
-    def __call__(self, channel: Channel) -> str:
+    def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; nothing is left behind on any error."""
         source = open_source(self.paths, self.format, drop_invalid=self.drop_invalid)
-        manifest = import_frames(
+        import_frames(
             _limited(source.frames, self.max_points),
             self.target,
             sequence_id=self.sequence_id,
@@ -47,7 +50,38 @@ class ImportWork:
             progress=channel.progress,
             source=", ".join(str(path) for path in self.paths),
         )
-        return manifest.id
+
+
+@dataclass(frozen=True)
+class SampleWork:
+    """Picklable making and importing of the sample recording."""
+
+    target: Path
+    sequence_id: str
+    frames: int
+    seed: int = 0
+
+    def __call__(self, channel: Channel) -> None:
+        """Generate frame by frame and store each as it comes."""
+        recording = generate("juggling", seed=self.seed, frames=self.frames)
+        import_frames(
+            recording.frames,
+            self.target,
+            sequence_id=self.sequence_id,
+            name=recording.name,
+            fps=recording.fps,
+            total=self.frames,
+            progress=channel.progress,
+            source=f"{SAMPLE}, seed {self.seed}",
+        )
+
+
+def create_sample_labels(store: LabelStore, recording: Sequence) -> None:
+    """A palette for the objects of the sample; painting them is left to the person."""
+    for label_id, name, category, color in generate("juggling", frames=1).labels:
+        store.create_label(
+            recording.manifest.id, "import", id=label_id, name=name, category=category, color=color
+        )
 
 
 def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFrame]:
