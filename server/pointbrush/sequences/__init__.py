@@ -1,0 +1,22 @@
+"""An imported recording on disk: order, chunks, spatial index, k-d tree; immutable afterwards."""
+
+from pointbrush.sequences.blocks import Blocks
+from pointbrush.sequences.check import verify
+from pointbrush.sequences.files import clean_temporary
+from pointbrush.sequences.importer import import_frames
+from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
+from pointbrush.sequences.store import Chunk, Sequence, StoredFrame, open_sequence
+
+__all__ = [
+    "Blocks",
+    "Chunk",
+    "Manifest",
+    "Sequence",
+    "StoredFrame",
+    "clean_temporary",
+    "import_frames",
+    "open_sequence",
+    "read_manifest",
+    "update_manifest",
+    "verify",
+]

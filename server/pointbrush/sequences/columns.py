@@ -1,0 +1,198 @@
+"""One frame's points → the arrays and wire bytes that are stored.  Pure: no files here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import blocks, kdtree
+from pointbrush.sequences.codec import encode_vertices
+from pointbrush.sequences.order import morton_order, progressive
+from pointbrush.sequences.quantise import quantise
+
+CHUNK_POINTS = 65536
+WIRE_STRIDE = 12
+
+CHUNK = np.dtype(
+    [
+        ("level", "<i4"),
+        ("parent", "<i4"),
+        ("first", "<i8"),
+        ("count", "<i8"),
+        ("offset", "<i8"),
+        ("nbytes", "<i8"),
+        ("origin", "<f8", 3),
+        ("scale", "<f8", 3),
+        ("lo", "<f4", 3),
+        ("hi", "<f4", 3),
+    ]
+)
+"""One row per chunk; ``parent`` is -1 but in an octree."""
+
+POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """What all frames of a sequence share: the shift, the grid, the intensities' range."""
+
+    shift: NDArray[np.float64]
+    step: float
+    intensity_range: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Encoded:
+    """A frame ready to be written; ``error`` is its greatest quantisation error per axis."""
+
+    arrays: dict[str, NDArray[Any]]
+    wire: bytes
+    error: float
+
+
+def to_local(
+    xyz: NDArray[np.float32] | NDArray[np.float64], shift: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Source coordinates (N, 3) → local float32.  Raises BadInputError beyond float32's range."""
+    if not shift.any():
+        local = xyz if xyz.dtype == np.float32 else _narrow(xyz)
+    else:
+        local = _narrow(xyz.astype(np.float64) - shift)
+    return np.ascontiguousarray(local, np.float32)
+
+
+def _narrow(xyz: NDArray[Any]) -> NDArray[np.float32]:
+    if len(xyz) and float(np.abs(xyz).max()) > np.finfo(np.float32).max:
+        raise BadInputError("xyz: expected coordinates within ±3.4e38 of the first, got more")
+    return xyz.astype(np.float32)
+
+
+def from_local(
+    local: NDArray[np.float32],
+    residual: NDArray[np.signedinteger[Any]] | None,
+    shift: NDArray[np.float64],
+    dtype: np.dtype[Any],
+) -> NDArray[Any]:
+    """Source coordinates (N, 3) of ``dtype``, bit for bit."""
+    source = local.astype(np.float64) + shift if shift.any() else local
+    source = np.ascontiguousarray(source.astype(dtype))
+    if residual is not None:
+        bits = np.dtype(f"i{dtype.itemsize}")
+        source = (source.view(bits) + residual.astype(bits)).view(dtype)
+    return source
+
+
+def residual(
+    source: NDArray[Any], local: NDArray[np.float32], shift: NDArray[np.float64]
+) -> NDArray[Any] | None:
+    """What ``from_local`` needs to give ``source`` (N, 3) back exactly, or None when nothing.
+
+    It is the difference of the floats' bit patterns, which is a few units in the last place, so
+    that a narrow integer holds it where a copy of the coordinates would take eight bytes.
+    """
+    bits = np.dtype(f"i{source.dtype.itemsize}")
+    near = from_local(local, None, shift, source.dtype)
+    difference: NDArray[Any] = np.ascontiguousarray(source).view(bits) - near.view(bits)
+    if not difference.any():
+        return None
+    low, high = int(difference.min()), int(difference.max())
+    for narrow in (np.int8, np.int16, np.int32):
+        if np.iinfo(narrow).min <= low and high <= np.iinfo(narrow).max:
+            small: NDArray[Any] = difference.astype(narrow)
+            return small
+    return difference
+
+
+def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
+    """Cut level boundaries into chunks of at most 65,536 points: boundaries and levels."""
+    first, of_level = [0], []
+    for level, (start, stop) in enumerate(pairwise(levels)):
+        parts = -(-(stop - start) // CHUNK_POINTS)
+        for part in range(parts):
+            first.append(start + (stop - start) * (part + 1) // parts)
+            of_level.append(level)
+    return np.array(first, np.int64), of_level
+
+
+def wire_colors(
+    rgb: NDArray[np.uint8] | None,
+    intensity: NDArray[np.float32] | None,
+    span: tuple[float, float] | None,
+    count: int,
+) -> NDArray[np.uint8]:
+    """Bytes (N, 4) r, g, b, intensity.  Without colour the intensity serves as grey."""
+    out = np.zeros((count, 4), np.uint8)
+    if intensity is not None and span is not None:
+        unit = (intensity.astype(np.float64) - span[0]) * (255.0 / (span[1] - span[0]))
+        out[:, 3] = np.rint(np.clip(np.nan_to_num(unit), 0, 255)).astype(np.uint8)
+        if rgb is None:
+            out[:, :3] = out[:, 3:]
+    if rgb is not None:
+        out[:, :3] = rgb
+    return out
+
+
+def encode_chunk(
+    xyz: NDArray[np.float32], colors: NDArray[np.uint8], step: float
+) -> tuple[NDArray[Any], bytes, float]:
+    """Row of the chunk table (without its place), wire bytes and error of one chunk."""
+    quantised = quantise(xyz, step)
+    vertices = np.zeros((len(xyz), WIRE_STRIDE), np.uint8)
+    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
+    vertices[:, 6:10] = colors
+    data = encode_vertices(vertices)
+    row = np.zeros((), CHUNK)
+    row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)
+    for name in ("origin", "scale", "lo", "hi"):
+        row[name] = getattr(quantised, name)
+    return row, data, quantised.error
+
+
+def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
+    """Order, quantise and encode a frame of at most ``order.MAX_POINTS`` points."""
+    local = to_local(frame.xyz, grid.shift)
+    order, levels = progressive(morton_order(local))
+    xyz = local[order]
+    arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
+    exact = residual(frame.xyz[order], xyz, grid.shift)
+    if exact is not None:
+        arrays["residual"] = exact
+    for name in POINT_FIELDS:
+        column = getattr(frame, name)
+        if column is not None:
+            arrays[name] = column[order]
+
+    first, of_level = chunk_bounds(levels)
+    colors = wire_colors(arrays.get("rgb"), arrays.get("intensity"), grid.intensity_range, len(xyz))
+    chunks = np.zeros(len(of_level), CHUNK)
+    parts: list[bytes] = []
+    offset, error = 0, 0.0
+    for number, (start, stop) in enumerate(pairwise(first.tolist())):
+        row, data, chunk_error = encode_chunk(xyz[start:stop], colors[start:stop], grid.step)
+        row["level"], row["first"], row["offset"] = of_level[number], start, offset
+        chunks[number] = row
+        parts.append(data)
+        offset += len(data)
+        error = max(error, chunk_error)
+    arrays |= {"chunks": chunks, **block_arrays(xyz, first)}
+    if len(xyz):
+        arrays |= kdtree.pack(kdtree.build(xyz))
+    return Encoded(arrays, b"".join(parts), error)
+
+
+def block_arrays(xyz: NDArray[np.float32], chunk_first: NDArray[np.int64]) -> dict[str, Any]:
+    """The arrays of ``Blocks`` that are stored."""
+    first, chunk_block = blocks.cut(chunk_first)
+    lo, hi = blocks.bound(xyz, first)
+    return {
+        "block_first": first,
+        "block_lo": lo,
+        "block_hi": hi,
+        "block_of_chunk": chunk_block,
+    }

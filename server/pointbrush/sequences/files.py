@@ -1,0 +1,104 @@
+"""Durable writes: files and folders that are whole after a crash, or absent."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from uuid import uuid4
+
+from pointbrush.errors import ConflictError, PointbrushError, UnavailableError
+
+_TEMPORARY = re.compile(r"\.tmp-(\d+)-[0-9a-f]{32}")
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO}
+
+
+def write_file(path: Path, data: bytes | memoryview) -> None:
+    """Write and fsync a new file."""
+    with path.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def sync_folder(path: Path) -> None:
+    """Make the names in a folder durable."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Put ``data`` in place of a file in one step: readers see the old bytes or the new."""
+    temporary = path.with_name(f".{path.name}-{uuid4().hex}")
+    try:
+        write_file(temporary, data)
+        temporary.replace(path)
+        sync_folder(path.parent)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def new_folder(target: Path) -> Iterator[Path]:
+    """A temporary folder that becomes ``target`` when the block ends, and vanishes if it raises.
+
+    Raises ConflictError when ``target`` exists, UnavailableError when the disk is full.
+    """
+    if target.exists():
+        raise ConflictError(f"expected a new sequence, but {target.name} exists")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.parent / f".tmp-{os.getpid()}-{uuid4().hex}"
+    temporary.mkdir()
+    try:
+        yield temporary
+        for folder in [*(p for p in temporary.rglob("*") if p.is_dir()), temporary]:
+            sync_folder(folder)
+        _rename(temporary, target)
+        sync_folder(target.parent)
+    except OSError as error:
+        if error.errno in _FULL and not isinstance(error, PointbrushError):
+            raise UnavailableError(
+                f"expected room on disk for {target.name}, got: {error.strerror}"
+            ) from error
+        raise
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _rename(temporary: Path, target: Path) -> None:
+    try:
+        temporary.rename(target)
+    except OSError as error:
+        if error.errno in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+            raise ConflictError(f"expected a new sequence, but {target.name} exists") from error
+        raise
+
+
+def clean_temporary(folder: Path) -> list[Path]:
+    """Remove what imports left behind that were killed; those still running are left alone."""
+    removed = []
+    for path in folder.glob(".tmp-*"):
+        match = _TEMPORARY.fullmatch(path.name)
+        if match and not _alive(int(match[1])):
+            shutil.rmtree(path, ignore_errors=True)
+            removed.append(path)
+    return removed
+
+
+def _alive(process: int) -> bool:
+    if process == os.getpid():
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

@@ -1,0 +1,49 @@
+"""A frame's k-d tree: built once at import, kept as plain arrays, loaded in milliseconds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+LEAF_POINTS = 16
+_NODE_BYTES = 72
+_POINTERS = slice(40, 56)
+_STATE_LENGTH = 10
+
+
+def build(xyz: NDArray[np.float32]) -> cKDTree[None]:
+    """The tree over points (N, 3).  Sliding midpoints: half the time of medians, as fast after."""
+    return cKDTree(xyz, leafsize=LEAF_POINTS, balanced_tree=False)
+
+
+def pack(tree: cKDTree[None]) -> dict[str, NDArray[Any]]:
+    """The tree as arrays without its points; empty when scipy's state is not laid out as known."""
+    state: Any = tree.__getstate__()
+    if len(state) != _STATE_LENGTH or state[0].nbytes % _NODE_BYTES:
+        return {}
+    nodes = np.frombuffer(state[0].tobytes(), np.uint8).reshape(-1, _NODE_BYTES).copy()
+    # Two addresses in each node are set again on loading; zeros make the file reproducible.
+    nodes[:, _POINTERS] = 0
+    indices = state[7].astype(np.uint32)
+    return {"tree_nodes": nodes, "tree_indices": indices}
+
+
+def unpack(arrays: dict[str, NDArray[Any]], xyz: NDArray[np.float32]) -> cKDTree[None]:
+    """The tree over points (N, 3) from what ``pack`` returned, or built anew if that was empty."""
+    if "tree_nodes" not in arrays or len(xyz) == 0:
+        return build(xyz)
+    data = xyz.astype(np.float64)
+    nodes = np.frombuffer(arrays["tree_nodes"].tobytes(), "S1")
+    indices = arrays["tree_indices"].astype(np.intp)
+    bounds = (data.max(axis=0), data.min(axis=0))
+    state = (nodes, data, len(data), 3, LEAF_POINTS, *bounds, indices, None, None)
+    tree: Any = cKDTree.__new__(cKDTree)
+    try:
+        tree.__setstate__(state)
+    except (TypeError, ValueError):  # another scipy than the one that wrote it
+        return build(xyz)
+    loaded: cKDTree[None] = tree
+    return loaded

@@ -1,0 +1,131 @@
+"""The manifest: what a sequence is, in one JSON file; the rest of the folder never changes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields, replace
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.sequences.files import replace_file
+
+FILE = "manifest.json"
+VERSION = 1
+
+Matrix = list[float]
+"""Row-major 4x4."""
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What a sequence is.
+
+    ``points``          points per frame; ``dropped`` invalid points left out per frame.
+    ``fields``          of ``xyz``, ``rgb``, ``intensity``, ``label``, ``instance``, ``pixel``:
+                        what at least one frame has.
+    ``shift``           local = source − shift, metres.
+    ``lo``, ``hi``      bounds over all frames, local.
+    ``room``            ``T_room_local``, row-major 4x4: stands it on the floor, y up.
+    ``position_error``  greatest difference per axis between a streamed coordinate and the stored
+                        one, metres; for a large frame that of its coarsest chunk.
+    ``intensity_range`` source values that stream as 0 and 255, or None.
+    ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
+    ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
+    ``large``           a frame is an octree of chunks.
+    """
+
+    id: str
+    name: str
+    frames: int
+    fps: float
+    points: list[int]
+    fields: list[str]
+    shift: list[float]
+    lo: list[float]
+    hi: list[float]
+    room: Matrix
+    position_error: float
+    intensity_range: list[float] | None
+    dropped: list[int]
+    poses: list[Matrix | None]
+    timestamps: list[float | None]
+    viewpoints: list[list[float] | None]
+    source: str
+    large: bool
+    created: str
+
+    @property
+    def T_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction
+        """``room`` as a (4, 4) array."""
+        return np.array(self.room).reshape(4, 4)
+
+
+def _checksum(content: dict[str, Any]) -> str:
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def encode_manifest(manifest: Manifest) -> bytes:
+    """The manifest's file, which carries a checksum of itself."""
+    content = {"version": VERSION, **asdict(manifest)}
+    return json.dumps(content | {"checksum": _checksum(content)}, indent=1).encode()
+
+
+def read_manifest(path: Path) -> Manifest:
+    """The manifest of the sequence in folder ``path``.
+
+    Raises NotFoundError when there is none, BadInputError when it is damaged.
+    """
+    try:
+        content = json.loads((path / FILE).read_bytes())
+    except FileNotFoundError as error:
+        raise NotFoundError(f"expected a sequence in {path.name}, got no manifest") from error
+    except ValueError as error:
+        raise BadInputError(f"{path.name}: expected a manifest in JSON, got {error}") from error
+    if not isinstance(content, dict) or content.get("version") != VERSION:
+        raise BadInputError(f"{path.name}: expected a manifest of version {VERSION}")
+    given = content.pop("checksum", None)
+    if given != _checksum(content):
+        raise BadInputError(f"{path.name}: expected manifest checksum {given}, got another")
+    return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
+
+
+def update_manifest(
+    path: Path,
+    *,
+    name: str | None = None,
+    fps: float | None = None,
+    room: NDArray[np.float64] | None = None,
+) -> Manifest:
+    """Change what may change of an imported sequence, in one step.
+
+    ``room`` is ``T_room_local`` (4, 4), affine and invertible.  Raises BadInputError for an empty
+    name, a rate that is not positive and finite, or another matrix.
+    """
+    manifest = read_manifest(path)
+    if name is not None:
+        if not name.strip():
+            raise BadInputError("name: expected some text, got none")
+        manifest = replace(manifest, name=name)
+    if fps is not None:
+        if not (np.isfinite(fps) and fps > 0):
+            raise BadInputError(f"fps: expected a positive number, got {fps}")
+        manifest = replace(manifest, fps=float(fps))
+    if room is not None:
+        manifest = replace(manifest, room=_check_room(room))
+    replace_file(path / FILE, encode_manifest(manifest))
+    return manifest
+
+
+def _check_room(room: NDArray[np.float64]) -> Matrix:
+    matrix = np.asarray(room, np.float64)
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise BadInputError(f"room: expected a finite 4x4 matrix, got shape {matrix.shape}")
+    if (matrix[3] != (0, 0, 0, 1)).any() or abs(np.linalg.det(matrix[:3, :3])) < 1e-12:
+        raise BadInputError("room: expected an affine, invertible matrix, got another")
+    return [float(value) for value in matrix.ravel()]

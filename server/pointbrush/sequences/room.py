@@ -1,0 +1,61 @@
+"""The room: where a recording stands when a person enters it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.sequences.floor import find_floor
+
+_KEEP = 12
+_ROOM_SIZE = 30.0
+"""Recordings wider than this (metres) are entered where the sensor was, not in their middle."""
+
+
+class RoomFinder:
+    """Collects samples of a recording's frames, however long it is, and places the room."""
+
+    def __init__(self, shift: NDArray[np.float64]) -> None:
+        self._shift = shift
+        self._points: list[NDArray[np.float32]] = []
+        self._viewpoints: list[NDArray[np.float64]] = []
+        self._stride = 1
+        self._seen = 0
+
+    def add(self, prefix: NDArray[np.float32], viewpoint: NDArray[np.float64] | None) -> None:
+        """An even subsample (n, 3) of one frame, local, and its sensor position in the source."""
+        if self._seen % self._stride == 0 and len(prefix):
+            self._points.append(prefix)
+            if len(self._points) > _KEEP:
+                del self._points[1::2]
+                self._stride *= 2
+        if viewpoint is not None and len(self._viewpoints) < _KEEP:
+            self._viewpoints.append(viewpoint - self._shift)
+        self._seen += 1
+
+    def room(self, *, camera: bool) -> NDArray[np.float64]:
+        """``T_room_local`` (4, 4): floor at y = 0, y up, -z ahead, the middle at the origin."""
+        points = np.concatenate([np.empty((0, 3)), *self._points]).astype(np.float64)
+        viewpoints = np.array(self._viewpoints).reshape(-1, 3)
+        floor = find_floor(points, viewpoints, camera=camera)
+        right = np.cross(floor.forward, floor.up)
+        rotation = np.stack([right, floor.up, -floor.forward])
+        T_room_local = np.eye(4)
+        T_room_local[:3, :3] = rotation
+        level = points @ rotation[[0, 2]].T
+        T_room_local[[0, 2], 3] = -_middle(level, viewpoints @ rotation[[0, 2]].T)
+        T_room_local[1, 3] = -floor.height
+        return T_room_local + 0.0  # no negative zeros
+
+
+def _middle(level: NDArray[np.float64], sensors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The point (2,) of the plan to stand at."""
+    if len(level) == 0:
+        return np.zeros(2)
+    low, high = np.quantile(level, [0.02, 0.98], axis=0)
+    if float((high - low).max()) <= _ROOM_SIZE:
+        middle: NDArray[np.float64] = (low + high) / 2
+        return middle
+    sensor = np.median(sensors, axis=0) if len(sensors) else np.zeros(2)
+    inside = bool((sensor >= low).all() and (sensor <= high).all())
+    return sensor if inside else np.median(level, axis=0)

@@ -1,0 +1,241 @@
+"""Reading an imported sequence: ``Sequence[i]`` is a ``StoredFrame`` of memory-mapped arrays."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.frame import DepthCamera
+from pointbrush.sequences import kdtree
+from pointbrush.sequences.arrays import map_file, open_arrays
+from pointbrush.sequences.blocks import Blocks
+from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.columns import from_local
+from pointbrush.sequences.manifest import Manifest, read_manifest
+
+FRAMES = "frames"
+_OPEN_FRAMES = 256
+_TREE_POINTS = 6_000_000
+_trees: Cache[tuple[str, int], cKDTree[None]] = Cache(_TREE_POINTS)
+"""Trees of all sequences together, bounded by their points (about 45 bytes each)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A run of points in stored order, and its encoded bytes in the frame's wire file.
+
+    Position = ``origin + q * scale``, local metres; ``lo``, ``hi`` bound the exact positions.
+    ``parent`` is the chunk above in an octree, -1 elsewhere.
+    """
+
+    index: int
+    level: int
+    first: int
+    count: int
+    offset: int
+    nbytes: int
+    origin: tuple[float, float, float]
+    scale: tuple[float, float, float]
+    lo: tuple[float, float, float]
+    hi: tuple[float, float, float]
+    parent: int
+
+
+_CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
+
+
+class StoredFrame:
+    """One frame; arrays are read-only, in stored order, shared by all threads.
+
+    ``source_index`` (N,) uint32: ``source_array[source_index]`` is in stored order.
+    """
+
+    def __init__(self, path: Path, index: int, manifest: Manifest) -> None:
+        self.index = index
+        self.large = path.is_dir()
+        self._path = path
+        self._shift = np.array(manifest.shift)
+        self._arrays, self._meta = open_arrays(path)
+        self._wire_path = path.with_suffix(".wire")
+        self.xyz: NDArray[np.float32] = self._arrays["xyz"]
+        self.count = len(self.xyz)
+        self.source_index: NDArray[np.uint32] = self._arrays["source_index"]
+        pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
+        self.pose = None if pose is None else np.array(pose).reshape(4, 4)
+        self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
+        self.timestamp = manifest.timestamps[index]
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """(N, 3) colours, or None."""
+        return self._arrays.get("rgb")
+
+    @property
+    def intensity(self) -> NDArray[np.float32] | None:
+        """(N,) in the source's unit, or None."""
+        return self._arrays.get("intensity")
+
+    @property
+    def label(self) -> NDArray[np.uint16] | None:
+        """(N,) annotation that came with the source, or None."""
+        return self._arrays.get("label")
+
+    @property
+    def instance(self) -> NDArray[np.uint16] | None:
+        """(N,) instance numbers that came with the source, or None."""
+        return self._arrays.get("instance")
+
+    @property
+    def pixel(self) -> NDArray[np.uint32] | None:
+        """(N,) row-major pixels of ``camera``'s image, or None."""
+        return self._arrays.get("pixel")
+
+    @property
+    def camera(self) -> DepthCamera | None:
+        """Intrinsics when the frame came from a depth image."""
+        camera = self._meta.get("camera")
+        return None if camera is None else DepthCamera(**camera)
+
+    @property
+    def source_dtype(self) -> np.dtype[Any]:
+        """float32 or float64: the type of the coordinates that were imported."""
+        dtype: np.dtype[Any] = np.dtype(self._meta["dtype"])
+        return dtype
+
+    def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
+        """A per-point array (N, …) from stored into source order."""
+        values = np.asarray(stored_values)
+        if len(values) != self.count:
+            raise BadInputError(f"expected {self.count} values, got {len(values)}")
+        out = np.empty_like(values)
+        out[self.source_index] = values
+        return out
+
+    def stored_numbers(self, source_indices: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
+        """Stored numbers (K,) of points given by their numbers (K,) in the source.
+
+        Raises BadInputError when one is outside 0..N-1.
+        """
+        wanted = np.asarray(source_indices)
+        if len(wanted) and (int(wanted.min()) < 0 or int(wanted.max()) >= self.count):
+            raise BadInputError(
+                f"expected point numbers from 0 to {self.count - 1}, "
+                f"got {wanted.min()} to {wanted.max()}"
+            )
+        return self._inverse[wanted].astype(np.int64)
+
+    @cached_property
+    def _inverse(self) -> NDArray[np.uint32]:
+        return self.to_source(np.arange(self.count, dtype=np.uint32))
+
+    def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
+        """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
+        exact = self._arrays.get("residual")
+        return self.to_source(from_local(self.xyz, exact, self._shift, self.source_dtype))
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """Bounding boxes of runs of at most 256 points."""
+        arrays, chunks = self._arrays, self._arrays["chunks"]
+        return Blocks(
+            first=arrays["block_first"],
+            lo=arrays["block_lo"],
+            hi=arrays["block_hi"],
+            chunk_first=arrays["block_of_chunk"],
+            chunk_lo=np.ascontiguousarray(chunks["lo"]),
+            chunk_hi=np.ascontiguousarray(chunks["hi"]),
+        )
+
+    @property
+    def chunk_table(self) -> NDArray[Any]:
+        """The chunks as one structured array (``columns.CHUNK``)."""
+        return self._arrays["chunks"]
+
+    @cached_property
+    def chunks(self) -> list[Chunk]:
+        """All chunks, in the order of their points and bytes."""
+        columns = [self.chunk_table[name].tolist() for name in _CHUNK_COLUMNS]
+        rows = zip(*columns, strict=True)
+        return [
+            Chunk(index, *(tuple(value) if isinstance(value, list) else value for value in row))
+            for index, row in enumerate(rows)
+        ]
+
+    @cached_property
+    def _wire(self) -> memoryview:
+        return map_file(self._wire_path)
+
+    def wire(self, first_chunk: int, stop_chunk: int) -> memoryview:
+        """The encoded bytes of chunks ``first_chunk`` to before ``stop_chunk``.
+
+        Offsets of chunks count from the start of the frame's wire file.
+        """
+        table = self.chunk_table
+        if not 0 <= first_chunk <= stop_chunk <= len(table):
+            raise NotFoundError(
+                f"expected chunks within 0..{len(table)}, got {first_chunk}..{stop_chunk}"
+            )
+        if first_chunk == stop_chunk:
+            return memoryview(b"")
+        start = int(table["offset"][first_chunk])
+        stop = int(table["offset"][stop_chunk - 1] + table["nbytes"][stop_chunk - 1])
+        return self._wire[start:stop]
+
+    @property
+    def kdtree(self) -> cKDTree[None]:
+        """The tree over ``xyz``, loaded once and shared; querying it is thread-safe."""
+        return _trees.get(
+            (str(self._path), self.index),
+            lambda: kdtree.unpack(self._arrays, self.xyz),
+            size=max(self.count, 1),
+        )
+
+
+class Sequence:
+    """An imported recording: ``len`` and ``[i]``; immutable, safe to share between threads."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.manifest = read_manifest(path)
+        self._frames: OrderedDict[int, StoredFrame] = OrderedDict()
+        self._lock = Lock()
+
+    def __len__(self) -> int:
+        return self.manifest.frames
+
+    def __getitem__(self, index: int) -> StoredFrame:
+        if not 0 <= index < len(self):
+            raise NotFoundError(f"expected a frame from 0 to {len(self) - 1}, got {index}")
+        with self._lock:
+            frame = self._frames.get(index)
+            if frame is None:
+                path = self.path / FRAMES / f"{index:06d}"
+                if not path.is_dir():
+                    path = path.with_suffix(".points")
+                frame = StoredFrame(path, index, self.manifest)
+                self._frames[index] = frame
+                if len(self._frames) > _OPEN_FRAMES:
+                    self._frames.popitem(last=False)
+            else:
+                self._frames.move_to_end(index)
+        return frame
+
+
+def open_sequence(path: Path) -> Sequence:
+    """Open the sequence in folder ``path``.
+
+    Raises NotFoundError when there is none, BadInputError when its manifest is damaged.
+    """
+    return Sequence(path)
