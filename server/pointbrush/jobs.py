@@ -13,7 +13,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Client, Connection, Listener
 from typing import Any, Literal, Protocol
@@ -240,13 +240,12 @@ class JobRunner:
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         try:
-            wait([running.future])
+            error = _outcome(running.future)
             if running.connection is not None:
                 running.drained.wait(60)  # items that are still on their way
-            running.future.result()
-            self._end(job_id, running, cancelled=False)
-        except BaseException as error:
-            if running.cancelled or isinstance(error, CancelledError):
+            if error is None:
+                self._end(job_id, running, cancelled=False)
+            elif running.cancelled or isinstance(error, CancelledError):
                 self._end(job_id, running, cancelled=True)
             else:
                 self._change(job_id, state="failed", error=_sentence(error))
@@ -289,6 +288,15 @@ def _run(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
     with Client(address, authkey=key) as connection:
         connection.send(job_id)
         return work(Channel(connection))
+
+
+def _outcome(future: Future[Any]) -> BaseException | None:
+    """What the work raised, or None; blocks until it has ended or was taken off the queue."""
+    try:
+        future.result()
+    except BaseException as error:
+        return error
+    return None
 
 
 def _send_cancel(connection: Connection[Any, Any]) -> None:

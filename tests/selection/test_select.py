@@ -19,7 +19,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 def indexed(xyz: NDArray[np.float32], rgb: NDArray[np.uint8] | None = None) -> Points:
     """Points in the order given, with blocks over it."""
-    chunk_first = np.array([0, *range(1000, len(xyz), 1000), len(xyz)], np.int64)
+    chunk_first = np.unique([0, *range(1000, len(xyz), 1000), len(xyz)]).astype(np.int64)
     first, chunk_block = cut(chunk_first)
     lo, hi = bound(xyz, first)
     chunk_lo, chunk_hi = bound(xyz, chunk_first)

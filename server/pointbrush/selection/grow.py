@@ -77,10 +77,14 @@ def _grow_waves(
             reached, parents = reached[like], parents[like]
         if len(reached) == 0:
             break
-        # 3. Like normal, unless one of the two is uncertain.
+        # 3. Like normal.  A point whose own normal is uncertain (noise, an edge) takes that of its
+        #    parent, so that the region does not turn a corner through it.
         next_links, next_normals, next_certain = _surroundings(xyz, tree, reached, radius)
         turn = np.abs(np.einsum("ij,ij->i", next_normals, normals[parents]))
-        keep = (turn >= MAX_TURN) | ~(next_certain & certain[parents])
+        keep = (turn >= MAX_TURN) | ~next_certain | ~certain[parents]
+        inherits = ~next_certain & certain[parents]
+        next_normals[inherits] = normals[parents[inherits]]
+        next_certain |= inherits
         frontier = reached[keep]
         links, normals, certain = next_links[keep], next_normals[keep], next_certain[keep]
         seen[frontier] = True
