@@ -57,7 +57,8 @@ def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
     """The integers of all ranges ``start[i]:stop[i]``, one after the other."""
     length = stop - start
     begin = np.cumsum(length) - length
-    return np.arange(int(length.sum()), dtype=np.int64) + np.repeat(start - begin, length)
+    numbers: NDArray[np.int64] = np.repeat(start - begin, length)
+    return numbers + np.arange(len(numbers))
 
 
 def cut(chunk_first: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

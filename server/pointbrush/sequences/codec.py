@@ -124,9 +124,11 @@ def _assemble(slots: Bytes, mode: Bytes, size: NDArray[np.int64], per_block: int
         array = array.reshape(blocks, per_block, *array.shape[1:])
         return np.swapaxes(array, 1, 2)
 
-    modes = by_channel(mode).reshape(blocks, stride, per_block // 4, 4)
+    width = -(-per_block // 4)
+    modes = np.zeros((blocks, stride, 4 * width), np.uint8)
+    modes[..., :per_block] = by_channel(mode)
+    modes = modes.reshape(blocks, stride, width, 4)
     header = modes[..., 0] | (modes[..., 1] << 2) | (modes[..., 2] << 4) | (modes[..., 3] << 6)
-    width = per_block // 4
     out = np.empty((blocks, stride, width + per_block * GROUP), np.uint8)
     used = np.empty(out.shape, np.bool_)
     out[..., :width] = header
@@ -232,7 +234,7 @@ def _integrate(values: Bytes, groups: int, stride: int, per_block: int, first: B
     head = values[: cut * stride].reshape(full, stride, per_block, GROUP)
     columns[:, :cut] = head.transpose(1, 0, 2, 3).reshape(stride, cut, GROUP)
     columns[:, cut:] = values[cut * stride :].reshape(stride, groups - cut, GROUP)
-    flat = columns.reshape(stride, -1)
-    flat = (flat >> 1) ^ (0 - (flat & 1)).astype(np.uint8)
-    vertices: Bytes = np.cumsum(flat, axis=1, dtype=np.uint8) + first[:, None]
+    zigzag: Bytes = columns.reshape(stride, -1)
+    steps = (zigzag >> 1) ^ (0 - (zigzag & 1)).astype(np.uint8)
+    vertices: Bytes = np.cumsum(steps, axis=1, dtype=np.uint8) + first[:, None]
     return np.ascontiguousarray(vertices.T)

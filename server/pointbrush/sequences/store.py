@@ -166,12 +166,11 @@ class StoredFrame:
     @cached_property
     def chunks(self) -> list[Chunk]:
         """All chunks, in the order of their points and bytes."""
-        columns = [self.chunk_table[name].tolist() for name in _CHUNK_COLUMNS]
-        rows = zip(*columns, strict=True)
-        return [
-            Chunk(index, *(tuple(value) if isinstance(value, list) else value for value in row))
-            for index, row in enumerate(rows)
+        columns: list[list[Any]] = [
+            list(map(tuple, values)) if values and isinstance(values[0], list) else values
+            for values in (self.chunk_table[name].tolist() for name in _CHUNK_COLUMNS)
         ]
+        return list(map(Chunk, range(len(self.chunk_table)), *columns))
 
     @cached_property
     def _wire(self) -> memoryview:

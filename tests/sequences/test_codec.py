@@ -1,0 +1,126 @@
+"""The vertex codec: its own round trip, malformed streams, and the page's decoder."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pointbrush.errors import BadInputError
+from pointbrush.sequences.codec import decode_vertices, encode_vertices
+
+ROOT = Path(__file__).parents[2]
+MODULES = ROOT / "webxr_client" / "node_modules" / "meshoptimizer"
+
+
+def vertices(seed: int, count: int, stride: int, spread: int) -> np.ndarray:
+    """Random walks of differing roughness: all four ways to pack a group occur."""
+    rng = np.random.default_rng(seed)
+    rough = rng.integers(0, spread + 1, (-(-count // 16), stride)).repeat(16, axis=0)[:count]
+    steps = rng.integers(-128, 128, (count, stride)) * rough // 128
+    return np.cumsum(steps, axis=0).astype(np.uint8)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 1500),
+    st.sampled_from([4, 8, 12, 16, 32, 36, 64, 256]),
+    st.integers(0, 128),
+)
+def test_round_trip(seed: int, count: int, stride: int, spread: int) -> None:
+    data = vertices(seed, count, stride, spread)
+    assert np.array_equal(decode_vertices(encode_vertices(data), count, stride), data)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.binary(max_size=400), st.integers(0, 300))
+def test_noise_decodes_to_its_count_or_is_refused(noise: bytes, count: int) -> None:
+    try:
+        decoded = decode_vertices(b"\xa0" + noise, count)
+    except BadInputError:
+        return
+    assert decoded.shape == (count, 12)
+
+
+def test_truncated_and_foreign_streams_are_refused() -> None:
+    stream = encode_vertices(vertices(0, 700, 12, 40))
+    for broken in (b"", stream[:20], stream[:-1], stream[1:], stream + b"\0", b"\xa1" + stream[1:]):
+        with pytest.raises(BadInputError, match="vertex stream: expected"):
+            decode_vertices(broken, 700)
+    with pytest.raises(BadInputError):
+        decode_vertices(stream, 1400)
+
+
+@pytest.mark.parametrize("shape", [(5,), (5, 10), (5, 0), (5, 260)])
+def test_other_shapes_are_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(BadInputError, match="expected"):
+        encode_vertices(np.zeros(shape, np.uint8))
+
+
+def test_smooth_data_shrinks_and_constants_vanish() -> None:
+    assert len(encode_vertices(vertices(1, 65536, 12, 2))) < 0.5 * 65536 * 12
+    assert len(encode_vertices(np.full((65536, 12), 7, np.uint8))) < 13_000
+
+
+DECODE = """
+import { MeshoptDecoder } from "MODULE";
+let text = "";
+for await (const part of process.stdin) text += part;
+await MeshoptDecoder.ready;
+const out = JSON.parse(text).map(({ count, stride, data }) => {
+  const target = new Uint8Array(count * stride);
+  MeshoptDecoder.decodeVertexBuffer(target, count, stride, Buffer.from(data, "base64"));
+  return Buffer.from(target).toString("base64");
+});
+process.stdout.write(JSON.stringify(out));
+"""
+
+
+@pytest.mark.skipif(not MODULES.is_dir(), reason="the page's modules are not installed")
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_the_pages_decoder_reads_our_streams() -> None:
+    cases = [
+        vertices(seed, count, stride, spread)
+        for seed, (count, stride, spread) in enumerate(
+            [
+                (1, 12, 9),
+                (15, 12, 128),
+                (16, 12, 1),
+                (255, 12, 30),
+                (256, 12, 0),
+                (257, 12, 128),
+                (65536, 12, 20),
+                (4000, 16, 60),
+                (4000, 64, 5),
+                (700, 256, 128),
+                (3, 4, 3),
+            ]
+        )
+    ]
+    given = [
+        {
+            "count": len(case),
+            "stride": case.shape[1],
+            "data": base64.b64encode(encode_vertices(case)).decode(),
+        }
+        for case in cases
+    ]
+    module = next(MODULES.glob("meshopt_decoder.*js"))
+    run = subprocess.run(
+        ["node", "--input-type=module", "-e", DECODE.replace("MODULE", module.as_uri())],
+        input=json.dumps(given),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    for case, text in zip(cases, json.loads(run.stdout), strict=True):
+        assert base64.b64decode(text) == case.tobytes()
