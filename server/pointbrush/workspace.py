@@ -9,64 +9,31 @@ from __future__ import annotations
 import shutil
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Any, BinaryIO
 
-import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import (
     BadInputError,
     ConflictError,
     ForbiddenError,
-    LockedLabelError,
     NotFoundError,
 )
 from pointbrush.formats import EXPORTS, export
 from pointbrush.frame import PointFrame
-from pointbrush.jobs import Job, JobRunner, Work
-from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Write
-from pointbrush.sequences import Manifest, open_sequence, update_manifest
+from pointbrush.jobs import ENDED, Job, JobRunner, Work
+from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
+from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import exporting, importing, tracking
+from pointbrush.work import annotations, exporting, importing, tracking
+from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
+from pointbrush.work.library import Library
 from pointbrush.work.strokes import LiveStroke, edit_id
 
-Layer = Literal["label", "provenance", "deleted"]
-LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
-
-
-@dataclass(frozen=True, eq=False)
-class Provisional:
-    """What a tracking run just found in a frame: stored numbers and a label for each."""
-
-    sequence: str
-    frame: int
-    job: str
-    numbers: NDArray[np.int64]
-    labels: NDArray[np.uint16]
-    found: FrameResult
-
-
-@dataclass(frozen=True)
-class Retracted:
-    """A run's provisional findings are void: it failed, or was cancelled without keeping."""
-
-    sequence: str
-    job: str
-    frames: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class SequencesChanged:
-    """A sequence was imported, renamed or deleted."""
-
-    sequence: str
-
-
-Event = Commit | Job | Provisional | Retracted | SequencesChanged
+__all__ = ["Event", "Provisional", "Retracted", "SequencesChanged", "Workspace"]
 
 
 class Workspace:
@@ -78,17 +45,9 @@ class Workspace:
         Raises BadInputError when the folder cannot be used, UnavailableError without database.
         """
         self.settings = settings
-        self.root = settings.workspace.absolute()
-        self._folder = self.root / "sequences"
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise BadInputError(
-                f"workspace: expected a folder to write in, got {self.root}: {error.strerror}"
-            ) from None
-        self._lock = threading.RLock()
-        self._open: dict[str, Recording] = {}
-        self._importing: set[str] = set()
+        self.library = Library(settings.workspace.absolute() / "sequences")
+        self.library.clean()
+        self._lock = threading.Lock()
         self._keep: set[str] = set()
         self._listeners: list[Callable[[Event], None]] = []
         self.store = LabelStore(settings.database_url)
@@ -125,49 +84,26 @@ class Workspace:
 
     def sequences(self) -> list[Manifest]:
         """Manifests of all recordings, by name."""
-        found = [
-            self.recording(path.name).manifest
-            for path in self._folder.iterdir()
-            if (path / "manifest.json").is_file() and not path.name.startswith(".")
-        ]
-        return sorted(found, key=lambda manifest: manifest.name.lower())
+        return self.library.manifests()
 
     def recording(self, sequence: str) -> Recording:
         """The stored recording; raises NotFoundError."""
-        with self._lock:
-            if sequence not in self._open:
-                path = self._folder / sequence
-                plain = path.parent == self._folder and not sequence.startswith(".")
-                if not plain or not (path / "manifest.json").is_file():
-                    raise NotFoundError(
-                        f"sequence: expected the id of a sequence, got {sequence!r}"
-                    )
-                self._open[sequence] = open_sequence(path)
-            return self._open[sequence]
+        return self.library.recording(sequence)
 
     def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
         """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
-        self.recording(sequence)
-        with self._lock:
-            update_manifest(self._folder / sequence, **fields)
-            self._open.pop(sequence, None)
+        manifest = self.library.update(sequence, **fields)
         self._publish(SequencesChanged(sequence))
-        return self.recording(sequence).manifest
+        return manifest
 
     def delete_sequence(self, sequence: str) -> None:
         """Remove a recording and its labels; raises ConflictError while a job works on it."""
         self.recording(sequence)
-        busy = [job for job in self.runner.jobs() if job.sequence == sequence]
-        if any(job.state in ("queued", "running") for job in busy):
-            raise ConflictError(f"sequence: expected no running jobs on {sequence!r}")
-        with self._lock:
-            # Renamed first: a half-deleted folder must never look like a recording.
-            doomed = self._folder / f".deleted-{sequence}"
-            shutil.rmtree(doomed, ignore_errors=True)
-            (self._folder / sequence).rename(doomed)
-            self._open.pop(sequence, None)
+        for job in self.runner.jobs():
+            if job.sequence == sequence and job.state not in ENDED:
+                raise ConflictError(f"sequence: expected no running {job.kind} on {sequence!r}")
+        self.library.remove(sequence)
         self.store.forget(sequence)
-        shutil.rmtree(doomed, ignore_errors=True)
         self._publish(SequencesChanged(sequence))
 
     def import_paths(
@@ -185,10 +121,10 @@ class Workspace:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
         default = paths[0].stem if len(paths) == 1 else paths[0].parent.name
-        sequence = self._new_id(name or default)
+        sequence = self.library.reserve(name or default)
         work = importing.ImportWork(
             paths=tuple(path.absolute() for path in paths),
-            target=self._folder / sequence,
+            target=self.library.folder / sequence,
             sequence_id=sequence,
             name=name,
             fps=fps,
@@ -200,17 +136,9 @@ class Workspace:
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""
-        sequence = self._new_id("juggling")
-        work = importing.SampleWork(self._folder / sequence, sequence, frames, seed)
+        sequence = self.library.reserve("juggling")
+        work = importing.SampleWork(self.library.folder / sequence, sequence, frames, seed)
         return self._submit_import(sequence, work, importing.create_sample_labels)
-
-    def _new_id(self, name: str) -> str:
-        with self._lock:
-            sequence = importing.new_sequence_id(
-                name, lambda i: (self._folder / i).exists() or i in self._importing
-            )
-            self._importing.add(sequence)
-        return sequence
 
     def _submit_import(
         self,
@@ -229,8 +157,7 @@ class Workspace:
             return importing.result(recording)
 
         def done(_: Job) -> None:
-            with self._lock:
-                self._importing.discard(sequence)
+            self.library.release(sequence)
             if cleanup is not None:
                 shutil.rmtree(cleanup, ignore_errors=True)
 
@@ -261,10 +188,7 @@ class Workspace:
         self, sequence: str, frame: int, layer: str = "label"
     ) -> tuple[NDArray[Any], int]:
         """A layer of a frame's annotation (N,), and the sequence's revision it is of."""
-        stored = self.recording(sequence)[frame]
-        _require_layer(layer)
-        values = self.store.values(sequence, frame)
-        return stored.to_source(getattr(values, layer)), values.revision
+        return annotations.get_layer(self.store, self.recording(sequence), frame, layer)
 
     def put_annotation(
         self,
@@ -281,26 +205,7 @@ class Workspace:
 
         Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
         """
-        stored = self.recording(sequence)[frame]
-        dtype = np.dtype(_require_layer(layer))
-        if array.shape != (stored.count,) or array.dtype != dtype:
-            raise BadInputError(
-                f"annotation: expected ({stored.count},) {dtype}, got {array.shape} {array.dtype}"
-            )
-        wanted = array[stored.source_index]
-        now = self.store.values(sequence, frame)
-        if layer == "label":
-            self._require_allowed(sequence, now.label, wanted)
-        numbers = np.flatnonzero(wanted != getattr(now, layer))
-        value = wanted[numbers]
-        if layer == "label":
-            write = Write(numbers, label=value, provenance=(value > 0).astype(np.uint8) * 3)
-        elif layer == "provenance":
-            if value.size and value.max() > 3:
-                raise BadInputError(f"provenance: expected 0 to 3, got {int(value.max())}")
-            write = Write(numbers, provenance=value)
-        else:
-            write = Write(numbers, deleted=value)
+        write = annotations.replacement(self.store, self.recording(sequence), frame, layer, array)
         return self.store.apply(
             sequence,
             edit_id=edit_id(edit),
@@ -310,20 +215,6 @@ class Workspace:
             summary=f"annotation of frame {frame}",
             if_match=if_match,
         )
-
-    def _require_allowed(
-        self, sequence: str, now: NDArray[np.uint16], wanted: NDArray[np.uint16]
-    ) -> None:
-        palette = {label.id: label for label in self.store.palette(sequence)}
-        unknown = [n for n in np.unique(wanted).tolist() if n and n not in palette]
-        if unknown:
-            raise BadInputError(
-                f"annotation: expected labels of the palette, got unknown {unknown[:10]}"
-            )
-        locked = [label.id for label in palette.values() if label.locked]
-        change = now != wanted
-        if (np.isin(now[change], locked) | np.isin(wanted[change], locked)).any():
-            raise LockedLabelError("annotation: expected no change of points of locked labels")
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
@@ -424,12 +315,13 @@ class Workspace:
         run_id = edit_id(edit)
 
         def on_item(job: Job, found: FrameResult) -> None:
-            numbers, values = findings.add(found)
+            findings.results.append(found)
+            numbers, values = tracking.flat(found)
             self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
 
         def finish(job: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled and job.id not in self._keep:
-                return {"edit": None, "changed": 0, "frames": 0}
+                return dict(tracking.NOTHING)
             summary = f"tracked {len(ids)} labels, frames {start} to {stop}, {method}"
             return findings.commit(run_id, author, summary)
 
@@ -475,9 +367,3 @@ class Workspace:
         if keep:
             self._keep.add(job_id)
         return self.runner.cancel(job_id)
-
-
-def _require_layer(layer: str) -> type:
-    if layer not in LAYERS:
-        raise BadInputError(f"layer: expected one of {', '.join(LAYERS)}, got {layer!r}")
-    return LAYERS[layer]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -91,16 +90,6 @@ def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFra
                 f"frame {number}: expected at most {max_points:,} points, got {len(frame):,}"
             )
         yield frame
-
-
-def new_sequence_id(name: str, taken: Callable[[str], bool]) -> str:
-    """A readable, URL-safe id made from ``name`` that is not ``taken`` yet."""
-    slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
-    candidate, number = slug, 1
-    while taken(candidate):
-        number += 1
-        candidate = f"{slug}-{number}"
-    return candidate
 
 
 def import_source_labels(store: LabelStore, recording: Sequence) -> None:

@@ -17,6 +17,8 @@ from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
 
 TRACKED = 2
+NOTHING = {"edit": None, "changed": 0, "frames": 0}
+"""What a run reports that found nothing, or was told to drop it."""
 OVERWRITE = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
 
 
@@ -107,7 +109,7 @@ def require_method(method: str) -> None:
 
 @dataclass
 class Findings:
-    """What a run has found so far, in this process; becomes one edit."""
+    """What a run has found so far, in the server's process; becomes one edit."""
 
     store: LabelStore
     sequence: str
@@ -116,16 +118,11 @@ class Findings:
     overwrite: str
     results: list[FrameResult] = field(default_factory=list)
 
-    def add(self, found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
-        """Keep a result; returns its points and their labels, for showing at once."""
-        self.results.append(found)
-        return _flat(found)
-
     def commit(self, edit: str, author: str, summary: str) -> dict[str, Any]:
         """Write everything as one edit, merging with what people did meanwhile."""
         tracks = [track for found in self.results for track in self._tracks(found)]
         if not tracks:
-            return {"edit": None, "changed": 0, "frames": 0}
+            return dict(NOTHING)
         commit = self.store.apply(
             self.sequence,
             edit_id=edit,
@@ -146,7 +143,7 @@ class Findings:
         for found in self.results:
             if found.frame == self.start:
                 continue
-            numbers, label = _flat(found)
+            numbers, label = flat(found)
             # What an earlier run gave these labels here and this one did not find goes.
             values = self.store.values(self.sequence, found.frame)
             stale = np.isin(values.label, self.labels) & (values.provenance == TRACKED)
@@ -179,7 +176,7 @@ class Findings:
         ]
 
 
-def _flat(found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
+def flat(found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
     """Point numbers, sorted, and their labels, of all labels of one result."""
     if not found.assignments:
         return np.empty(0, np.int64), np.empty(0, np.uint16)

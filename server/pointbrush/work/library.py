@@ -1,0 +1,91 @@
+"""The recordings of a workspace: a folder each, opened once, renamed before they are removed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import threading
+from pathlib import Path
+from typing import Any
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.sequences import Manifest, clean_temporary, open_sequence, update_manifest
+from pointbrush.sequences import Sequence as Recording
+
+
+class Library:
+    """Recordings under ``folder``; thread-safe."""
+
+    def __init__(self, folder: Path) -> None:
+        """Make or open the folder; raises BadInputError when it cannot be used."""
+        self.folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise BadInputError(
+                f"workspace: expected a folder to write in, got {folder}: {error.strerror}"
+            ) from None
+        self._lock = threading.Lock()
+        self._open: dict[str, Recording] = {}
+        self._reserved: set[str] = set()
+
+    def manifests(self) -> list[Manifest]:
+        """What each recording is, by name."""
+        found = [
+            self.recording(path.name).manifest
+            for path in self.folder.iterdir()
+            if not path.name.startswith(".") and (path / "manifest.json").is_file()
+        ]
+        return sorted(found, key=lambda manifest: manifest.name.lower())
+
+    def recording(self, sequence: str) -> Recording:
+        """The stored recording; raises NotFoundError."""
+        with self._lock:
+            if sequence not in self._open:
+                path = self.folder / sequence
+                plain = path.parent == self.folder and not sequence.startswith(".")
+                if not plain or not (path / "manifest.json").is_file():
+                    raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+                self._open[sequence] = open_sequence(path)
+            return self._open[sequence]
+
+    def update(self, sequence: str, **fields: Any) -> Manifest:
+        """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
+        self.recording(sequence)
+        with self._lock:
+            update_manifest(self.folder / sequence, **fields)
+            self._open.pop(sequence, None)
+        return self.recording(sequence).manifest
+
+    def remove(self, sequence: str) -> None:
+        """Delete a recording's folder."""
+        self.recording(sequence)
+        # Renamed first: a half-deleted folder must never look like a recording.
+        doomed = self.folder / f".deleted-{sequence}"
+        shutil.rmtree(doomed, ignore_errors=True)
+        with self._lock:
+            (self.folder / sequence).rename(doomed)
+            self._open.pop(sequence, None)
+        shutil.rmtree(doomed, ignore_errors=True)
+
+    def clean(self) -> None:
+        """Remove what an import or a deletion that was killed has left."""
+        clean_temporary(self.folder)
+        for path in self.folder.glob(".deleted-*"):
+            shutil.rmtree(path, ignore_errors=True)
+
+    def reserve(self, name: str) -> str:
+        """A readable, URL-safe id made from ``name``; nobody else gets it until released."""
+        slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
+        with self._lock:
+            candidate, number = slug, 1
+            while candidate in self._reserved or (self.folder / candidate).exists():
+                number += 1
+                candidate = f"{slug}-{number}"
+            self._reserved.add(candidate)
+        return candidate
+
+    def release(self, sequence: str) -> None:
+        """Give a reserved id back."""
+        with self._lock:
+            self._reserved.discard(sequence)
