@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -13,6 +15,7 @@ from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.progress import follow
 from pointbrush.settings import Settings, options
+from pointbrush.work.backup import restore_backup
 from pointbrush.workspace import Workspace
 
 Command = Callable[[argparse.Namespace, Settings], None]
@@ -85,6 +88,26 @@ def parser() -> argparse.ArgumentParser:
     token_.add_argument("--role", default="annotator")
     token_.add_argument("--days", type=_positive, help="days until it expires")
     _settings(token_, "workspace", "database")
+
+    review_ = _command(commands, "review", review, "step through labels and doubts in viser")
+    review_.add_argument("sequence", metavar="SEQ")
+    review_.add_argument("--port", type=int, default=8081, help="port to listen on")
+    _settings(review_, "workspace", "database")
+
+    check_ = _command(commands, "check", check, "verify recordings, journal and annotations")
+    check_.add_argument("sequence", nargs="?", metavar="SEQ")
+    _settings(check_, "workspace", "database")
+
+    backup_ = _command(commands, "backup", backup, "copy a workspace, also one that is in use")
+    backup_.add_argument("target", type=Path)
+    _settings(backup_, "workspace", "database")
+
+    restore_ = _command(commands, "restore", restore, "make a workspace from a backup")
+    restore_.add_argument("source", type=Path)
+    _settings(restore_, "workspace")
+
+    bench_ = _command(commands, "bench", bench, "run the benchmarks of a checkout")
+    bench_.add_argument("name", nargs="?", help="one of them; all unless given")
     return top
 
 
@@ -241,6 +264,57 @@ def token(given: argparse.Namespace, settings: Settings) -> None:
             days = given.days
             secret = tokens.add(given.role, given.name, None if days is None else days * 86_400)
             print(secret)
+
+
+def review(given: argparse.Namespace, settings: Settings) -> None:
+    """Serve the review panel on loopback until interrupted."""
+    from pointbrush.review.panel import ReviewPanel
+
+    with (
+        closing(Workspace(settings)) as workspace,
+        closing(ReviewPanel(workspace, given.sequence, port=given.port)) as panel,
+    ):
+        print(f"pointbrush review at http://127.0.0.1:{panel.port}/", flush=True)
+        threading.Event().wait()
+
+
+def check(given: argparse.Namespace, settings: Settings) -> None:
+    """Print what is wrong in the workspace; an error when anything is."""
+    with closing(Workspace(settings)) as workspace:
+        wanted = [given.sequence] if given.sequence else [m.id for m in workspace.sequences()]
+        problems = [f"{name}: {line}" for name in wanted for line in workspace.check(name)]
+        for problem in problems:
+            print(problem)
+        if problems:
+            raise PointbrushError(f"{len(problems)} problems found")
+        print(f"{len(wanted)} recordings and their labels are sound")
+
+
+def backup(given: argparse.Namespace, settings: Settings) -> None:
+    """Copy recordings and labels into a new folder."""
+    with closing(Workspace(settings)) as workspace:
+        workspace.backup(given.target)
+    print(f"backed up to {given.target}")
+
+
+def restore(given: argparse.Namespace, settings: Settings) -> None:
+    """Bring a backup back as a new workspace."""
+    restore_backup(given.source, settings.workspace)
+    print(f"restored to {settings.workspace}")
+
+
+def bench(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001
+    """Run benchmarks/bench_*.py one after the other."""
+    folder = Path(__file__).parent.parent.parent / "benchmarks"
+    scripts = {path.stem.removeprefix("bench_"): path for path in folder.glob("bench_*.py")}
+    if not scripts:
+        raise BadInputError("bench: expected to run from a checkout of pointbrush")
+    if given.name is not None and given.name not in scripts:
+        raise BadInputError(f"bench: expected one of {', '.join(sorted(scripts))}")
+    for name in [given.name] if given.name else sorted(scripts):
+        print(f"== {name}", flush=True)
+        if subprocess.run([sys.executable, scripts[name]], check=False).returncode:
+            raise PointbrushError(f"benchmark {name} failed")
 
 
 if __name__ == "__main__":

@@ -24,11 +24,12 @@ from pointbrush.formats import EXPORTS, export
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import ENDED, Job, JobRunner, Work
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
-from pointbrush.sequences import Manifest
+from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work import annotations, exporting, importing, tracking
+from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
 from pointbrush.work.library import Library
 from pointbrush.work.strokes import LiveStroke, edit_id
@@ -367,3 +368,14 @@ class Workspace:
         if keep:
             self._keep.add(job_id)
         return self.runner.cancel(job_id)
+
+    # ── upkeep ───────────────────────────────────────────────────────────────────────────
+
+    def check(self, sequence: str) -> list[str]:
+        """What is wrong with a recording's files, its journal or its annotations; [] if sound."""
+        recording = self.recording(sequence)
+        return verify(recording.path) + self.store.check(sequence)
+
+    def backup(self, target: Path) -> None:
+        """Copy the whole workspace into the new folder ``target``, also while it is in use."""
+        make_backup(self.store, self.library, target)
