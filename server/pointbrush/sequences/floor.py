@@ -49,9 +49,12 @@ def thin(points: Vector, cells: int = 96) -> Vector:
 
     A surface near the sensor then counts by its area and not by its density.
     """
-    lo, hi = np.quantile(points, [0.01, 0.99], axis=0)
-    size = max(float((hi - lo).max()) / cells, 1e-9)
-    points = points[((points >= lo - 2 * size) & (points <= hi + 2 * size)).all(axis=1)]
+    # Around the middle half: a lidar's few far returns must not make the cells coarse.
+    low, high = np.quantile(points, [0.25, 0.75], axis=0)
+    reach = float((high - low).max())
+    size = max(2 * reach / cells, 1e-9)
+    lo, hi = (low + high) / 2 - reach - 2 * size, (low + high) / 2 + reach + 2 * size
+    points = points[((points >= lo) & (points <= hi)).all(axis=1)]
     cell = np.floor((points - lo) / size).astype(np.int64) + 4
     keys = (cell[:, 0] * 2**20 + cell[:, 1]) * 2**20 + cell[:, 2]
     _, group, counts = np.unique(keys, return_inverse=True, return_counts=True)
@@ -145,8 +148,8 @@ def _best_plane(
     scores = _score(above, tolerance) * _sensor_above(viewpoints, facing[seeds], heights, tolerance)
     winner = int(scores.argmax())
     up, height = facing[seeds[winner]], float(heights[winner])
-    for _ in range(3):
-        up, height = _refine(points, up, height, tolerance)
+    for finer in (1.0, 0.5, 0.25, 0.25):
+        up, height = _refine(points, up, height, tolerance * finer)
     if float(up @ axis) < np.cos(np.radians(choice.tilt)):
         return None
     above = (points @ up - height)[:, None]
