@@ -1,0 +1,387 @@
+"""People: an articulated body of rounded cones, posed by what the hands, feet and eyes do.
+
+A body's own axes are x to its left, y up, z forward; a person with yaw 0 faces the camera.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from pointbrush.samples.geometry import UP, Array, axis_angle, two_bones, unit, vec, yaw
+from pointbrush.samples.render import Solid
+from pointbrush.samples.room import egg, rod
+from pointbrush.samples.textures import (
+    Material,
+    checked,
+    cloth,
+    face,
+    linear,
+    matte,
+    noise,
+    plain,
+    striped,
+)
+
+UPPER_ARM, FOREARM, THIGH, SHANK = 0.29, 0.325, 0.43, 0.42
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """How a person looks; colours are "#rrggbb"."""
+
+    shirt: str
+    second: str | None = None
+    pattern: str = "plain"
+    trousers: str = "#2f3a4c"
+    skin: str = "#c99b7d"
+    hair: str = "#2b2018"
+    shoes: str = "#d8d8d4"
+    height: float = 1.76
+    build: float = 1.0
+    sleeves: float = 0.5
+    """Share of the upper arm (under 1) or of the whole arm (up to 2) that is covered."""
+    long_hair: bool = False
+
+    def shirt_material(self) -> Material:
+        """Return the shirt's cloth."""
+        color, second = linear(self.shirt), linear(self.second or self.shirt)
+        if self.pattern == "stripes":
+            return Material(partial(striped, color=color, second=second, width=0.075), 0.6)
+        if self.pattern == "checks":
+            return Material(partial(checked, color=color, second=second, width=0.06), 0.55)
+        return Material(partial(cloth, color=color), 0.6)
+
+
+LOOKS: tuple[Look, ...] = (
+    Look("#b8402f", trousers="#2c3b57", skin="#c89a7c", hair="#3a281a", height=1.80),
+    Look(
+        "#e3e1da",
+        "#3b5a80",
+        "stripes",
+        "#57524a",
+        "#d8ae92",
+        "#8a5a2b",
+        "#7a3b30",
+        1.70,
+        0.93,
+        1.7,
+        True,
+    ),
+    Look(
+        "#3f6b4a", "#b9b08a", "checks", "#23252b", "#8d5e43", "#15110e", "#23252b", 1.84, 1.08, 1.9
+    ),
+    Look("#6a5a8c", trousers="#b0a58c", skin="#e0b79d", hair="#c9a25e", height=1.66, build=0.95),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foot:
+    """A foot: the ankle's position, heading, and pitch (toes down is positive), radians."""
+
+    ankle: Array
+    heading: float
+    pitch: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Posture:
+    """What a body does at one moment; positions in the room, index 0 left and 1 right."""
+
+    pelvis: Array
+    facing: float
+    feet: tuple[Foot, Foot]
+    hands: tuple[Array, Array]
+    lean: float = 0.03
+    side: float = 0.0
+    twist: float = 0.0
+    gaze: Array | None = None
+    breath: float = 0.0
+    elbows: Array = field(default_factory=lambda: vec(0.55, -0.75, -0.35))
+
+
+def body_axes(facing: float) -> Array:
+    """(3, 3) columns left, up, forward of a body in the room."""
+    return yaw(facing)
+
+
+def body(look: Look, posture: Posture, label: int) -> list[Solid]:
+    """Return the solids of a person in a posture."""
+    s = look.height / 1.75
+    R = yaw(posture.facing + posture.twist) @ axis_angle(vec(1, 0, 0), posture.lean)
+    R = R @ axis_angle(vec(0, 0, 1), posture.side)
+    hips = yaw(posture.facing + 0.4 * posture.twist)
+    chest = posture.pelvis + R @ vec(0, 0.50 * s, 0.0)
+    return [
+        *_torso(look, posture, R, hips, s, label),
+        *_head(look, posture, R, chest, s, label),
+        *_arm(look, posture, R, chest, s, label, 0),
+        *_arm(look, posture, R, chest, s, label, 1),
+        *_leg(look, posture, hips, s, label, 0),
+        *_leg(look, posture, hips, s, label, 1),
+    ]
+
+
+def shadow_balls(posture: Posture) -> list[tuple[Array, float]]:
+    """Balls that stand for a body in shadows."""
+    p = posture.pelvis
+    balls = [
+        (p + UP * 0.02, 0.17),
+        (p + UP * 0.22, 0.17),
+        (p + UP * 0.42, 0.18),
+        (p + UP * 0.70, 0.11),
+    ]
+    for foot in posture.feet:
+        knee = (foot.ankle + p) / 2
+        balls += [
+            (foot.ankle + UP * 0.02, 0.085),
+            (knee, 0.085),
+            ((knee + foot.ankle) / 2, 0.07),
+            ((knee + p) / 2, 0.10),
+        ]
+    balls += [(hand, 0.06) for hand in posture.hands]
+    return balls
+
+
+def _torso(
+    look: Look, posture: Posture, R: Array, hips: Array, s: float, label: int
+) -> list[Solid]:
+    shirt, build = look.shirt_material(), look.build * s
+    trousers = Material(partial(cloth, color=linear(look.trousers), fold=0.16), 0.5)
+    p, left = posture.pelvis, R[:, 0]
+    full = 1 + 0.025 * posture.breath
+
+    def at(x: float, y: float, z: float) -> Array:
+        return np.asarray(p + R @ (vec(x, y, z) * s))
+
+    belt = matte("#2a211b", infrared=0.3)
+    parts = [
+        rod(
+            p - UP * 0.07 * s,
+            at(0, 0.08, 0.0),
+            0.158 * build,
+            0.15 * build,
+            trousers,
+            label,
+            0.74,
+            hips[:, 0],
+            0.35,
+        ),
+        rod(
+            at(0, 0.055, 0), at(0, 0.075, 0), 0.155 * build, 0.155 * build, belt, label, 0.76, left
+        ),
+        rod(
+            at(0, 0.09, 0.005),
+            at(0, 0.30, 0.0),
+            0.153 * build,
+            0.163 * build,
+            shirt,
+            label,
+            0.76,
+            left,
+            0.5,
+        ),
+        rod(
+            at(0, 0.28, 0.0),
+            at(0, 0.40, -0.005),
+            0.163 * build * full,
+            0.145 * build,
+            shirt,
+            label,
+            0.72,
+            left,
+            0.45,
+        ),
+        rod(
+            at(-0.115, 0.43, -0.01),
+            at(0.115, 0.43, -0.01),
+            0.075 * s,
+            0.075 * s,
+            shirt,
+            label,
+            1.0,
+            R[:, 2],
+            0.3,
+        ),
+    ]
+    for side in (-1, 1):
+        parts.append(
+            rod(
+                at(side * 0.05, 0.50, -0.01),
+                at(side * 0.17, 0.455, -0.01),
+                0.056 * s,
+                0.056 * s,
+                shirt,
+                label,
+                1.0,
+                R[:, 2],
+                0.3,
+            )
+        )
+        parts.append(
+            egg(
+                at(side * 0.07, 0.345, 0.062),
+                (0.085 * build, 0.075 * build, 0.06 * full),
+                shirt,
+                label,
+                R,
+                0.3,
+            )
+        )
+    return parts
+
+
+def _head(
+    look: Look, posture: Posture, R: Array, chest: Array, s: float, label: int
+) -> list[Solid]:
+    skin = Material(partial(plain, color=linear(look.skin), grain=0.08), 0.75)
+    centre = chest + R @ vec(0, 0.225 * s, 0.022 * s)
+    turn = R
+    if posture.gaze is not None:
+        z = unit(0.55 * R[:, 2] + 0.45 * unit(posture.gaze - centre))
+        x = unit(np.cross(UP, z))
+        turn = np.column_stack([x, np.cross(z, x), z])
+    hair = linear(look.hair)
+    head = Material(partial(face, skin=linear(look.skin), hair=hair, hairline=0.075), 0.65)
+    strand = Material(partial(_hair, color=hair), 0.35)
+
+    def at(x: float, y: float, z: float) -> Array:
+        return np.asarray(centre + turn @ (vec(x, y, z) * s))
+
+    parts = [
+        rod(
+            chest + R @ vec(0, 0.0, -0.012),
+            centre - turn @ vec(0, 0.06, 0.018),
+            0.058 * s,
+            0.054 * s,
+            skin,
+            label,
+        ),
+        egg(centre, (0.077 * s, 0.118 * s, 0.098 * s), head, label, turn),
+        egg(at(0, -0.065, 0.035), (0.05 * s, 0.05 * s, 0.052 * s), skin, label, turn),
+        egg(at(0, 0.035, -0.018), (0.084 * s, 0.096 * s, 0.092 * s), strand, label, turn, 0.5),
+        rod(at(0, 0.012, 0.092), at(0, -0.022, 0.108), 0.009, 0.014, skin, label),
+    ]
+    for side in (-1, 1):
+        parts.append(egg(at(side * 0.079, -0.005, 0.0), (0.012, 0.03, 0.02), skin, label, turn))
+    if look.long_hair:
+        parts.append(
+            rod(
+                at(0, 0.02, -0.06),
+                at(0, -0.17, -0.075),
+                0.07 * s,
+                0.05 * s,
+                strand,
+                label,
+                0.7,
+                turn[:, 0],
+                0.6,
+            )
+        )
+    return parts
+
+
+def _hair(p: np.ndarray, *, color: tuple[float, float, float]) -> np.ndarray:
+    strands = p * np.array([[1], [0.2], [1]], np.float32)
+    return np.array(color, np.float32)[:, None] * (0.4 + 1.2 * noise(strands, 0.012, 2))
+
+
+def _arm(
+    look: Look, posture: Posture, R: Array, chest: Array, s: float, label: int, which: int
+) -> list[Solid]:
+    side = 1.0 if which == 0 else -1.0
+    skin = Material(partial(plain, color=linear(look.skin), grain=0.08), 0.75)
+    shirt = look.shirt_material()
+    shoulder = chest + R @ (vec(side * 0.182 * look.build, -0.055, -0.01) * s)
+    hand = posture.hands[which]
+    pole = R @ (posture.elbows * vec(side, 1, 1))
+    elbow = two_bones(shoulder, hand, UPPER_ARM * s, FOREARM * s, pole)
+    reach = elbow + unit(hand - elbow) * FOREARM * s
+    wrist = elbow + (reach - elbow) * 0.78
+    covered = look.sleeves
+    hem = shoulder + (elbow - shoulder) * min(covered, 1.0)
+    b = s * look.build
+    parts = [rod(shoulder, hem, 0.062 * b, 0.052 * b, shirt, label, roughness=0.5)]
+    if covered < 1:
+        parts.append(rod(shoulder, elbow, 0.046 * b, 0.038 * b, skin, label))
+    else:
+        cuff = elbow + (wrist - elbow) * min(covered - 1, 1.0)
+        parts.append(rod(elbow, cuff, 0.048 * b, 0.04 * b, shirt, label, roughness=0.5))
+    parts.append(rod(elbow, wrist, 0.039 * b, 0.027 * b, skin, label, 0.9))
+    across = R[:, 0]
+    parts.append(rod(wrist, reach, 0.028 * s, 0.036 * s, skin, label, 0.8, across))
+    thumb = reach + R @ vec(-side * 0.035, 0.02, 0.015)
+    parts.append(rod(wrist, thumb, 0.014, 0.012, skin, label))
+    return parts
+
+
+def _leg(
+    look: Look, posture: Posture, hips: Array, s: float, label: int, which: int
+) -> list[Solid]:
+    side = 1.0 if which == 0 else -1.0
+    foot = posture.feet[which]
+    b = s * look.build
+    trousers = Material(partial(cloth, color=linear(look.trousers), fold=0.16), 0.5)
+    shoe = matte(look.shoes, infrared=0.5)
+    sole = matte("#e8e6df" if look.shoes != "#e8e6df" else "#333333")
+    hip = posture.pelvis + hips @ vec(side * 0.088 * b, -0.03 * s, 0)
+    toes = yaw(foot.heading) @ axis_angle(vec(1, 0, 0), foot.pitch)
+    knee = two_bones(hip, foot.ankle, THIGH * s, SHANK * s, toes @ vec(side * 0.12, 0, 1))
+    ankle = foot.ankle
+    drop = float(ankle[1]) if abs(foot.pitch) < 0.02 else 0.085
+    heel = ankle + toes @ vec(0, -drop + 0.045, -0.035)
+    ball = ankle + toes @ vec(side * 0.012, -drop + 0.036, 0.14)
+    tip = ankle + toes @ vec(side * 0.008, -drop + 0.03, 0.19)
+    across = toes[:, 0]
+    return [
+        rod(hip, knee, 0.092 * b, 0.066 * b, trousers, label, roughness=0.45),
+        rod(
+            knee,
+            ankle + (knee - ankle) * 0.10,
+            0.064 * b,
+            0.056 * b,
+            trousers,
+            label,
+            roughness=0.5,
+        ),
+        rod(ankle, heel, 0.04 * s, 0.043 * s, shoe, label),
+        rod(heel, ball, 0.043, 0.036, shoe, label, 0.95, across),
+        rod(ankle, ball, 0.04, 0.03, shoe, label),
+        rod(ball, tip, 0.036, 0.029, shoe, label, 0.95, across),
+        rod(
+            heel - toes @ vec(0, 0.025, 0),
+            tip - toes @ vec(0, 0.012, 0),
+            0.02,
+            0.018,
+            sole,
+            label,
+            2.0,
+            toes[:, 1],
+        ),
+    ]
+
+
+def hanging_hands(
+    posture_pelvis: Array, facing: float, height: float, swing: float = 0.0
+) -> tuple[Array, Array]:
+    """Return hands hanging at the sides; ``swing`` moves the left forward, the right back."""
+    s = height / 1.75
+    axes = yaw(facing)
+    left = posture_pelvis + axes @ (vec(0.25, -0.06 + 0.1 * abs(swing), 0.03 + 0.28 * swing) * s)
+    right = posture_pelvis + axes @ (vec(-0.25, -0.06 + 0.1 * abs(swing), 0.03 - 0.28 * swing) * s)
+    return left, right
+
+
+def standing_feet(
+    place: Array, facing: float, height: float, apart: float = 0.13
+) -> tuple[Foot, Foot]:
+    """Return feet planted under a person who stands at ``place`` on the floor."""
+    axes = yaw(facing)
+    y = 0.085 * height / 1.75
+    return (
+        Foot(place + axes @ vec(apart, y, 0.03), facing + math.radians(10)),
+        Foot(place + axes @ vec(-apart, y, -0.03), facing - math.radians(10)),
+    )

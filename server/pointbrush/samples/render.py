@@ -1,0 +1,168 @@
+"""Ray casting of placed solids on the depth camera's pixel grid.
+
+Each solid is met only by the rays inside its box on the screen; what is nearest stays.  Surface
+properties are worked out afterwards for the pixels that a solid still owns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.frame import DepthCamera
+from pointbrush.samples.geometry import Array, Field
+from pointbrush.samples.shapes import Shape
+from pointbrush.samples.textures import Material, noise
+
+NEAREST = 0.05
+"""Metres in front of the camera below which a solid's box is not projected."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A shape in the room: scaled, then moved by ``pose`` (``T_room_solid``)."""
+
+    shape: Shape
+    pose: Array
+    material: Material
+    scale: Array = field(default_factory=lambda: np.ones(3))
+    label: int = 0
+    roughness: float = 0.0
+    """Amplitude of the folds that tilt the normals (clothes, foliage)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """What the pixels of a cast see; pixels without a surface have ``owner`` -1."""
+
+    depth: Field
+    """(H*W,) metres along the camera's z, inf for none."""
+    owner: NDArray[np.int16]
+    """(H*W,) index of the solid."""
+
+    def copy(self) -> Surface:
+        """Return a copy to cast more solids into."""
+        return Surface(self.depth.copy(), self.owner.copy())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shaded:
+    """Properties of some pixels' surfaces: component-major (3, N) in room coordinates."""
+
+    pixel: NDArray[np.intp]
+    point: Field
+    normal: Field
+    albedo: Field
+    infrared: Field
+    gloss: Field
+    glow: Field
+    label: NDArray[np.uint16]
+
+
+class Caster:
+    """The rays of one camera in one place."""
+
+    def __init__(self, camera: DepthCamera, T_room_camera: Array, rays: Field) -> None:
+        self.camera = camera
+        self.T_room_camera = T_room_camera
+        self.T_camera_room = np.linalg.inv(T_room_camera)
+        self.rays = rays
+        R = T_room_camera[:3, :3].astype(np.float32)
+        self.room_rays: Field = R @ rays
+        self.eye: Field = T_room_camera[:3, 3].astype(np.float32)
+
+    def empty(self) -> Surface:
+        """Return a surface with nothing in view."""
+        n = self.camera.width * self.camera.height
+        return Surface(np.full(n, np.inf, np.float32), np.full(n, -1, np.int16))
+
+    def cast(self, solids: Sequence[Solid], into: Surface, first: int = 0) -> None:
+        """Put ``solids`` into the depth buffer; their owners count from ``first``."""
+        shape = (self.camera.height, self.camera.width)
+        depth, owner = into.depth.reshape(shape), into.owner.reshape(shape)
+        rays = self.rays.reshape(3, *shape)
+        for number, solid in enumerate(solids, first):
+            T_camera_solid = self.T_camera_room @ solid.pose
+            window = self._window(solid, T_camera_solid)
+            if window is None:
+                continue
+            R = T_camera_solid[:3, :3]
+            inverse = R.T / solid.scale[:, None]
+            o = (-inverse @ T_camera_solid[:3, 3]).astype(np.float32)
+            patch = np.ascontiguousarray(rays[:, window[0], window[1]]).reshape(3, -1)
+            d = inverse.astype(np.float32) @ patch
+            t = solid.shape.hit(o, d).reshape(depth[window].shape)
+            nearer = t < depth[window]
+            depth[window][nearer] = t[nearer]
+            owner[window][nearer] = number
+
+    def _window(self, solid: Solid, T_camera_solid: Array) -> tuple[slice, slice] | None:
+        """Rows and columns of the screen that the solid's box may cover, None for none."""
+        lo, hi = (bound * solid.scale for bound in solid.shape.bounds)
+        corners = np.array(list(product(*zip(lo, hi, strict=True))))
+        p = corners @ T_camera_solid[:3, :3].T + T_camera_solid[:3, 3]
+        width, height = self.camera.width, self.camera.height
+        if p[:, 2].max() < NEAREST:
+            return None
+        if p[:, 2].min() < NEAREST:
+            return slice(0, height), slice(0, width)
+        u = p[:, 0] / p[:, 2] * self.camera.fx + self.camera.cx
+        v = p[:, 1] / p[:, 2] * self.camera.fy + self.camera.cy
+        left, right = max(0, int(u.min())), min(width, int(u.max()) + 2)
+        top, bottom = max(0, int(v.min())), min(height, int(v.max()) + 2)
+        if left >= right or top >= bottom:
+            return None
+        return slice(top, bottom), slice(left, right)
+
+    def points(self, pixel: NDArray[np.intp], depth: Field) -> Field:
+        """(3, N) room coordinates of pixels at their depths."""
+        return self.eye[:, None] + self.room_rays[:, pixel] * depth
+
+    def shade(self, solids: Sequence[Solid], seen: Surface, first: int = 0) -> Shaded:
+        """Surface properties of all pixels that ``solids`` own."""
+        owned = np.flatnonzero((seen.owner >= first) & (seen.owner < first + len(solids)))
+        pixel = owned[np.argsort(seen.owner[owned], kind="stable")]
+        numbers = seen.owner[pixel]
+        ends = np.searchsorted(numbers, np.arange(first, first + len(solids) + 1))
+        point = self.points(pixel, seen.depth[pixel])
+        result = Shaded(
+            pixel,
+            point,
+            np.empty_like(point),
+            np.empty_like(point),
+            *(np.empty(pixel.size, np.float32) for _ in range(3)),
+            np.empty(pixel.size, np.uint16),
+        )
+        for solid, start, stop in zip(solids, ends[:-1], ends[1:], strict=True):
+            if start < stop:
+                _fill(result, solid, slice(int(start), int(stop)))
+        return result
+
+
+def _fill(out: Shaded, solid: Solid, part: slice) -> None:
+    R = solid.pose[:3, :3].astype(np.float32)
+    scale = solid.scale.astype(np.float32)[:, None]
+    metric = R.T @ (out.point[:, part] - solid.pose[:3, 3].astype(np.float32)[:, None])
+    n = solid.shape.normal(metric / scale) / scale
+    if solid.roughness:
+        n = n / np.sqrt((n * n).sum(axis=0)) + _folds(metric, solid.roughness)
+    n = R @ n
+    out.normal[:, part] = n / np.maximum(np.sqrt((n * n).sum(axis=0)), 1e-6)
+    material = solid.material
+    out.albedo[:, part] = material.texture(metric)
+    tone = out.albedo[:, part].mean(axis=0)
+    out.infrared[part] = material.infrared * (0.75 + 0.5 * np.minimum(tone, 1))
+    out.gloss[part] = material.gloss
+    out.glow[part] = material.glow
+    out.label[part] = solid.label
+
+
+def _folds(p: Field, amplitude: float) -> Field:
+    """(3, N) tilt of the normals by wrinkles some centimetres long."""
+    q = p * np.array([[1], [0.6], [1]], np.float32)
+    waves = [noise(q + np.float32(5.1 * k), 0.07, 2) - np.float32(0.5) for k in range(3)]
+    return np.float32(amplitude) * np.stack(waves)

@@ -1,0 +1,253 @@
+"""Canonical solids and where rays meet them first.
+
+Each shape is met by rays ``o + t d`` in its own unit coordinates; the renderer places it by a
+rigid pose and a scale, and ``t`` is kept by that map.  Rays start outside and are component-major
+float32: ``o`` (3,), ``d`` (3, N).  A miss is ``inf``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from pointbrush.samples.geometry import Array, Field, vec
+
+MISS = np.float32(np.inf)
+
+
+class Shape(Protocol):
+    """What the renderer asks of a solid."""
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper corner (3,) of the solid's own box."""
+        ...
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """(N,) ray parameter of the first meeting, inf for a miss."""
+        ...
+
+    def normal(self, p: Field) -> Field:
+        """(3, N) outward normals, of any length, at surface points ``p`` (3, N)."""
+        ...
+
+
+def _dot(a: Field, b: Field) -> Field:
+    return np.einsum("in,in->n", a, b)
+
+
+def _sphere(oc: Field, d: Field, dd: Field, radius: float) -> Field:
+    """First meeting with a ball; ``oc`` origin minus centre, ``dd`` squared length of ``d``."""
+    b = oc @ d
+    h = b * b - dd * np.float32(oc @ oc - radius * radius)
+    return np.where(h > 0, (-b - np.sqrt(np.maximum(h, 0))) / dd, MISS)
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """Unit ball; an ellipsoid by scale."""
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """See Shape."""
+        return vec(-1, -1, -1), vec(1, 1, 1)
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """See Shape."""
+        return _sphere(o, d, _dot(d, d), 1.0)
+
+    def normal(self, p: Field) -> Field:
+        """See Shape."""
+        return p
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """The cube -1..1; ``inside`` shows its inner faces instead (a room)."""
+
+    inside: bool = False
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """See Shape."""
+        return vec(-1, -1, -1), vec(1, 1, 1)
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """See Shape."""
+        with np.errstate(divide="ignore"):
+            inverse = 1.0 / np.where(d == 0, np.float32(1e-20), d)
+        a = (-1 - o)[:, None] * inverse
+        b = (1 - o)[:, None] * inverse
+        near = np.minimum(a, b).max(axis=0)
+        far = np.maximum(a, b).min(axis=0)
+        if self.inside:
+            return far
+        return np.where((near < far) & (near > 0), near, MISS)
+
+    def normal(self, p: Field) -> Field:
+        """See Shape."""
+        face = np.abs(p).argmax(axis=0)
+        n = np.zeros_like(p)
+        columns = np.arange(p.shape[1])
+        n[face, columns] = np.sign(p[face, columns])
+        return -n if self.inside else n
+
+
+@dataclass(frozen=True, slots=True)
+class RoundCone:
+    """Hull of a ball of radius ``ra`` at the origin and one of ``rb`` at (0, ``length``, 0)."""
+
+    ra: float
+    rb: float
+    length: float
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """See Shape."""
+        r = max(self.ra, self.rb)
+        return vec(-r, -self.ra, -r), vec(r, self.length + self.rb, r)
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """See Shape; the cone's quadratic as in Quilez, "Rounded cone - intersection"."""
+        speed = np.sqrt(_dot(d, d))
+        d = d / speed
+        ones = np.ones_like(speed)
+        top = o - np.array([0, self.length, 0], np.float32)
+        t = np.minimum(_sphere(o, d, ones, self.ra), _sphere(top, d, ones, self.rb))
+        slope = self.ra - self.rb
+        span = self.length**2 - slope**2
+        m1, m2, m3 = self.length * float(o[1]), self.length * d[1], o @ d
+        k2 = span - m2 * m2
+        k1 = span * m3 - m1 * m2 + m2 * (slope * self.ra)
+        k0 = span * float(o @ o) - m1 * m1 + 2 * m1 * slope * self.ra - (self.length * self.ra) ** 2
+        h = k1 * k1 - k0 * k2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            side = (-k1 - np.sqrt(np.maximum(h, 0))) / k2
+        y = m1 - self.ra * slope + side * m2
+        good = (h > 0) & (k2 > 1e-7) & (y > 0) & (y < span)
+        return np.where(good, np.minimum(t, side), t) / speed
+
+    def normal(self, p: Field) -> Field:
+        """See Shape."""
+        span = self.length**2 - (self.ra - self.rb) ** 2
+        y = self.length * p[1] - self.ra * (self.ra - self.rb)
+        n = p.copy()
+        n[1] -= np.clip(y * (self.length / span), 0, self.length)
+        return n
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """Radius 1 round y, capped at y = -1 and 1."""
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """See Shape."""
+        return vec(-1, -1, -1), vec(1, 1, 1)
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """See Shape."""
+        a = np.maximum(d[0] * d[0] + d[2] * d[2], np.float32(1e-12))
+        b = o[0] * d[0] + o[2] * d[2]
+        h = b * b - a * (o[0] * o[0] + o[2] * o[2] - 1)
+        root = np.sqrt(np.maximum(h, 0))
+        slope = np.where(d[1] == 0, np.float32(1e-12), d[1])
+        low, high = (-1 - o[1]) / slope, (1 - o[1]) / slope
+        near = np.maximum((-b - root) / a, np.minimum(low, high))
+        far = np.minimum((-b + root) / a, np.maximum(low, high))
+        return np.where((h > 0) & (near < far) & (near > 0), near, MISS)
+
+    def normal(self, p: Field) -> Field:
+        """See Shape."""
+        n = p.copy()
+        side = p[0] * p[0] + p[2] * p[2] > np.abs(p[1])
+        n[1] = np.where(side, 0, p[1])
+        n[0] = np.where(side, p[0], 0)
+        n[2] = np.where(side, p[2], 0)
+        return n
+
+
+class Lathe:
+    """A surface of revolution round y, from a smooth profile of radii.
+
+    ``heights`` (K,) ascending, ``radii`` (K,): the profile's knots, joined by a monotone cubic.
+    """
+
+    STEPS = 20
+
+    def __init__(self, heights: list[float], radii: list[float]) -> None:
+        self._y = np.linspace(heights[0], heights[-1], 400).astype(np.float32)
+        curve = PchipInterpolator(heights, radii)
+        self._r = np.asarray(curve(self._y), np.float32)
+        self._slope = np.asarray(curve(self._y, 1), np.float32)
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """See Shape."""
+        r = float(self._r.max())
+        return vec(-r, float(self._y[0]), -r), vec(r, float(self._y[-1]), r)
+
+    def radius(self, y: Field) -> Field:
+        """(N,) profile radius at heights ``y``; negative beyond the ends."""
+        inside = (y >= self._y[0]) & (y <= self._y[-1])
+        return np.where(inside, np.interp(y, self._y, self._r), -1e-3).astype(np.float32)
+
+    def hit(self, o: Field, d: Field) -> Field:
+        """See Shape: march the stretch inside the bounding cylinder, then bisect."""
+        lo, hi = self.bounds
+        middle, half = (lo[1] + hi[1]) / 2, (hi[1] - lo[1]) / 2
+        stretch = np.array([hi[0], half, hi[0]], np.float32) * np.float32(1.001)
+        centre = np.array([0, middle, 0], np.float32)
+        near, far = _cylinder_span((o - centre) / stretch, d / stretch[:, None])
+        result = np.full(d.shape[1], MISS, np.float32)
+        rays = np.flatnonzero(near < far)
+        if not rays.size:
+            return result
+        d, near, far = d[:, rays], near[rays], far[rays]
+        steps = np.linspace(0, 1, self.STEPS, dtype=np.float32)[:, None]
+        t = near + (far - near) * steps
+        inside = self._inside(o, d, t)
+        entered = inside.any(axis=0)
+        first = np.maximum(inside.argmax(axis=0), 1)
+        columns = np.arange(rays.size)
+        before, after = t[first - 1, columns], t[first, columns]
+        for _ in range(10):
+            halfway = (before + after) / 2
+            within = self._inside(o, d, halfway)
+            after = np.where(within, halfway, after)
+            before = np.where(within, before, halfway)
+        result[rays] = np.where(entered, after, MISS)
+        return result
+
+    def _inside(self, o: Field, d: Field, t: Field) -> NDArrayBool:
+        x, y, z = o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]
+        r = self.radius(y)
+        return (r > 0) & (x * x + z * z <= r * r)
+
+    def normal(self, p: Field) -> Field:
+        """See Shape."""
+        slope = np.interp(p[1], self._y, self._slope).astype(np.float32)
+        n = p.copy()
+        n[1] = -slope * np.sqrt(p[0] * p[0] + p[2] * p[2])
+        ends = (p[1] < self._y[1]) | (p[1] > self._y[-2])
+        n[1] = np.where(ends, np.sign(p[1] - self._y[200]) * 0.05, n[1])
+        return n
+
+
+NDArrayBool = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+
+def _cylinder_span(o: Field, d: Field) -> tuple[Field, Field]:
+    """(N,) entry and exit of the unit cylinder; a miss has entry after exit."""
+    a = np.maximum(d[0] * d[0] + d[2] * d[2], np.float32(1e-12))
+    b = o[0] * d[0] + o[2] * d[2]
+    h = b * b - a * (o[0] * o[0] + o[2] * o[2] - 1)
+    root = np.sqrt(np.maximum(h, 0))
+    slope = np.where(d[1] == 0, np.float32(1e-12), d[1])
+    low, high = (-1 - o[1]) / slope, (1 - o[1]) / slope
+    near = np.maximum((-b - root) / a, np.minimum(low, high))
+    far = np.minimum((-b + root) / a, np.maximum(low, high))
+    return np.where(h > 0, near, MISS), far
