@@ -1,0 +1,33 @@
+"""Palettes, annotations and their history: the label database.
+
+``LabelStore`` is the whole interface; see docs/labels.md for what undo means and what survives.
+"""
+
+from pointbrush.labels.store import LabelStore
+from pointbrush.labels.tokens import ROLES, Role, Token, Tokens
+from pointbrush.labels.types import (
+    Cell,
+    Commit,
+    Delta,
+    EditInfo,
+    FrameValues,
+    GapError,
+    Label,
+    Write,
+)
+
+__all__ = [
+    "ROLES",
+    "Cell",
+    "Commit",
+    "Delta",
+    "EditInfo",
+    "FrameValues",
+    "GapError",
+    "Label",
+    "LabelStore",
+    "Role",
+    "Token",
+    "Tokens",
+    "Write",
+]

@@ -1,0 +1,129 @@
+"""Blocks of point states: a bounded cache in memory, and how a block is read from the database."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import numpy as np
+from sqlalchemy import Connection, and_, func, select
+
+from pointbrush.labels.packing import BLOCK, Change, States, decode_change, decode_states
+from pointbrush.labels.schema import edit_blocks, snapshots
+
+Place = tuple[int, int, int]
+"""Frame, layer, block."""
+SNAPSHOT_EVERY = 64
+"""Edits of a block after which it is kept whole again, so that reading it stays quick."""
+CACHE_BYTES = 256 << 20
+
+
+@dataclass(slots=True, eq=False)
+class Block:
+    """States of one block; ``states`` None: all zero.  ``age``: edits since its snapshot."""
+
+    states: States | None
+    age: int
+    queued: bool = False
+    """A snapshot of it is on its way."""
+
+    def words(self, indices: np.ndarray[tuple[int], np.dtype[np.int64]]) -> States:
+        """A copy of the words at ``indices``."""
+        if self.states is None:
+            return np.zeros(len(indices), np.uint64)
+        return self.states[indices]
+
+    def apply(self, change: Change, size: int) -> None:
+        """Take over what an edit made of this block of ``size`` points."""
+        if self.states is None:
+            self.states = np.zeros(size, np.uint64)
+        self.states[change.indices] = change.after
+        self.age += 1
+
+
+class BlockCache:
+    """The most recently used blocks of all sequences, up to a number of bytes; thread-safe."""
+
+    def __init__(self, limit: int = CACHE_BYTES) -> None:
+        self._limit = limit
+        self._bytes = 0
+        self._blocks: OrderedDict[tuple[int, Place], tuple[Block, int]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, number: int, place: Place) -> Block | None:
+        """The block, if it is here."""
+        with self._lock:
+            found = self._blocks.get((number, place))
+            if found is None:
+                return None
+            self._blocks.move_to_end((number, place))
+            return found[0]
+
+    def put(self, number: int, place: Place, block: Block, size: int) -> None:
+        """Keep a block of ``size`` points; the least recently used ones make room."""
+        cost = size * 8 + 256  # an absent block counts as if filled: it may be, while here
+        with self._lock:
+            previous = self._blocks.pop((number, place), None)
+            self._bytes += cost - (previous[1] if previous else 0)
+            self._blocks[number, place] = (block, cost)
+            while self._bytes > self._limit and len(self._blocks) > 1:
+                _, (_, freed) = self._blocks.popitem(last=False)
+                self._bytes -= freed
+
+    def drop(self, number: int) -> None:
+        """Forget all blocks of a sequence."""
+        with self._lock:
+            for key in [key for key in self._blocks if key[0] == number]:
+                self._bytes -= self._blocks.pop(key)[1]
+
+
+def block_size(points: int, block: int) -> int:
+    """Points in block ``block`` of a frame of ``points``."""
+    return min(BLOCK, points - block * BLOCK)
+
+
+def load_blocks(
+    connection: Connection, number: int, frame: int, layer: int, first: int, last: int, points: int
+) -> dict[int, Block]:
+    """Blocks first..last of a frame: their snapshots, and the journal since.
+
+    Absent from the result: blocks that nothing ever wrote.
+    """
+    here = and_(
+        snapshots.c.sequence == number,
+        snapshots.c.frame == frame,
+        snapshots.c.layer == layer,
+        snapshots.c.block.between(first, last),
+    )
+    blocks = {
+        block: Block(decode_states(data), 0)
+        for block, data in connection.execute(
+            select(snapshots.c.block, snapshots.c.data).where(here)
+        )
+    }
+    since = (
+        select(edit_blocks.c.block, edit_blocks.c.data)
+        .join(
+            snapshots,
+            and_(
+                snapshots.c.sequence == edit_blocks.c.sequence,
+                snapshots.c.frame == edit_blocks.c.frame,
+                snapshots.c.layer == edit_blocks.c.layer,
+                snapshots.c.block == edit_blocks.c.block,
+            ),
+            isouter=True,
+        )
+        .where(
+            edit_blocks.c.sequence == number,
+            edit_blocks.c.frame == frame,
+            edit_blocks.c.layer == layer,
+            edit_blocks.c.block.between(first, last),
+            edit_blocks.c.revision > func.coalesce(snapshots.c.revision, 0),
+        )
+        .order_by(edit_blocks.c.block, edit_blocks.c.revision)
+    )
+    for block, data in connection.execute(since):
+        held = blocks.setdefault(block, Block(None, 0))
+        held.apply(decode_change(data), block_size(points, block))
+    return blocks

@@ -1,0 +1,170 @@
+"""The engine: SQLite or PostgreSQL by URL, durable transactions, errors in our words."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import (
+    Connection,
+    Engine,
+    Table,
+    create_engine,
+    event,
+    exc,
+    make_url,
+)
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.engine import URL
+
+from pointbrush.errors import BadInputError, UnavailableError
+
+BUSY_SECONDS = 10.0
+"""How long a SQLite writer waits for another process's transaction."""
+CHUNK = 500
+"""Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
+
+# FULL: every commit waits until the write-ahead log is on the disk (fsync), so that an answered
+# edit survives a power loss.  Checkpoints are made by the upkeep thread; the automatic one only
+# catches a log that has grown because that thread could not run.
+SQLITE_PRAGMAS = (
+    "PRAGMA journal_mode=WAL",
+    "PRAGMA synchronous=FULL",
+    "PRAGMA wal_autocheckpoint=16384",
+    "PRAGMA cache_size=-32768",
+    "PRAGMA temp_store=MEMORY",
+)
+
+
+class Database:
+    """Connections and transactions of one label database; thread-safe."""
+
+    def __init__(self, url: str) -> None:
+        """Open ``sqlite:///path`` or ``postgresql://…``.
+
+        Raises BadInputError for another URL, UnavailableError when it cannot be reached.
+        """
+        self.url = _parse(url)
+        self.sqlite = self.url.get_backend_name() == "sqlite"
+        # SQLite has one writer; waiting here is fair and immediate, its own waiting is polling.
+        self._writer: contextlib.AbstractContextManager[Any] = (
+            threading.Lock() if self.sqlite else contextlib.nullcontext()
+        )
+        self.engine = _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url)
+
+    @property
+    def path(self) -> Path | None:
+        """The SQLite file, or None."""
+        return Path(str(self.url.database)) if self.sqlite else None
+
+    @contextlib.contextmanager
+    def read(self) -> Iterator[Connection]:
+        """A transaction that sees one consistent state; raises UnavailableError."""
+        options = {} if self.sqlite else {"isolation_level": "REPEATABLE READ"}
+        with _translated(), self.engine.connect() as connection:
+            connection = connection.execution_options(**options)
+            with connection.begin():
+                yield connection
+
+    @contextlib.contextmanager
+    def write(self) -> Iterator[Connection]:
+        """A transaction that is on the disk when this ends; raises UnavailableError.
+
+        Any error rolls it back.
+        """
+        with self._writer, _translated(), self.engine.connect() as connection:
+            connection = connection.execution_options(writes=True)
+            try:
+                with connection.begin():
+                    yield connection
+            except exc.DBAPIError:
+                # After a full disk or a lost server the connection's state is not to be trusted.
+                connection.invalidate()
+                raise
+
+    def upsert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
+        """Insert rows, replacing those with the same primary key."""
+        if not rows:
+            return
+        keys = [column.name for column in table.primary_key]
+        rest = [name for name in rows[0] if name not in keys]
+        statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
+        statement = statement.on_conflict_do_update(
+            index_elements=keys, set_={name: statement.excluded[name] for name in rest}
+        )
+        connection.execute(statement, rows)
+
+    def close(self) -> None:
+        """Close all connections."""
+        self.engine.dispose()
+
+
+@contextlib.contextmanager
+def _translated() -> Iterator[None]:
+    try:
+        yield
+    except exc.SQLAlchemyError as error:
+        cause = getattr(error, "orig", None) or error
+        reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
+        raise UnavailableError(
+            f"the label database cannot be used now, nothing was changed: {reason}"
+        ) from error
+
+
+def _parse(url: str) -> URL:
+    try:
+        parsed = make_url(url)
+        backend = parsed.get_backend_name()
+    except exc.ArgumentError:
+        backend = ""
+    if backend == "sqlite" and parsed.database and parsed.database != ":memory:":
+        return parsed.set(drivername="sqlite+pysqlite")
+    if backend in ("postgresql", "postgres"):
+        return parsed.set(drivername="postgresql+psycopg")
+    raise BadInputError(
+        f"database: expected sqlite:///path or postgresql://host/name, got {url.split('@')[-1]!r}"
+    )
+
+
+def _sqlite_engine(url: URL) -> Engine:
+    engine = create_engine(
+        url,
+        connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
+        pool_size=8,
+        max_overflow=56,
+    )
+
+    @event.listens_for(engine, "connect")
+    def configure(connection: Any, _: Any) -> None:
+        connection.isolation_level = None  # transactions are begun below, never by the driver
+        for pragma in SQLITE_PRAGMAS:
+            connection.execute(pragma)
+
+    @event.listens_for(engine, "begin")
+    def begin(connection: Connection) -> None:
+        writes = connection.get_execution_options().get("writes")
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+    return engine
+
+
+def _postgres_engine(url: URL) -> Engine:
+    engine = create_engine(
+        url,
+        connect_args={"connect_timeout": 10},
+        pool_pre_ping=True,
+        pool_size=8,
+        max_overflow=24,
+    )
+
+    @event.listens_for(engine, "connect")
+    def configure(connection: Any, _: Any) -> None:
+        row = connection.execute("SHOW synchronous_commit").fetchone()
+        if row[0] == "off":  # an answered edit must be on the disk, whatever the server's default
+            connection.execute("SET synchronous_commit TO on")
+        connection.commit()
+
+    return engine

@@ -1,0 +1,170 @@
+"""An edit before it is committed: what it would do to which points.
+
+Nothing here changes the state; a draft that is thrown away leaves no trace.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Connection
+
+from pointbrush.labels.blocks import Place
+from pointbrush.labels.packing import (
+    BLOCK,
+    DELETED_SHIFT,
+    DELETION,
+    LABEL_BITS,
+    LABELS,
+    PROVENANCE_SHIFT,
+    VALUE_BITS,
+    WRITER_SHIFT,
+    Change,
+    States,
+    written_by,
+)
+from pointbrush.labels.state import SequenceState, exists_table, visible
+from pointbrush.labels.types import PAINTED, Label, Write
+from pointbrush.labels.writes import BlockWrite, cut, locked_error
+
+PROVENANCE_BITS = np.uint64(0xFF << 16)
+
+
+@dataclass(slots=True, eq=False)
+class Draft:
+    """Changes of one edit (revision ``state.revision + 1``), gathered place by place."""
+
+    connection: Connection
+    state: SequenceState
+    changes: dict[Place, Change] = field(default_factory=dict)
+    labels: dict[int, Label | None] = field(default_factory=dict)
+    """Palette entries that it sets or, None, removes."""
+    label_fields: dict[int, dict[str, Any]] = field(default_factory=dict)
+    """What of them it says itself, for the journal."""
+    tracks: dict[tuple[int, int], str | None] = field(default_factory=dict)
+    """Tracks by frame and label that it sets (JSON) or, None, removes."""
+    own_tracks: bool = False
+    """The tracks are of its own making, and not what an undo uncovered."""
+
+    @property
+    def revision(self) -> int:
+        """The revision it will be committed as."""
+        return self.state.revision + 1
+
+    @property
+    def palette(self) -> dict[int, Label]:
+        """The palette as this edit leaves it."""
+        merged = {**self.state.palette, **self.labels}
+        return {number: label for number, label in merged.items() if label is not None}
+
+    @property
+    def exists(self) -> NDArray[np.bool_]:
+        """Which labels exist as this edit leaves the palette."""
+        return exists_table(self.palette) if self.labels else self.state.exists
+
+    def words(self, place: Place, indices: NDArray[np.int64]) -> States:
+        """The words at ``indices`` of a place, with this draft's changes so far."""
+        words = self.state.block(self.connection, place).words(indices)
+        change = self.changes.get(place)
+        if change is not None:
+            at, mine = match_sorted(change.indices, indices)
+            words[mine] = change.after[at]
+        return words
+
+    def write(self, frame: int, write: Write) -> None:
+        """Add what a Write does, by the rules: locked labels keep, ``only`` limits.
+
+        Raises BadInputError, NotFoundError, LockedLabelError.
+        """
+        points = self.state.frame_points(frame)
+        for piece in cut(write, points, self.palette):
+            self._write_block(frame, piece)
+
+    def _write_block(self, frame: int, piece: BlockWrite) -> None:
+        words = self.words((frame, LABELS, piece.block), piece.indices)
+        shown = visible(words, self.exists)
+        label = (shown & LABEL_BITS).astype(np.intp)
+        free = ~self.state.locked[label]
+        if piece.only == "unlabeled":
+            free &= label == 0
+        elif piece.only == "not_painted":
+            free &= (shown >> PROVENANCE_SHIFT) & np.uint64(0xFF) != PAINTED
+        values = words & VALUE_BITS
+        if piece.label is not None:
+            gains = free & self.state.locked[piece.label.astype(np.intp)]
+            if gains.any():
+                raise locked_error(self.palette, int(piece.label[gains][0]))
+            values = (values & ~LABEL_BITS) | piece.label
+        if piece.provenance is not None:
+            values = (values & ~PROVENANCE_BITS) | (piece.provenance << PROVENANCE_SHIFT)
+        stamp = written_by(self.revision)
+        indices = piece.indices[free]
+        if piece.label is not None or piece.provenance is not None:
+            self.put((frame, LABELS, piece.block), indices, words[free], values[free] | stamp)
+        if piece.deleted is not None:
+            place = (frame, DELETION, piece.block)
+            after = (piece.deleted[free] << DELETED_SHIFT) | stamp
+            self.put(place, indices, self.words(place, indices), after)
+
+    def put(self, place: Place, indices: NDArray[np.int64], before: States, after: States) -> None:
+        """Set words; ``before`` are those there now, with this draft's changes so far."""
+        if not len(indices):
+            return
+        earlier = self.changes.get(place)
+        if earlier is None:
+            self.changes[place] = Change(indices, before, after)
+            return
+        both = np.union1d(earlier.indices, indices)
+        old, new = np.searchsorted(both, earlier.indices), np.searchsorted(both, indices)
+        merged = Change(both, np.empty(len(both), np.uint64), np.empty(len(both), np.uint64))
+        merged.before[new] = before
+        merged.before[old] = earlier.before  # before the edit, not before this part of it
+        merged.after[old] = earlier.after
+        merged.after[new] = after
+        self.changes[place] = merged
+
+    def clear_label(self, label: int) -> None:
+        """Take a label from all points that hold it, seen or not."""
+        stamp = written_by(self.revision)
+        for frame, block, indices in holders(self.connection, self.state, label):
+            place = (frame, LABELS, block)
+            words = self.words(place, indices)
+            self.put(place, indices, words, np.full(len(indices), stamp))
+
+    def foreign_writers(self) -> NDArray[np.uint64]:
+        """Revisions that the points it touches come from, each once."""
+        found = [change.before >> WRITER_SHIFT for change in self.changes.values()]
+        writers = np.unique(np.concatenate(found)) if found else np.empty(0, np.uint64)
+        return writers[writers > 0]
+
+
+def holders(
+    connection: Connection, state: SequenceState, label: int
+) -> Iterator[tuple[int, int, NDArray[np.int64]]]:
+    """Frame, block and points in it that hold ``label`` in their word, deleted ones too."""
+    frames = sorted(
+        frame for (frame, one), count in state.counts.items() if one == label and count[2]
+    )
+    for frame in frames:
+        points = state.frame_points(frame)
+        for block in range(-(-points // BLOCK)):
+            states = state.block(connection, (frame, LABELS, block)).states
+            if states is None:
+                continue
+            found = np.flatnonzero((states & LABEL_BITS) == np.uint64(label))
+            if len(found):
+                yield frame, block, found
+
+
+def match_sorted(
+    where: NDArray[np.int64], what: NDArray[np.int64]
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Which of sorted ``what`` are in sorted ``where``, and their places there."""
+    at = np.searchsorted(where, what)
+    at[at == len(where)] = 0
+    mine = where[at] == what if len(where) else np.zeros(len(what), np.bool_)
+    return at[mine], mine

@@ -1,0 +1,289 @@
+"""The journal: appending edits and reading them back; only an edit's ``state`` ever changes."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    and_,
+    bindparam,
+    delete,
+    func,
+    insert,
+    select,
+    update,
+)
+
+from pointbrush.labels import schema
+from pointbrush.labels.blocks import Place
+from pointbrush.labels.database import CHUNK, Database
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.effect import Effect
+from pointbrush.labels.packing import Change, decode_change, encode_change
+from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """Who did what, for the journal."""
+
+    id: str
+    author: str
+    kind: str
+    summary: str
+    state: int = schema.ACTIVE
+    target: int | None = None
+    """Revision of the edit that an undo or redo is about."""
+
+
+def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> float:
+    """Write an edit and everything derived from it; returns its time."""
+    now = time.time()
+    connection, number, revision = draft.connection, draft.state.number, draft.revision
+    key = {"sequence": number, "revision": revision}
+    connection.execute(
+        insert(edits),
+        {
+            **key,
+            "id": entry.id,
+            "author": entry.author,
+            "time": now,
+            "kind": entry.kind,
+            "summary": entry.summary,
+            "points": effect.changed,
+            "frames": json.dumps(sorted(effect.frames)),
+            "labels": json.dumps(sorted({*draft.labels, *draft.label_fields})),
+            "tracks": bool(draft.tracks),
+            "target": entry.target,
+            "state": entry.state,
+            "redone": 0,
+        },
+    )
+    _append_parts(draft, key)
+    _derive(database, draft, effect)
+    connection.execute(
+        update(schema.sequences)
+        .where(schema.sequences.c.number == number)
+        .values(
+            revision=revision,
+            highest_label=max([draft.state.highest_label, *draft.label_fields]),
+        )
+    )
+    return now
+
+
+def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
+    connection = draft.connection
+    if draft.changes:
+        connection.execute(
+            insert(edit_blocks),
+            [
+                {
+                    **key,
+                    "frame": frame,
+                    "layer": layer,
+                    "block": block,
+                    "data": encode_change(change),
+                }
+                for (frame, layer, block), change in sorted(draft.changes.items())
+            ],
+        )
+    if draft.label_fields:
+        connection.execute(
+            insert(edit_labels),
+            [
+                {**key, "label": label, "fields": json.dumps(fields)}
+                for label, fields in draft.label_fields.items()
+            ],
+        )
+    if draft.own_tracks and draft.tracks:
+        connection.execute(
+            insert(edit_tracks),
+            [
+                {**key, "frame": frame, "label": label, "data": data}
+                for (frame, label), data in draft.tracks.items()
+            ],
+        )
+
+
+def _derive(database: Database, draft: Draft, effect: Effect) -> None:
+    """Bring the palette, the tracks and the counts up to date."""
+    connection, number = draft.connection, draft.state.number
+    set_labels = [label for label in draft.labels.values() if label is not None]
+    fields = ("id", "name", "category", "color", "locked", "visible")
+    database.upsert(
+        connection,
+        schema.labels,
+        [{"sequence": number, **{f: getattr(label, f) for f in fields}} for label in set_labels],
+    )
+    for gone in (label_id for label_id, label in draft.labels.items() if label is None):
+        here = and_(schema.labels.c.sequence == number, schema.labels.c.id == gone)
+        connection.execute(delete(schema.labels).where(here))
+    database.upsert(
+        connection,
+        schema.tracks,
+        [
+            {"sequence": number, "frame": frame, "label": label, "data": data}
+            for (frame, label), data in draft.tracks.items()
+            if data is not None
+        ],
+    )
+    table = schema.tracks.c
+    gone_tracks = [
+        {"at_frame": frame, "of_label": label}
+        for (frame, label), data in draft.tracks.items()
+        if data is None
+    ]
+    if gone_tracks:
+        here = and_(
+            table.sequence == number,
+            table.frame == bindparam("at_frame"),
+            table.label == bindparam("of_label"),
+        )
+        connection.execute(delete(schema.tracks).where(here), gone_tracks)
+    database.upsert(
+        connection,
+        schema.counts,
+        [
+            {"sequence": number, "frame": f, "label": n, "points": a, "painted": b, "held": c}
+            for (f, n), (a, b, c) in effect.counts.items()
+        ],
+    )
+
+
+# ── reading ──────────────────────────────────────────────────────────────────────────────────
+
+
+def find(connection: Connection, number: int, edit_id: str) -> Row[Any] | None:
+    """The row of the edit with this id."""
+    here = and_(edits.c.sequence == number, edits.c.id == edit_id)
+    return connection.execute(select(edits).where(here)).one_or_none()
+
+
+def rows_since(connection: Connection, number: int, revision: int, limit: int) -> list[Row[Any]]:
+    """Rows after ``revision``, oldest first, at most ``limit``."""
+    query = select(edits).where(edits.c.sequence == number, edits.c.revision > revision)
+    return list(connection.execute(query.order_by(edits.c.revision).limit(limit)))
+
+
+def edit_id_of(connection: Connection, number: int, revision: int | None) -> str | None:
+    """The id of the edit with this revision."""
+    if revision is None:
+        return None
+    here = and_(edits.c.sequence == number, edits.c.revision == revision)
+    return connection.execute(select(edits.c.id).where(here)).scalar_one_or_none()
+
+
+def changes_of(connection: Connection, number: int, revision: int) -> dict[Place, Change]:
+    """What an edit did to points."""
+    return dict(iterate_changes(connection, number, revision))
+
+
+def iterate_changes(
+    connection: Connection, number: int, revision: int
+) -> Iterator[tuple[Place, Change]]:
+    """What an edit did to points, place by place."""
+    table = edit_blocks.c
+    query = (
+        select(table.frame, table.layer, table.block, table.data)
+        .where(table.sequence == number, table.revision == revision)
+        .order_by(table.frame, table.layer, table.block)
+    )
+    for frame, layer, block, data in connection.execute(query):
+        yield (frame, layer, block), decode_change(data)
+
+
+def change_at(connection: Connection, number: int, revision: int, place: Place) -> Change | None:
+    """What an edit did to one place."""
+    table = edit_blocks.c
+    query = select(table.data).where(
+        table.sequence == number,
+        table.revision == revision,
+        table.frame == place[0],
+        table.layer == place[1],
+        table.block == place[2],
+    )
+    data = connection.execute(query).scalar_one_or_none()
+    return None if data is None else decode_change(data)
+
+
+def out_of_force(connection: Connection, number: int, revisions: Sequence[int]) -> set[int]:
+    """Those of ``revisions`` that are undone."""
+    return _those(connection, number, revisions, edits.c.state.in_((schema.UNDONE, schema.DROPPED)))
+
+
+def by_others(
+    connection: Connection, number: int, revisions: Sequence[int], author: str
+) -> set[int]:
+    """Those of ``revisions`` that are not ``author``'s."""
+    return _those(connection, number, revisions, edits.c.author != author)
+
+
+def _those(
+    connection: Connection, number: int, revisions: Sequence[int], what: ColumnElement[bool]
+) -> set[int]:
+    found: set[int] = set()
+    for start in range(0, len(revisions), CHUNK):
+        query = select(edits.c.revision).where(
+            edits.c.sequence == number,
+            edits.c.revision.in_(revisions[start : start + CHUNK]),
+            what,
+        )
+        found.update(connection.execute(query).scalars())
+    return found
+
+
+def redone_since(
+    connection: Connection, number: int, since: int, after: int, before: int
+) -> list[int]:
+    """Edits between two revisions, in force, that were redone after ``since``; in order."""
+    query = select(edits.c.revision).where(
+        edits.c.sequence == number,
+        edits.c.redone > since,
+        edits.c.state.in_(schema.IN_FORCE),
+        edits.c.revision > after,
+        edits.c.revision < before,
+    )
+    return sorted(connection.execute(query).scalars())
+
+
+# ── stacks ───────────────────────────────────────────────────────────────────────────────────
+
+
+def top_of_stack(connection: Connection, number: int, author: str, state: int) -> Row[Any] | None:
+    """What ``author``'s undo (ACTIVE) or redo (UNDONE) would take: the last, or the first."""
+    edge = func.max if state == schema.ACTIVE else func.min
+    mine = and_(edits.c.sequence == number, edits.c.author == author, edits.c.state == state)
+    revision = connection.execute(select(edge(edits.c.revision)).where(mine)).scalar()
+    if revision is None:
+        return None
+    here = and_(edits.c.sequence == number, edits.c.revision == revision)
+    return connection.execute(select(edits).where(here)).one()
+
+
+def set_state(connection: Connection, number: int, revision: int, **values: int) -> None:
+    """Mark an edit as undone, or as redone."""
+    here = and_(edits.c.sequence == number, edits.c.revision == revision)
+    connection.execute(update(edits).where(here).values(**values))
+
+
+def drop_redo(connection: Connection, number: int, author: str) -> None:
+    """``author`` went on: what they had undone stays undone."""
+    mine = and_(
+        edits.c.sequence == number, edits.c.author == author, edits.c.state == schema.UNDONE
+    )
+    connection.execute(update(edits).where(mine).values(state=schema.DROPPED))
+
+
+def unique_revisions(writers: NDArray[np.uint64]) -> list[int]:
+    """The writers, each once, without 0."""
+    return [int(n) for n in np.unique(writers) if n]

@@ -1,0 +1,13 @@
+"""Alembic's environment: runs on the connection it is handed, never by itself."""
+
+from alembic import context
+
+from pointbrush.labels.schema import metadata
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    target_metadata=metadata,
+    render_as_batch=True,
+)
+with context.begin_transaction():
+    context.run_migrations()

@@ -1,0 +1,155 @@
+"""Telling subscribers of commits: this process's own at once, other processes' when heard of."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import secrets
+import sqlite3
+import threading
+from collections import deque
+from collections.abc import Callable
+
+import psycopg
+from sqlalchemy import Connection, text
+
+from pointbrush.labels.database import Database
+from pointbrush.labels.types import Commit
+
+log = logging.getLogger(__name__)
+
+CHANNEL = "pointbrush_commits"
+POLL_SECONDS = 0.1
+"""How often another process's commits to a SQLite file are looked for."""
+RETRY_SECONDS = 1.0
+
+Listener = Callable[[Commit], None]
+
+
+class Outbox:
+    """Commits on their way to subscribers: in the order they were put, each once."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: deque[Commit] = deque()
+        self._listeners: list[Listener] = []
+        self._draining = False
+
+    def subscribe(self, listener: Listener) -> Callable[[], None]:
+        """Call ``listener`` at every commit; returns what undoes it."""
+        with self._lock:
+            self._listeners = [*self._listeners, listener]
+
+        def undo() -> None:
+            with self._lock:
+                self._listeners = [one for one in self._listeners if one is not listener]
+
+        return undo
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody listens."""
+        return bool(self._listeners)
+
+    def put(self, commit: Commit) -> None:
+        """Queue a commit; call it in the order of the revisions."""
+        with self._lock:
+            if self._listeners:
+                self._waiting.append(commit)
+
+    def drain(self) -> None:
+        """Deliver what is queued; a thread that comes while another delivers goes on at once."""
+        while True:
+            with self._lock:
+                if self._draining or not self._waiting:
+                    return
+                self._draining = True
+                commit, listeners = self._waiting.popleft(), self._listeners
+            try:
+                for listener in listeners:
+                    _call(listener, commit)
+            finally:
+                with self._lock:
+                    self._draining = False
+
+
+def _call(listener: Listener, commit: Commit) -> None:
+    # A subscriber's fault must not fail an edit that is already durable.
+    try:
+        listener(commit)
+    except Exception:
+        log.exception("a subscriber failed at revision %d of %s", commit.revision, commit.sequence)
+
+
+class Watcher:
+    """A thread that hears of other processes' commits and calls ``heard`` to catch up."""
+
+    def __init__(self, database: Database, heard: Callable[[], None]) -> None:
+        self._database = database
+        self._heard = heard
+        self._stop = threading.Event()
+        self.origin = secrets.token_hex(8)
+        work = self._watch_sqlite if database.sqlite else self._watch_postgres
+        self._thread = threading.Thread(target=work, name="pointbrush-watcher", daemon=True)
+
+    def start(self) -> None:
+        """Begin to watch, once."""
+        if not self._thread.is_alive() and not self._stop.is_set():
+            self._thread.start()
+
+    def announce(self, connection: Connection) -> None:
+        """Tell other processes, when the transaction commits."""
+        if not self._database.sqlite:
+            connection.execute(
+                text("SELECT pg_notify(:channel, :origin)"),
+                {"channel": CHANNEL, "origin": self.origin},
+            )
+
+    def close(self) -> None:
+        """End the thread."""
+        self._stop.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _catch_up(self) -> None:
+        try:
+            self._heard()
+        except Exception:
+            log.exception("could not catch up with another process's commits")
+
+    def _watch_sqlite(self) -> None:
+        """``PRAGMA data_version`` changes when another connection has committed."""
+        path = self._database.path
+        seen: int | None = None
+        with contextlib.closing(sqlite3.connect(str(path), timeout=1)) as connection:
+            while not self._stop.wait(POLL_SECONDS):
+                try:
+                    version = connection.execute("PRAGMA data_version").fetchone()[0]
+                except sqlite3.Error:
+                    continue  # a full or busy disk passes; the next look will tell
+                if version != seen:
+                    seen = version
+                    self._catch_up()
+
+    def _watch_postgres(self) -> None:
+        url = self._database.url.set(drivername="postgresql")
+        address = url.render_as_string(hide_password=False)
+        while not self._stop.is_set():
+            try:
+                with psycopg.connect(address, autocommit=True, connect_timeout=5) as connection:
+                    connection.execute(f"LISTEN {CHANNEL}")
+                    self._catch_up()  # what was committed while nobody listened
+                    self._listen(connection)
+            except psycopg.Error as error:
+                log.warning("lost the database's notifications: %s", error)
+                self._stop.wait(RETRY_SECONDS)
+
+    def _listen(self, connection: psycopg.Connection[tuple[object, ...]]) -> None:
+        while not self._stop.is_set():
+            heard = [
+                notice
+                for notice in connection.notifies(timeout=0.25, stop_after=1)
+                if notice.payload != self.origin
+            ]
+            if heard:
+                self._catch_up()

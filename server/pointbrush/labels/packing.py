@@ -1,0 +1,112 @@
+"""A point's state in one 64-bit word, and its form on disk.
+
+Bits 0-15 label, 16-23 provenance, 24 deleted, 25-63 writer: the revision of the edit that the
+value comes from, 0 for a point that nothing ever wrote.  Labels (with provenance) and deletion
+are separate *layers* of words, so that undoing one never touches the other.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+States = NDArray[np.uint64]
+
+BLOCK = 65_536
+"""Points in a block: the unit of loading, of the journal and of snapshots."""
+LABELS, DELETION = 0, 1
+"""Layers."""
+PROVENANCE_SHIFT = np.uint64(16)
+DELETED_SHIFT = np.uint64(24)
+WRITER_SHIFT = np.uint64(25)
+LABEL_BITS = np.uint64(0xFFFF)
+VALUE_BITS = np.uint64((1 << 25) - 1)
+DELETED_BIT = np.uint64(1 << 24)
+
+_HEAD = struct.Struct("<II")
+_LEVEL = 1  # zlib: the fastest; these bytes are written while somebody waits
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Change:
+    """What an edit did to one block of one layer.
+
+    ``indices`` (n,) sorted point numbers within the block; ``before`` and ``after`` (n,) words.
+    """
+
+    indices: NDArray[np.int64]
+    before: States
+    after: States
+
+
+def label_of(states: States) -> NDArray[np.uint16]:
+    """The label of each word."""
+    return (states & LABEL_BITS).astype(np.uint16)
+
+
+def provenance_of(states: States) -> NDArray[np.uint8]:
+    """The provenance of each word."""
+    return (states >> PROVENANCE_SHIFT).astype(np.uint8)
+
+
+def deleted_of(states: States) -> NDArray[np.bool_]:
+    """The deletion flag of each word."""
+    return (states & DELETED_BIT).astype(np.bool_)
+
+
+def writer_of(states: States) -> NDArray[np.uint64]:
+    """The revision that each word comes from."""
+    return states >> WRITER_SHIFT
+
+
+def written_by(revision: int) -> np.uint64:
+    """The writer's bits of a word."""
+    return np.uint64(revision) << WRITER_SHIFT
+
+
+def encode_change(change: Change) -> bytes:
+    """Bytes of a change: a table of its distinct words, gaps between points, codes."""
+    words, codes = np.unique(np.concatenate([change.before, change.after]), return_inverse=True)
+    gaps = np.diff(change.indices, prepend=0).astype(np.uint16)
+    body = (
+        _HEAD.pack(len(gaps), len(words)),
+        words.tobytes(),
+        gaps.tobytes(),
+        codes.astype(_code_type(len(words))).tobytes(),
+    )
+    return zlib.compress(b"".join(body), _LEVEL)
+
+
+def decode_change(data: bytes) -> Change:
+    """The change that ``encode_change`` wrote."""
+    body = zlib.decompress(data)
+    n, distinct = _HEAD.unpack_from(body)
+    at = _HEAD.size
+    words = np.frombuffer(body, np.uint64, distinct, at)
+    at += 8 * distinct
+    gaps = np.frombuffer(body, np.uint16, n, at)
+    codes = np.frombuffer(body, _code_type(distinct), 2 * n, at + 2 * n)
+    states = words[codes]
+    return Change(np.cumsum(gaps, dtype=np.int64), states[:n], states[n:])
+
+
+def encode_states(states: States) -> bytes:
+    """Bytes of a whole block; planes of like bytes compress fast and well."""
+    planes = np.ascontiguousarray(states.view(np.uint8).reshape(-1, 8).T)
+    return zlib.compress(planes.tobytes(), _LEVEL)
+
+
+def decode_states(data: bytes) -> States:
+    """The writable words that ``encode_states`` wrote."""
+    planes = np.frombuffer(zlib.decompress(data), np.uint8).reshape(8, -1)
+    return np.ascontiguousarray(planes.T).reshape(-1).view(np.uint64)
+
+
+def _code_type(distinct: int) -> type[np.unsignedinteger]:
+    if distinct <= 1 << 8:
+        return np.uint8
+    return np.uint16 if distinct <= 1 << 16 else np.uint32

@@ -1,0 +1,115 @@
+"""The palette: checking a label's fields, and what the journal says a label is now."""
+
+from __future__ import annotations
+
+import colorsys
+import json
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from sqlalchemy import Connection, select
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
+from pointbrush.labels.types import Label
+
+HIGHEST = 65_534
+"""The greatest label id; 65535 means *deleted* on the wire."""
+NAME_LIMIT = 128
+FIELDS: dict[str, type] = {
+    "name": str, "category": str, "color": str, "locked": bool, "visible": bool,
+}  # fmt: skip
+_COLOR = re.compile(r"#[0-9a-fA-F]{6}")
+_GOLDEN = 0.618033988749895
+
+
+def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of ``fields`` that are not None, checked; raises BadInputError."""
+    given = {name: value for name, value in fields.items() if value is not None}
+    for name, value in given.items():
+        kind = FIELDS.get(name)
+        if kind is None:
+            raise BadInputError(f"label: expected fields {', '.join(FIELDS)}, got {name!r}")
+        if not isinstance(value, kind):
+            raise BadInputError(
+                f"label {name}: expected {kind.__name__}, got {type(value).__name__}"
+            )
+        if isinstance(value, str) and len(value) > NAME_LIMIT:
+            raise BadInputError(
+                f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
+            )
+    if "name" in given and not given["name"].strip():
+        raise BadInputError("label name: expected some text, got none")
+    if "color" in given and not _COLOR.fullmatch(given["color"]):
+        raise BadInputError(f"label color: expected #rrggbb, got {given['color']!r}")
+    if "color" in given:
+        given["color"] = given["color"].lower()
+    return given
+
+
+def check_id(label_id: int) -> int:
+    """``label_id`` if it can be a label's; raises BadInputError."""
+    if isinstance(label_id, bool) or not isinstance(label_id, int):
+        raise BadInputError(f"label id: expected an integer, got {type(label_id).__name__}")
+    if not 1 <= label_id <= HIGHEST:
+        raise BadInputError(f"label id: expected 1 to {HIGHEST}, got {label_id}")
+    return label_id
+
+
+def default_color(label_id: int) -> str:
+    """A colour of its own for each id: hues a golden ratio apart stay distinct the longest."""
+    hue = (0.58 + label_id * _GOLDEN) % 1.0
+    lightness = (0.58, 0.66, 0.5)[label_id % 3]
+    red, green, blue = colorsys.hls_to_rgb(hue, lightness, 0.78)
+    return f"#{round(red * 255):02x}{round(green * 255):02x}{round(blue * 255):02x}"
+
+
+def require(palette: Mapping[int, Label], label_id: int) -> Label:
+    """The label with this id; raises NotFoundError."""
+    if label_id not in palette:
+        raise NotFoundError(f"label: expected the id of a label, got {label_id}")
+    return palette[label_id]
+
+
+def fields_of(label: Label) -> dict[str, Any]:
+    """All fields of a label that exists, as the journal keeps them."""
+    return {"exists": True, **{name: getattr(label, name) for name in FIELDS}}
+
+
+def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[int, Label | None]:
+    """What the edits in force make of each label; None: it does not exist."""
+    wanted = list(label_ids)
+    rows = connection.execute(
+        select(edit_labels.c.label, edit_labels.c.fields)
+        .join(
+            edits,
+            (edits.c.sequence == edit_labels.c.sequence)
+            & (edits.c.revision == edit_labels.c.revision),
+        )
+        .where(edit_labels.c.sequence == number, edit_labels.c.label.in_(wanted))
+        .where(edits.c.state.in_(IN_FORCE))
+        .order_by(edit_labels.c.revision)
+    )
+    merged: dict[int, dict[str, Any]] = {label_id: {} for label_id in wanted}
+    for label_id, fields in rows:
+        merged[label_id].update(json.loads(fields))
+    return {label_id: _label(label_id, fields) for label_id, fields in merged.items()}
+
+
+def created_by(connection: Connection, number: int, revision: int) -> Label:
+    """The label that an edit made, as it made it; raises NotFoundError if it made none."""
+    row = connection.execute(
+        select(edit_labels.c.label, edit_labels.c.fields).where(
+            edit_labels.c.sequence == number, edit_labels.c.revision == revision
+        )
+    ).first()
+    label = None if row is None else _label(row.label, json.loads(row.fields))
+    if label is None:
+        raise NotFoundError(f"label: expected revision {revision} to have made one")
+    return label
+
+
+def _label(label_id: int, fields: dict[str, Any]) -> Label | None:
+    exists = fields.pop("exists", False)
+    return Label(label_id, **fields) if exists and "name" in fields else None

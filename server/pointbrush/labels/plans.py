@@ -1,0 +1,191 @@
+"""What each call of the store drafts: functions from a Draft to its journal Entry."""
+
+from __future__ import annotations
+
+import json
+import uuid
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.labels import journal, palette, schema, undo
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.journal import Entry
+from pointbrush.labels.types import Label, Write
+from pointbrush.labels.writes import locked_error
+
+ID_LIMIT = 128
+AUTHOR_LIMIT = 256
+
+Plan = Callable[[Draft], Entry]
+Tracks = dict[tuple[int, int], str | None]
+
+
+def new_entry(edit_id: str | None, author: str, kind: str, summary: str) -> Entry:
+    """An entry with checked texts; a new id when none is given.  Raises BadInputError."""
+    edit_id = str(uuid.uuid4()) if edit_id is None else check_text("edit id", edit_id, ID_LIMIT)
+    check_text("author", author, AUTHOR_LIMIT)
+    check_text("kind", kind, 32)
+    return Entry(edit_id, author, kind, summary)
+
+
+def check_text(name: str, value: Any, limit: int) -> str:
+    """``value`` if it is text of 1 to ``limit`` characters; raises BadInputError."""
+    if not isinstance(value, str):
+        raise BadInputError(f"{name}: expected text, got {type(value).__name__}")
+    if not 1 <= len(value) <= limit or "\0" in value:
+        raise BadInputError(f"{name}: expected 1 to {limit} characters, got {value[:80]!r}")
+    return value
+
+
+# ── palette ──────────────────────────────────────────────────────────────────────────────────
+
+
+def create(entry: Entry, label_id: int | None, fields: dict[str, Any]) -> Plan:
+    """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken."""
+
+    def plan(draft: Draft) -> Entry:
+        number = _free_id(draft) if label_id is None else label_id
+        if number in draft.palette:
+            raise ConflictError(f"label id: expected a free one, {number} is taken")
+        add_label(draft, Label(number, **{"color": palette.default_color(number), **fields}))
+        return entry
+
+    return plan
+
+
+def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
+    """Change fields of a label."""
+
+    def plan(draft: Draft) -> Entry:
+        label = palette.require(draft.palette, label_id)
+        news = {name: value for name, value in fields.items() if getattr(label, name) != value}
+        if news:
+            merged = {name: news.get(name, getattr(label, name)) for name in palette.FIELDS}
+            draft.labels[label_id] = Label(label_id, **merged)
+            draft.label_fields[label_id] = news
+        what = ", ".join(news) or "nothing"
+        return replace(entry, summary=f"change {what} of label '{label.name}'")
+
+    return plan
+
+
+def remove(entry: Entry, label_id: int) -> Plan:
+    """Remove a label and take it from its points."""
+
+    def plan(draft: Draft) -> Entry:
+        label = palette.require(draft.palette, label_id)
+        if label.locked:
+            raise locked_error(draft.palette, label_id)
+        draft.clear_label(label_id)
+        draft.labels[label_id] = None
+        draft.label_fields[label_id] = {"exists": False}
+        return replace(entry, summary=f"delete label '{label.name}'")
+
+    return plan
+
+
+def add_label(draft: Draft, label: Label) -> None:
+    """Put a label into the palette; points that an earlier one of its id left are freed."""
+    draft.clear_label(label.id)
+    draft.labels[label.id] = label
+    draft.label_fields[label.id] = palette.fields_of(label)
+
+
+def _free_id(draft: Draft) -> int:
+    number = draft.state.highest_label + 1
+    if number <= palette.HIGHEST:
+        return number
+    free = set(range(1, palette.HIGHEST + 1)) - set(draft.palette)
+    if not free:
+        raise ConflictError(f"label: expected at most {palette.HIGHEST} labels")
+    return min(free)
+
+
+# ── points ───────────────────────────────────────────────────────────────────────────────────
+
+
+def write(
+    entry: Entry,
+    writes: Iterable[tuple[int, Write]],
+    tracks: Tracks,
+    labels: Iterable[Label],
+    if_match: int | None,
+) -> Plan:
+    """Add the labels that are not there yet, do the writes, set the tracks."""
+
+    def plan(draft: Draft) -> Entry:
+        if if_match is not None and if_match != draft.state.revision:
+            raise ConflictError(
+                f"revision: expected {if_match}, it is {draft.state.revision} by now"
+            )
+        for label in labels:
+            if label.id not in draft.palette:
+                add_label(draft, label)
+        for frame, what in writes:
+            draft.write(frame, what)
+        for frame, label_id in tracks:
+            draft.state.frame_points(frame)
+            palette.require(draft.palette, label_id)
+        draft.tracks.update(tracks)
+        draft.own_tracks = True
+        return entry
+
+    return plan
+
+
+def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
+    """Tracks by frame and label, as JSON; raises BadInputError."""
+    found: Tracks = {}
+    for track in tracks:
+        try:
+            place = (int(track["frame"]), int(track["label"]))
+            found[place] = json.dumps(dict(track), allow_nan=False)
+        except (KeyError, TypeError, ValueError) as error:
+            raise BadInputError(
+                f"tracks: expected maps with frame, label and finite numbers, got {error}"
+            ) from None
+    return found
+
+
+# ── undo and redo ────────────────────────────────────────────────────────────────────────────
+
+
+def take_back(entry: Entry) -> Plan:
+    """Undo the author's last edit in force."""
+
+    def plan(draft: Draft) -> Entry:
+        edit = journal.top_of_stack(
+            draft.connection, draft.state.number, entry.author, schema.ACTIVE
+        )
+        if edit is None:
+            raise ConflictError(f"undo: {entry.author} has no edit to take back")
+        undo.undo(draft, edit)
+        return _about(entry, edit)
+
+    return plan
+
+
+def bring_back(entry: Entry) -> Plan:
+    """Redo the edit that the author's last undo took back."""
+
+    def plan(draft: Draft) -> Entry:
+        edit = journal.top_of_stack(
+            draft.connection, draft.state.number, entry.author, schema.UNDONE
+        )
+        if edit is None:
+            raise ConflictError(f"redo: {entry.author} has no undone edit to bring back")
+        undo.redo(draft, edit)
+        return _about(entry, edit)
+
+    return plan
+
+
+def _about(entry: Entry, edit: Any) -> Entry:
+    return replace(
+        entry,
+        summary=f"{entry.kind}: {edit.summary}",
+        state=schema.INERT,
+        target=edit.revision,
+    )

@@ -1,0 +1,67 @@
+"""Reading the state: annotation values, counts, tracks."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from sqlalchemy import Connection, select
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels import schema
+from pointbrush.labels.packing import BLOCK, DELETION, LABELS, deleted_of, label_of, provenance_of
+from pointbrush.labels.state import SequenceState, visible
+from pointbrush.labels.types import FrameValues
+
+
+def values(
+    connection: Connection, state: SequenceState, frame: int, first: int, count: int | None
+) -> FrameValues:
+    """Annotation of points [first, first + count) of a frame, as far as it has them."""
+    points = state.frame_points(frame)
+    if first < 0 or (count is not None and count < 0):
+        raise BadInputError(f"points: expected first and count of 0 or more, got {first}, {count}")
+    stop = points if count is None else min(points, first + count)
+    n = max(0, stop - first)
+    result = FrameValues(
+        np.zeros(n, np.uint16), np.zeros(n, np.uint8), np.zeros(n, np.bool_), state.revision
+    )
+    if n == 0:
+        return result
+    for layer in (LABELS, DELETION):
+        start_block, last_block = first // BLOCK, (stop - 1) // BLOCK
+        blocks = state.block_run(connection, frame, layer, start_block, last_block)
+        for number, block in enumerate(blocks, start_block):
+            if block.states is None:
+                continue
+            start, end = max(first, number * BLOCK), min(stop, (number + 1) * BLOCK)
+            part = block.states[start - number * BLOCK : end - number * BLOCK]
+            into = slice(start - first, end - first)
+            if layer == DELETION:
+                result.deleted[into] = deleted_of(part)
+            else:
+                shown = visible(part, state.exists)
+                result.label[into] = label_of(shown)
+                result.provenance[into] = provenance_of(shown)
+    return result
+
+
+def counts(state: SequenceState) -> dict[tuple[int, int], tuple[int, int]]:
+    """For each frame and label that has any: points, and painted ones among them."""
+    return {
+        key: (points, painted)
+        for key, (points, painted, _) in state.counts.items()
+        if points and key[1] in state.palette
+    }
+
+
+def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
+    """Tracks of the labels that exist, by frame and label."""
+    table = schema.tracks.c
+    query = (
+        select(table.label, table.data)
+        .where(table.sequence == state.number)
+        .order_by(table.frame, table.label)
+    )
+    return [json.loads(data) for label, data in connection.execute(query) if label in state.palette]

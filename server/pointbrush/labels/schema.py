@@ -1,0 +1,169 @@
+"""The tables.  The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.
+
+A migration must go with every change here (``migrations/versions``); a test compares the two.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    SmallInteger,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+)
+
+HEAD = "0001"
+"""The migration that these tables are at."""
+
+# States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
+ACTIVE = 0
+UNDONE = 1
+DROPPED = 2
+"""Undone, and its author has gone on: it stays undone."""
+KEPT = 3
+"""In force, but no longer its author's to undo (a label that others use)."""
+INERT = 4
+"""Nothing of its own to undo: it changed nothing, or it is itself an undo or redo."""
+
+IN_FORCE = (ACTIVE, KEPT)
+
+metadata = MetaData()
+
+
+def _sequence() -> Column[int]:
+    return Column("sequence", Integer, ForeignKey("sequences.number"), primary_key=True)
+
+
+sequences = Table(
+    "sequences",
+    metadata,
+    Column("number", Integer, primary_key=True, autoincrement=True),
+    Column("id", String(128), nullable=False, unique=True),
+    Column("revision", BigInteger, nullable=False),
+    Column("highest_label", Integer, nullable=False),
+    Column("points", LargeBinary, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+edits = Table(
+    "edits",
+    metadata,
+    _sequence(),
+    Column("revision", BigInteger, primary_key=True, autoincrement=False),
+    Column("id", String(128), nullable=False),
+    Column("author", String(256), nullable=False),
+    Column("time", Double, nullable=False),
+    Column("kind", String(32), nullable=False),
+    Column("summary", Text, nullable=False),
+    Column("points", BigInteger, nullable=False),
+    Column("frames", Text, nullable=False),  # JSON list of frame numbers
+    Column("labels", Text, nullable=False),  # JSON list of palette entries it changed
+    Column("tracks", Boolean, nullable=False),
+    Column("target", BigInteger),  # revision that an undo or redo is about
+    Column("state", SmallInteger, nullable=False),
+    Column("redone", BigInteger, nullable=False),  # revision of its last redo, or 0
+    UniqueConstraint("sequence", "id", name="edits_id"),
+    Index("edits_stack", "sequence", "author", "state", "revision"),
+    Index("edits_redone", "sequence", "redone"),
+)
+
+edit_blocks = Table(
+    "edit_blocks",
+    metadata,
+    _sequence(),
+    Column("revision", BigInteger, primary_key=True, autoincrement=False),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("layer", SmallInteger, primary_key=True, autoincrement=False),
+    Column("block", Integer, primary_key=True, autoincrement=False),
+    Column("data", LargeBinary, nullable=False),
+    Index("edit_blocks_place", "sequence", "frame", "layer", "block", "revision"),
+)
+
+edit_labels = Table(
+    "edit_labels",
+    metadata,
+    _sequence(),
+    Column("revision", BigInteger, primary_key=True, autoincrement=False),
+    Column("label", Integer, primary_key=True, autoincrement=False),
+    Column("fields", Text, nullable=False),  # JSON object of the fields it set
+    Index("edit_labels_label", "sequence", "label", "revision"),
+)
+
+edit_tracks = Table(
+    "edit_tracks",
+    metadata,
+    _sequence(),
+    Column("revision", BigInteger, primary_key=True, autoincrement=False),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("label", Integer, primary_key=True, autoincrement=False),
+    Column("data", Text, nullable=False),  # JSON object
+    Index("edit_tracks_place", "sequence", "frame", "label", "revision"),
+)
+
+snapshots = Table(
+    "snapshots",
+    metadata,
+    _sequence(),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("layer", SmallInteger, primary_key=True, autoincrement=False),
+    Column("block", Integer, primary_key=True, autoincrement=False),
+    Column("revision", BigInteger, nullable=False),
+    Column("data", LargeBinary, nullable=False),
+)
+
+labels = Table(
+    "labels",
+    metadata,
+    _sequence(),
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("name", Text, nullable=False),
+    Column("category", Text, nullable=False),
+    Column("color", String(7), nullable=False),
+    Column("locked", Boolean, nullable=False),
+    Column("visible", Boolean, nullable=False),
+)
+
+tracks = Table(
+    "tracks",
+    metadata,
+    _sequence(),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("label", Integer, primary_key=True, autoincrement=False),
+    Column("data", Text, nullable=False),
+)
+
+counts = Table(
+    "counts",
+    metadata,
+    _sequence(),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("label", Integer, primary_key=True, autoincrement=False),
+    Column("points", BigInteger, nullable=False),
+    Column("painted", BigInteger, nullable=False),
+    Column("held", BigInteger, nullable=False),  # points, deleted ones too
+)
+
+tokens = Table(
+    "tokens",
+    metadata,
+    Column("id", String(16), primary_key=True),
+    Column("role", String(16), nullable=False),
+    Column("name", Text, nullable=False),
+    Column("digest", String(64), nullable=False, unique=True),
+    Column("created", Double, nullable=False),
+    Column("expires", Double),
+    Column("revoked", Double),
+)
+
+PER_SEQUENCE = (edit_blocks, edit_labels, edit_tracks, snapshots, labels, tracks, counts, edits)
+"""Everything that goes when a sequence is forgotten, children first."""

@@ -1,0 +1,261 @@
+"""Sequences that are open in this process: reading them, committing to them, catching up."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from sqlalchemy import Connection, Row
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels import journal, schema
+from pointbrush.labels.blocks import SNAPSHOT_EVERY, BlockCache, Place
+from pointbrush.labels.database import Database
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.effect import Effect, deltas_of, effect_of
+from pointbrush.labels.journal import Entry
+from pointbrush.labels.notify import Outbox, Watcher
+from pointbrush.labels.packing import States
+from pointbrush.labels.state import (
+    SequenceState,
+    cell_of,
+    find_revision,
+    find_sequence,
+    revisions,
+)
+from pointbrush.labels.types import Commit
+from pointbrush.labels.undo import keep_used_labels
+from pointbrush.labels.upkeep import Upkeep
+
+BATCH = 256
+"""Edits of another process that are taken in at once."""
+
+
+class Sessions:
+    """The open sequences of one store.
+
+    A state's lock is held while its sequence is read or written; the database's own lock
+    (SQLite's one writer, PostgreSQL's row) is taken inside it, subscribers are called outside.
+    """
+
+    def __init__(self, database: Database, cache: BlockCache) -> None:
+        self._database = database
+        self._cache = cache
+        self._states: dict[str, SequenceState] = {}
+        self._opening = threading.RLock()
+        self.outbox = Outbox()
+        self.upkeep = Upkeep(database)
+        self.watcher = Watcher(database, self.catch_up)
+        with database.read() as connection:
+            self._seen = {name: seen for name, (_, seen) in revisions(connection).items()}
+
+    def close(self) -> None:
+        """End the threads."""
+        self.watcher.close()
+        self.upkeep.close()
+
+    # ── reading ──────────────────────────────────────────────────────────────────────────
+
+    @contextlib.contextmanager
+    def reading(self, sequence: str) -> Iterator[tuple[Connection, SequenceState]]:
+        """The sequence at its newest revision; raises NotFoundError, UnavailableError."""
+        state = self._state(sequence)
+        with state.lock, self._database.read() as connection:
+            self._refresh(connection, state)
+            yield connection, state
+        self.outbox.drain()
+
+    def forget(self, sequence: str) -> None:
+        """Drop what is in memory of a sequence."""
+        with self._opening:
+            state = self._states.pop(sequence, None)
+            self._seen.pop(sequence, None)
+        if state is not None:
+            self._cache.drop(state.number)
+
+    def catch_up(self) -> None:
+        """Take in what other processes committed, and tell the subscribers."""
+        with self._database.read() as connection:
+            newest = revisions(connection)
+        for sequence, (number, revision) in newest.items():
+            state = self._states.get(sequence)
+            if state is None:
+                behind = self.outbox.wanted and revision > self._seen.get(sequence, 0)
+            else:
+                behind = (number, revision) != (state.number, state.revision)
+            if behind:
+                with contextlib.suppress(NotFoundError), self.reading(sequence):
+                    pass
+
+    def _state(self, sequence: str) -> SequenceState:
+        state = self._states.get(sequence)
+        if state is not None:
+            return state
+        with self._opening:
+            if sequence in self._states:
+                return self._states[sequence]
+            with self._database.read() as connection:
+                row = find_sequence(connection, sequence)
+                if row is None:
+                    raise NotFoundError(
+                        f"sequence: expected the id of a sequence, got {sequence!r}"
+                    )
+                state = SequenceState(connection, row, self._cache)
+                seen = self._seen.get(sequence, 0)
+                if self.outbox.wanted and seen < state.revision:
+                    self._publish(connection, state, seen)
+            self._states[sequence] = state
+            return state
+
+    def _refresh(self, connection: Connection, state: SequenceState, *, lock: bool = False) -> None:
+        """Bring ``state`` to the newest revision that ``connection`` sees."""
+        found = find_revision(connection, state.id, lock=lock)
+        if found is None:
+            self.forget(state.id)
+            raise NotFoundError(f"sequence: expected the id of a sequence, got {state.id!r}")
+        number, revision = found
+        if number != state.number or revision < state.revision:
+            # Another process made it anew, or put a backup in its place.
+            row = find_sequence(connection, state.id)
+            if row is not None:
+                state.forget_blocks()
+                state.reset(connection, row)
+        elif revision > state.revision:
+            self._take_in(connection, state)
+
+    def _take_in(self, connection: Connection, state: SequenceState) -> None:
+        first = state.revision
+        while rows := journal.rows_since(connection, state.number, state.revision, BATCH):
+            for row in rows:
+                changes = journal.iterate_changes(connection, state.number, row.revision)
+                state.adopt(changes)
+                state.revision = row.revision
+        state.reload_palette(connection)
+        state.reload_counts(connection)
+        if self.outbox.wanted:
+            self._publish(connection, state, first)
+
+    def _publish(self, connection: Connection, state: SequenceState, after: int) -> None:
+        while rows := journal.rows_since(connection, state.number, after, BATCH):
+            for row in rows:
+                self.outbox.put(self.load(connection, state, row))
+                after = row.revision
+
+    # ── writing ──────────────────────────────────────────────────────────────────────────
+
+    def commit(self, sequence: str, edit_id: str, plan: Callable[[Draft], Entry]) -> Commit:
+        """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
+
+        An ``edit_id`` that is there already gives its commit again.  Any error of ``plan``, and
+        UnavailableError, leave everything as it was.
+        """
+        state = self._state(sequence)
+        with state.lock:
+            with self._database.write() as connection:
+                self._refresh(connection, state, lock=True)
+                first = self.find(connection, state, edit_id)
+                if first is not None:
+                    return first
+                draft = Draft(connection, state)
+                commit, effect = self._append(draft, plan(draft))
+            # Committed: only now may memory change.
+            self._adopt(draft, effect)
+            self.outbox.put(commit)
+        self.outbox.drain()
+        return commit
+
+    def _append(self, draft: Draft, entry: Entry) -> tuple[Commit, Effect]:
+        connection, state = draft.connection, draft.state
+        effect = effect_of(draft)
+        if entry.kind == "undo" and keep_used_labels(draft, effect):
+            entry, effect = replace(entry, state=schema.KEPT), effect_of(draft)
+        if entry.state == schema.ACTIVE and self._is_idle(draft, entry, effect):
+            draft.changes.clear()
+            entry = replace(entry, state=schema.INERT)
+        if entry.state == schema.ACTIVE:
+            journal.drop_redo(connection, state.number, entry.author)
+        time = journal.append(self._database, draft, entry, effect)
+        self.watcher.announce(connection)
+        palette = draft.palette
+        counts = {**state.counts_of(draft.labels), **effect.counts}
+        commit = Commit(
+            sequence=state.id,
+            edit_id=entry.id,
+            revision=draft.revision,
+            author=entry.author,
+            kind=entry.kind,
+            summary=entry.summary,
+            changed=effect.changed,
+            time=time,
+            target=journal.edit_id_of(connection, state.number, entry.target),
+            frames=effect.frames,
+            palette_changed=bool(draft.labels),
+            tracks_changed=bool(draft.tracks),
+            cells=tuple(cell_of(key, count, palette) for key, count in sorted(counts.items())),
+        )
+        return commit, effect
+
+    def _is_idle(self, draft: Draft, entry: Entry, effect: Effect) -> bool:
+        """Nothing to see, and nothing of others' that it would hold on to."""
+        if effect.changed or draft.labels or draft.tracks:
+            return False
+        writers = [int(writer) for writer in draft.foreign_writers()]
+        number = draft.state.number
+        return not journal.by_others(draft.connection, number, writers, entry.author)
+
+    def _adopt(self, draft: Draft, effect: Effect) -> None:
+        state = draft.state
+        state.revision = draft.revision
+        state.counts.update(effect.counts)
+        if draft.labels:
+            state.set_palette(draft.palette.values())
+        for place in state.adopt(draft.changes.items()):
+            block = state.cached(place)
+            if block is not None and block.age >= SNAPSHOT_EVERY and not block.queued:
+                block.queued = True
+                self.upkeep.snapshot(partial(_take, state, place))
+
+    # ── from the journal ─────────────────────────────────────────────────────────────────
+
+    def find(self, connection: Connection, state: SequenceState, edit_id: str) -> Commit | None:
+        """The commit of an edit by its id, marked as repeated, or None."""
+        row = journal.find(connection, state.number, edit_id)
+        return None if row is None else replace(self.load(connection, state, row), repeated=True)
+
+    def load(self, connection: Connection, state: SequenceState, row: Row[Any]) -> Commit:
+        """A past commit, whose deltas hold the values of *now* where later edits matter."""
+        labels = json.loads(row.labels)
+        changes = journal.changes_of(connection, state.number, row.revision)
+        frames = deltas_of(connection, state, changes, labels)
+        touched = {frame for frame, _, _ in changes} | set(frames)
+        keys = {key: state.counts[key] for key in state.counts if key[0] in touched}
+        keys.update(state.counts_of(labels))
+        return Commit(
+            sequence=state.id,
+            edit_id=row.id,
+            revision=row.revision,
+            author=row.author,
+            kind=row.kind,
+            summary=row.summary,
+            changed=row.points,
+            time=row.time,
+            target=journal.edit_id_of(connection, state.number, row.target),
+            frames=frames,
+            palette_changed=bool(labels),
+            tracks_changed=bool(row.tracks),
+            cells=tuple(state.cell(key) for key in sorted(keys)),
+        )
+
+
+def _take(state: SequenceState, place: Place) -> tuple[int, Place, int, States] | None:
+    with state.lock:
+        block = state.cached(place)
+        if block is None or block.states is None:
+            return None
+        block.age, block.queued = 0, False
+        return state.number, place, state.revision, block.states.copy()

@@ -1,0 +1,199 @@
+"""What a process knows of one sequence: palette, counts, blocks, all as of one revision."""
+
+from __future__ import annotations
+
+import threading
+import zlib
+from collections.abc import Container, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Connection, Row, select
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels.blocks import Block, BlockCache, Place, block_size, load_blocks
+from pointbrush.labels.packing import DELETED_BIT, LABEL_BITS, VALUE_BITS, Change, States
+from pointbrush.labels.schema import counts, labels, sequences
+from pointbrush.labels.types import Cell, Label
+
+Count = tuple[int, int, int]
+"""Points, painted ones among them (both without deleted points), and all that hold the label."""
+FrameLabel = tuple[int, int]
+NONE: Count = (0, 0, 0)
+
+
+class SequenceState:
+    """A cache of the database for one sequence; hold ``lock`` while using it."""
+
+    def __init__(self, connection: Connection, row: Row[Any], blocks: BlockCache) -> None:
+        self.lock = threading.RLock()
+        self.palette: dict[int, Label] = {}
+        self.counts: dict[FrameLabel, Count] = {}
+        self._blocks = blocks
+        self.reset(connection, row)
+
+    def reset(self, connection: Connection, row: Row[Any]) -> None:
+        """Start again from the sequence's row."""
+        self.number: int = row.number
+        self.id: str = row.id
+        self.revision: int = row.revision
+        self.highest_label: int = row.highest_label
+        self.points = decode_points(row.points)
+        self.exists = _only_unlabeled()
+        self.locked = np.zeros(1 << 16, np.bool_)
+        self.counts.clear()
+        self.reload_palette(connection)
+        self.reload_counts(connection)
+
+    # ── palette and counts ───────────────────────────────────────────────────────────────
+
+    def reload_palette(self, connection: Connection) -> None:
+        """Read the palette again."""
+        rows = connection.execute(select(labels).where(labels.c.sequence == self.number))
+        self.set_palette(
+            Label(row.id, row.name, row.category, row.color, bool(row.locked), bool(row.visible))
+            for row in rows
+        )
+
+    def set_palette(self, palette: Iterable[Label]) -> None:
+        """Take over a palette."""
+        self.palette = {label.id: label for label in sorted(palette, key=lambda one: one.id)}
+        self.exists = exists_table(self.palette)
+        self.locked = np.zeros(1 << 16, np.bool_)
+        self.locked[[label.id for label in self.palette.values() if label.locked]] = True
+        self.highest_label = max([self.highest_label, *self.palette])
+
+    def reload_counts(self, connection: Connection, frames: Sequence[int] | None = None) -> None:
+        """Read the counts again, of some frames or all."""
+        query = select(counts).where(counts.c.sequence == self.number)
+        if frames is not None:
+            query = query.where(counts.c.frame.in_(frames))
+        rows = connection.execute(query).all()
+        self.counts.update(
+            {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
+        )
+
+    def cell(self, key: FrameLabel) -> Cell:
+        """The visible count of a label in a frame."""
+        return cell_of(key, self.counts.get(key, NONE), self.palette)
+
+    def counts_of(self, labels: Iterable[int]) -> dict[FrameLabel, Count]:
+        """Counts of some labels in all frames."""
+        wanted = set(labels)
+        if not wanted:
+            return {}
+        return {key: count for key, count in self.counts.items() if key[1] in wanted}
+
+    # ── points ───────────────────────────────────────────────────────────────────────────
+
+    def frame_points(self, frame: int) -> int:
+        """Points of a frame; raises NotFoundError."""
+        if not 0 <= frame < len(self.points):
+            raise NotFoundError(f"frame: expected 0 to {len(self.points) - 1}, got {frame}")
+        return int(self.points[frame])
+
+    def block(self, connection: Connection, place: Place) -> Block:
+        """A block, from memory or the database."""
+        found = self._blocks.get(self.number, place)
+        return found or self.block_run(connection, place[0], place[1], place[2], place[2])[0]
+
+    def block_run(
+        self, connection: Connection, frame: int, layer: int, first: int, last: int
+    ) -> list[Block]:
+        """Blocks first..last of a frame; those not in memory are read at once."""
+        places = [(frame, layer, block) for block in range(first, last + 1)]
+        found = [self._blocks.get(self.number, place) for place in places]
+        missing = [place[2] for place, block in zip(places, found, strict=True) if block is None]
+        if missing:
+            points = self.frame_points(frame)
+            loaded = load_blocks(
+                connection, self.number, frame, layer, missing[0], missing[-1], points
+            )
+            for block in missing:
+                held = loaded.get(block) or Block(None, 0)
+                found[block - first] = held
+                size = block_size(points, block)
+                self._blocks.put(self.number, (frame, layer, block), held, size)
+        return [block for block in found if block is not None]
+
+    def adopt(self, changes: Iterable[tuple[Place, Change]]) -> list[Place]:
+        """Bring blocks in memory up to date; returns the places."""
+        places = []
+        for place, change in changes:
+            places.append(place)
+            block = self._blocks.get(self.number, place)
+            if block is not None:
+                block.apply(change, block_size(self.frame_points(place[0]), place[2]))
+        return places
+
+    def cached(self, place: Place) -> Block | None:
+        """A block, if it is in memory."""
+        return self._blocks.get(self.number, place)
+
+    def forget_blocks(self) -> None:
+        """Drop all blocks in memory."""
+        self._blocks.drop(self.number)
+
+
+def visible(states: States, exists: NDArray[np.bool_]) -> States:
+    """Value bits as users see them: a label that is not in the palette is no label.
+
+    Points keep the label they were given while it is deleted, so that undoing the deletion
+    brings back also those that were covered at the time.
+    """
+    values = states & VALUE_BITS
+    known = exists[(states & LABEL_BITS).astype(np.intp)]
+    if not known.all():
+        values = np.where(known, values, values & DELETED_BIT)
+    return values
+
+
+def cell_of(key: FrameLabel, count: Count, palette: Container[int]) -> Cell:
+    """A count as users see it: points of a label that does not exist are not seen."""
+    points, painted, _ = count if key[1] in palette else NONE
+    return Cell(*key, points, painted)
+
+
+def exists_table(palette: Iterable[int]) -> NDArray[np.bool_]:
+    """For each number 0..65535, whether points may show it as their label."""
+    table = _only_unlabeled()
+    table[list(palette)] = True
+    return table
+
+
+def encode_points(points: Sequence[int]) -> bytes:
+    """Points per frame as they are kept in the database."""
+    return zlib.compress(np.asarray(points, "<i8").tobytes(), 1)
+
+
+def decode_points(data: bytes) -> NDArray[np.int64]:
+    """Points per frame, (frames,)."""
+    return np.frombuffer(zlib.decompress(data), "<i8")
+
+
+def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:
+    """The whole row of a sequence."""
+    query = select(sequences).where(sequences.c.id == sequence)
+    return connection.execute(query).one_or_none()
+
+
+def find_revision(
+    connection: Connection, sequence: str, *, lock: bool = False
+) -> tuple[int, int] | None:
+    """Number and revision of a sequence; ``lock``: no other process commits to it meanwhile."""
+    query = select(sequences.c.number, sequences.c.revision).where(sequences.c.id == sequence)
+    row = connection.execute(query.with_for_update() if lock else query).one_or_none()
+    return None if row is None else (row.number, row.revision)
+
+
+def revisions(connection: Connection) -> dict[str, tuple[int, int]]:
+    """Number and revision of every sequence."""
+    query = select(sequences.c.id, sequences.c.number, sequences.c.revision)
+    return {row.id: (row.number, row.revision) for row in connection.execute(query)}
+
+
+def _only_unlabeled() -> NDArray[np.bool_]:
+    table = np.zeros(1 << 16, np.bool_)
+    table[0] = True
+    return table

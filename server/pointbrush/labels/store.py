@@ -1,0 +1,247 @@
+"""The label store: palettes, annotations and their history, in one database."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import delete, insert
+
+from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.labels import history, palette, plans, reading, schema
+from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
+from pointbrush.labels.database import Database
+from pointbrush.labels.migrate import migrate
+from pointbrush.labels.plans import new_entry
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.state import decode_points, encode_points, find_sequence
+from pointbrush.labels.tokens import Tokens
+from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
+from pointbrush.labels.writes import require_paintable
+
+
+class LabelStore:
+    """All labels of a workspace; thread-safe.  Whatever it answers is on the disk.
+
+    Every method raises NotFoundError for an unknown sequence, frame or label, BadInputError for
+    a value that cannot be, and UnavailableError when the disk is full or the database away: then
+    nothing has changed, and trying again can work.
+    """
+
+    def __init__(self, url: str, *, cache_bytes: int = CACHE_BYTES) -> None:
+        """Open ``sqlite:///path`` or ``postgresql://…`` and bring its schema up to date.
+
+        ``cache_bytes`` bounds the memory for blocks of points.
+        """
+        self._database = Database(url)
+        migrate(self._database)
+        self._sessions = Sessions(self._database, BlockCache(cache_bytes))
+        self.tokens = Tokens(self._database)
+
+    def close(self) -> None:
+        """Finish background work and close the connections."""
+        self._sessions.close()
+        self._database.close()
+
+    def subscribe(self, listener: Callable[[Commit], None]) -> Callable[[], None]:
+        """Call ``listener`` after every commit, in the order of the revisions, each once.
+
+        It is called from any thread, also for commits of other processes on the same database.
+        Returns what undoes it.
+        """
+        unsubscribe = self._sessions.outbox.subscribe(listener)
+        self._sessions.watcher.start()
+        return unsubscribe
+
+    # ── sequences ────────────────────────────────────────────────────────────────────────
+
+    def register(self, sequence: str, points: Sequence[int]) -> None:
+        """Make a sequence known, with the number of points of each frame; again is no change.
+
+        Raises ConflictError when it is known with other points.
+        """
+        plans.check_text("sequence", sequence, plans.ID_LIMIT)
+        counts = [int(n) for n in points]
+        if any(n < 0 for n in counts):
+            raise BadInputError("points: expected counts of 0 or more")
+        with self._database.write() as connection:
+            row = find_sequence(connection, sequence)
+            if row is None:
+                fields = {
+                    "id": sequence,
+                    "revision": 0,
+                    "highest_label": 0,
+                    "points": encode_points(counts),
+                }
+                connection.execute(insert(schema.sequences), fields)
+            elif decode_points(row.points).tolist() != counts:
+                raise ConflictError(
+                    f"sequence: expected {sequence!r} to keep its frames, got other point counts"
+                )
+
+    def forget(self, sequence: str) -> None:
+        """Remove a sequence with its whole history; an unknown one is no error."""
+        with self._database.write() as connection:
+            row = find_sequence(connection, sequence)
+            if row is not None:
+                for table in schema.PER_SEQUENCE:
+                    connection.execute(delete(table).where(table.c.sequence == row.number))
+                here = schema.sequences.c.number == row.number
+                connection.execute(delete(schema.sequences).where(here))
+        self._sessions.forget(sequence)
+
+    def revision(self, sequence: str) -> int:
+        """The number of edits so far, undos and redos among them."""
+        with self._sessions.reading(sequence) as (_, state):
+            return state.revision
+
+    # ── palette ──────────────────────────────────────────────────────────────────────────
+
+    def palette(self, sequence: str) -> list[Label]:
+        """The labels, by id."""
+        with self._sessions.reading(sequence) as (_, state):
+            return list(state.palette.values())
+
+    def require_paintable(self, sequence: str, label: int) -> None:
+        """Raise NotFoundError or LockedLabelError unless points may be given this label."""
+        with self._sessions.reading(sequence) as (_, state):
+            require_paintable(state.palette, label)
+
+    def create_label(
+        self,
+        sequence: str,
+        author: str,
+        *,
+        name: str,
+        category: str = "",
+        color: str | None = None,
+        id: int | None = None,
+        edit_id: str | None = None,
+    ) -> tuple[Label, Commit]:
+        """Add a label; raises ConflictError when ``id`` is taken."""
+        fields = palette.check_fields({"name": name, "category": category, "color": color})
+        number = None if id is None else palette.check_id(id)
+        entry = new_entry(edit_id, author, "label", f"create label '{name}'")
+        commit = self._sessions.commit(sequence, entry.id, plans.create(entry, number, fields))
+        with self._sessions.reading(sequence) as (connection, state):
+            return palette.created_by(connection, state.number, commit.revision), commit
+
+    def update_label(
+        self,
+        sequence: str,
+        author: str,
+        label_id: int,
+        *,
+        edit_id: str | None = None,
+        **fields: Any,
+    ) -> tuple[Label, Commit]:
+        """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None keeps."""
+        given = palette.check_fields(fields)
+        entry = new_entry(edit_id, author, "label", "change a label")
+        commit = self._sessions.commit(sequence, entry.id, plans.change(entry, label_id, given))
+        with self._sessions.reading(sequence) as (_, state):
+            return palette.require(state.palette, label_id), commit
+
+    def delete_label(
+        self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
+    ) -> Commit:
+        """Remove a label; its points become unlabeled in the same edit.
+
+        Raises LockedLabelError.
+        """
+        entry = new_entry(edit_id, author, "label", "delete a label")
+        return self._sessions.commit(sequence, entry.id, plans.remove(entry, label_id))
+
+    # ── points ───────────────────────────────────────────────────────────────────────────
+
+    def values(
+        self, sequence: str, frame: int, first: int = 0, count: int | None = None
+    ) -> FrameValues:
+        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return reading.values(connection, state, frame, first, count)
+
+    def counts(self, sequence: str) -> dict[tuple[int, int], tuple[int, int]]:
+        """For each frame and label that has any: points, and painted ones among them."""
+        with self._sessions.reading(sequence) as (_, state):
+            return reading.counts(state)
+
+    def tracks(self, sequence: str) -> list[dict[str, Any]]:
+        """The tracks as they were given to ``apply``, by frame and label."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return reading.tracks(connection, state)
+
+    def apply(
+        self,
+        sequence: str,
+        *,
+        edit_id: str | None,
+        author: str,
+        kind: str,
+        writes: Mapping[int, Write] | Iterable[tuple[int, Write]],
+        summary: str,
+        tracks: Iterable[Mapping[str, Any]] | None = None,
+        labels: Sequence[Label] = (),
+        if_match: int | None = None,
+    ) -> Commit:
+        """Commit one edit: its writes in order, its tracks, and ``labels`` not there yet.
+
+        Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
+        already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
+        with at least ``frame`` and ``label``.  ``if_match``: the revision it must commit on.
+
+        Raises LockedLabelError when the label to write is locked, ConflictError for another
+        revision than ``if_match``.
+        """
+        entry = new_entry(edit_id, author, kind, summary)
+        pairs = list(writes.items() if isinstance(writes, Mapping) else writes)
+        for label in labels:
+            palette.check_id(label.id)
+            palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
+        found = plans.check_tracks(tracks or ())
+        plan = plans.write(entry, pairs, found, labels, if_match)
+        return self._sessions.commit(sequence, entry.id, plan)
+
+    # ── history ──────────────────────────────────────────────────────────────────────────
+
+    def undo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
+        """Take back the author's last edit that is in force, as if it had never been.
+
+        Raises ConflictError when there is none, LockedLabelError.
+        """
+        entry = new_entry(edit_id, author, "undo", "undo")
+        return self._sessions.commit(sequence, entry.id, plans.take_back(entry))
+
+    def redo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
+        """Put the edit of the author's last undo back where it was; a new edit ends that.
+
+        Raises ConflictError when there is none, LockedLabelError.
+        """
+        entry = new_entry(edit_id, author, "redo", "redo")
+        return self._sessions.commit(sequence, entry.id, plans.bring_back(entry))
+
+    def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
+        """What the author's undo, and redo, would be about."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return history.stacks(connection, state.number, author)
+
+    def edits(
+        self, sequence: str, *, before: int | None = None, limit: int = 100
+    ) -> list[EditInfo]:
+        """The history, newest first, from below revision ``before``; at most 1,000 lines."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return history.lines(connection, state.number, before, limit)
+
+    def find(self, sequence: str, edit_id: str) -> Commit | None:
+        """The commit of an edit by its id, ``repeated``, or None."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return self._sessions.find(connection, state, edit_id)
+
+    def since(self, sequence: str, revision: int) -> list[Commit]:
+        """The commits after ``revision``; applying them in order gives the state of now.
+
+        Raises GapError when there are too many, or ``revision`` lies in the future.
+        """
+        with self._sessions.reading(sequence) as (connection, state):
+            rows = history.rows_to_resend(connection, state, revision)
+            return [self._sessions.load(connection, state, row) for row in rows]

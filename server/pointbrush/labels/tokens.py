@@ -1,0 +1,108 @@
+"""Access tokens: a random secret and a role.
+
+Only the SHA-256 of a secret is stored.  A slow password hash would add nothing: the secret is
+256 random bits, which nobody can guess from its digest at any speed; and every request pays
+for the check.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+import time
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from sqlalchemy import Row, insert, select, update
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.labels.database import Database
+from pointbrush.labels.schema import tokens
+
+Role = Literal["viewer", "annotator", "reviewer", "admin"]
+ROLES: tuple[str, ...] = get_args(Role)
+"""From least to most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """What is known of a token; times are seconds since the epoch, None: never."""
+
+    id: str
+    role: Role
+    name: str
+    created: float
+    expires: float | None
+    revoked: float | None
+
+    @property
+    def valid(self) -> bool:
+        """Whether it lets somebody in now."""
+        return self.revoked is None and (self.expires is None or time.time() < self.expires)
+
+
+class Tokens:
+    """The tokens of one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(self, role: str, name: str = "", expires: float | None = None) -> str:
+        """Make a token and return its secret, which is shown this once.
+
+        ``expires``: seconds since the epoch.  Raises BadInputError for an unknown role.
+        """
+        if role not in ROLES:
+            raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
+        if len(name) > 128:
+            raise BadInputError(f"name: expected at most 128 characters, got {len(name)}")
+        secret = secrets.token_urlsafe(32)
+        row = {
+            "id": secrets.token_hex(4),
+            "role": role,
+            "name": name,
+            "digest": _digest(secret),
+            "created": time.time(),
+            "expires": expires,
+        }
+        with self._database.write() as connection:
+            connection.execute(insert(tokens), row)
+        return secret
+
+    def list(self) -> list[Token]:
+        """All tokens, oldest first, revoked and expired ones too."""
+        with self._database.read() as connection:
+            rows = connection.execute(select(tokens).order_by(tokens.c.created)).all()
+        return [_token(row) for row in rows]
+
+    def revoke(self, token_id: str) -> Token:
+        """End a token's validity now; raises NotFoundError for an unknown id."""
+        with self._database.write() as connection:
+            here = tokens.c.id == token_id
+            row = connection.execute(select(tokens).where(here)).one_or_none()
+            if row is None:
+                raise NotFoundError(f"token: expected the id of a token, got {token_id!r}")
+            if row.revoked is None:
+                connection.execute(update(tokens).where(here).values(revoked=time.time()))
+            return _token(connection.execute(select(tokens).where(here)).one())
+
+    def check(self, secret: str) -> Token | None:
+        """The valid token with this secret, or None."""
+        digest = _digest(secret)
+        with self._database.read() as connection:
+            row = connection.execute(select(tokens).where(tokens.c.digest == digest)).one_or_none()
+        # The look-up compares digests, from whose timing no secret can be built; the comparison
+        # that decides is constant in time all the same.
+        if row is None or not hmac.compare_digest(row.digest.encode(), digest.encode()):
+            return None
+        token = _token(row)
+        return token if token.valid else None
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
+
+
+def _token(row: Row[Any]) -> Token:
+    return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked)

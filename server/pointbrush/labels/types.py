@@ -1,0 +1,149 @@
+"""What goes into the label store and what comes out of it.
+
+Points are numbered in *stored order* everywhere in this package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pointbrush.errors import ConflictError
+
+Only = Literal["any", "unlabeled", "not_painted"]
+PAINTED = 1
+"""Provenance of a point that a person painted; 0 none, 2 tracked, 3 imported."""
+
+
+class GapError(ConflictError):
+    """The wanted revision is too far back for deltas: fetch the annotations whole."""
+
+    title = "Revision gap"
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb"."""
+
+    id: int
+    name: str
+    category: str = ""
+    color: str = "#808080"
+    locked: bool = False
+    visible: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Write:
+    """What an edit wants done to points of one frame.
+
+    ``indices``     (n,) strictly increasing point numbers.
+    ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
+    ``provenance``  0..3, (n,) uint8, or None: keep.
+    ``deleted``     bool, (n,) bool, or None: keep.
+    ``only``        which points may change: all, those without a label, or those that no
+                    person painted.  Evaluated when the edit commits.
+    """
+
+    indices: NDArray[Any]
+    label: ArrayLike | None = None
+    provenance: ArrayLike | None = None
+    deleted: ArrayLike | None = None
+    only: Only = "any"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Delta:
+    """Points of one frame whose visible values changed, and their values now.
+
+    ``indices`` (n,) uint32 sorted, ``label`` (n,) uint16, ``provenance`` (n,) uint8,
+    ``deleted`` (n,) bool.
+    """
+
+    indices: NDArray[np.uint32]
+    label: NDArray[np.uint16]
+    provenance: NDArray[np.uint8]
+    deleted: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameValues:
+    """A run of a frame's annotation: label (n,) uint16, provenance (n,) uint8, deleted (n,) bool.
+
+    ``revision`` is the sequence's at the moment of reading.
+    """
+
+    label: NDArray[np.uint16]
+    provenance: NDArray[np.uint8]
+    deleted: NDArray[np.bool_]
+    revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """How many points of a frame have a label, and how many of them a person painted.
+
+    Deleted points do not count.
+    """
+
+    frame: int
+    label: int
+    points: int
+    painted: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Commit:
+    """One committed revision of a sequence.
+
+    ``revision`` is the sequence's after it and ``base`` the one before it; ``changed`` counts
+    points whose visible value changed; ``target`` is the edit that an undo or redo was about;
+    ``repeated`` is True when this edit's id had been committed before and nothing was done now.
+    """
+
+    sequence: str
+    edit_id: str
+    revision: int
+    author: str
+    kind: str
+    summary: str
+    changed: int
+    time: float = 0.0
+    target: str | None = None
+    repeated: bool = False
+    frames: Mapping[int, Delta] = field(default_factory=dict)
+    palette_changed: bool = False
+    tracks_changed: bool = False
+    cells: tuple[Cell, ...] = ()
+
+    @property
+    def base(self) -> int:
+        """The revision that the deltas apply to."""
+        return self.revision - 1
+
+
+@dataclass(frozen=True, slots=True)
+class EditInfo:
+    """A line of the history; ``time`` is seconds since the epoch.
+
+    ``undone``: taken back by its author and not brought back; ``target``: the edit that an
+    undo or redo was about.
+    """
+
+    id: str
+    revision: int
+    author: str
+    time: float
+    kind: str
+    summary: str
+    points: int
+    frames: tuple[int, ...]
+    undone: bool
+    target: str | None = None

@@ -1,0 +1,181 @@
+"""Undo and redo: a point shows what the last edit in force made of it.
+
+Undoing E takes E out of force; redoing it puts it back *where it was* in the order.  So the
+state is always what a replay of the journal without the undone edits gives, and only points
+whose writer is E (undo), or that nothing later wrote (redo), change.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Connection, Row, and_, select
+
+from pointbrush.labels import journal, schema
+from pointbrush.labels.blocks import Place
+from pointbrush.labels.draft import Draft, match_sorted
+from pointbrush.labels.effect import Effect
+from pointbrush.labels.packing import LABEL_BITS, LABELS, States, writer_of
+from pointbrush.labels.palette import fields_of, fold
+from pointbrush.labels.schema import IN_FORCE, edit_tracks, edits
+from pointbrush.labels.state import visible
+from pointbrush.labels.writes import locked_error
+
+Indices = NDArray[np.int64]
+
+
+def undo(draft: Draft, edit: Row[Any]) -> None:
+    """Fill ``draft`` with what the sequence is without ``edit``; marks it undone.
+
+    Raises LockedLabelError when that would change points of a locked label.
+    """
+    connection, number = draft.connection, draft.state.number
+    journal.set_state(connection, number, edit.revision, state=schema.UNDONE)
+    for place, change in journal.iterate_changes(connection, number, edit.revision):
+        now = draft.words(place, change.indices)
+        mine = writer_of(now) == np.uint64(edit.revision)
+        indices = change.indices[mine]
+        older = _without(connection, number, place, edit.revision, indices, change.before[mine])
+        draft.put(place, indices, now[mine], older)
+    _require_unlocked(draft)
+    _palette(draft, edit)
+    _tracks(draft, edit)
+
+
+def redo(draft: Draft, edit: Row[Any]) -> None:
+    """Fill ``draft`` with what the sequence is with ``edit`` again; marks it in force.
+
+    Raises LockedLabelError when that would change points of a locked label.
+    """
+    connection, number = draft.connection, draft.state.number
+    journal.set_state(connection, number, edit.revision, state=schema.ACTIVE, redone=draft.revision)
+    for place, change in journal.iterate_changes(connection, number, edit.revision):
+        now = draft.words(place, change.indices)
+        older = writer_of(now) < np.uint64(edit.revision)
+        draft.put(place, change.indices[older], now[older], change.after[older])
+    _require_unlocked(draft)
+    _palette(draft, edit)
+    _tracks(draft, edit)
+
+
+def _without(
+    connection: Connection,
+    number: int,
+    place: Place,
+    revision: int,
+    indices: Indices,
+    before: States,
+) -> States:
+    """The words of the last edits in force before ``revision``.
+
+    ``before``: the words it found.  Their writers may have been undone since; then what *those*
+    found counts, and so on.  This chain can only miss an edit that was undone while a link of
+    it was made, and redone afterwards: those few are laid over it in order.
+    """
+    result = before.copy()
+    known: dict[int, bool] = {}
+    link = revision
+    while True:
+        writers = writer_of(result)
+        present = journal.unique_revisions(writers)
+        new = [writer for writer in present if writer not in known]
+        undone = journal.out_of_force(connection, number, new)
+        known.update({writer: writer in undone for writer in new})
+        gone = [writer for writer in present if known[writer]]
+        if not gone:
+            break
+        link = min(link, *gone)
+        for writer in gone:
+            rows = np.flatnonzero(writers == np.uint64(writer))
+            change = journal.change_at(connection, number, writer, place)
+            if change is None:
+                raise AssertionError(f"journal: edit {writer} wrote {place} but has no record")
+            at, mine = match_sorted(change.indices, indices[rows])
+            result[rows[mine]] = change.before[at]
+    oldest = int(writer_of(result).min()) if len(result) else 0
+    for other in journal.redone_since(connection, number, link, oldest, revision):
+        change = journal.change_at(connection, number, other, place)
+        if change is None:
+            continue
+        at, mine = match_sorted(change.indices, indices)
+        rows = np.flatnonzero(mine)
+        newer = writer_of(result[rows]) < np.uint64(other)
+        result[rows[newer]] = change.after[at[newer]]
+    return result
+
+
+def _require_unlocked(draft: Draft) -> None:
+    state = draft.state
+    if not state.locked.any():
+        return
+    for (frame, layer, block), change in draft.changes.items():
+        before, after = (visible(words, state.exists) for words in (change.before, change.after))
+        differs = before != after
+        if layer == LABELS:
+            shown = [before, after]
+        else:
+            words = draft.words((frame, LABELS, block), change.indices)
+            shown = [visible(words, state.exists)]
+        for values in shown:
+            labels = (values & LABEL_BITS).astype(np.intp)
+            barred = differs & state.locked[labels]
+            if barred.any():
+                raise locked_error(state.palette, int(labels[barred][0]))
+
+
+def _palette(draft: Draft, edit: Row[Any]) -> None:
+    label_ids = json.loads(edit.labels)
+    if not label_ids:
+        return
+    now = draft.state.palette
+    for label_id, label in fold(draft.connection, draft.state.number, label_ids).items():
+        if label != now.get(label_id):
+            draft.labels[label_id] = label
+
+
+def keep_used_labels(draft: Draft, effect: Effect) -> bool:
+    """Keep labels that would go while others' points hold them; returns whether there are any.
+
+    Undoing the creation of a label must not take other people's work with it.
+    """
+    counts = {**draft.state.counts, **effect.counts}
+    used = {label for (_, label), count in counts.items() if count[2]}
+    for label_id in [n for n, label in draft.labels.items() if label is None and n in used]:
+        draft.label_fields[label_id] = fields_of(draft.state.palette[label_id])
+        del draft.labels[label_id]
+    return bool(draft.label_fields)
+
+
+def _tracks(draft: Draft, edit: Row[Any]) -> None:
+    if not edit.tracks:
+        return
+    mine, other = edit_tracks.alias(), edit_tracks.alias()
+    here = (draft.state.number, edit.revision)
+    query = (
+        select(other.c.frame, other.c.label, other.c.data)
+        .join(
+            mine,
+            and_(
+                mine.c.sequence == other.c.sequence,
+                mine.c.frame == other.c.frame,
+                mine.c.label == other.c.label,
+            ),
+        )
+        .join(
+            edits,
+            and_(edits.c.sequence == other.c.sequence, edits.c.revision == other.c.revision),
+        )
+        .where(mine.c.sequence == here[0], mine.c.revision == here[1])
+        .where(edits.c.state.in_(IN_FORCE))
+        .order_by(other.c.revision)
+    )
+    places = select(mine.c.frame, mine.c.label).where(
+        mine.c.sequence == here[0], mine.c.revision == here[1]
+    )
+    for frame, label in draft.connection.execute(places):
+        draft.tracks[frame, label] = None
+    for frame, label, data in draft.connection.execute(query):
+        draft.tracks[frame, label] = data

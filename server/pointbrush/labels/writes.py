@@ -1,0 +1,114 @@
+"""Check a Write and cut it into the blocks it touches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
+from pointbrush.labels.packing import BLOCK
+from pointbrush.labels.palette import HIGHEST
+from pointbrush.labels.types import Label, Write
+
+RULES = ("any", "unlabeled", "not_painted")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BlockWrite:
+    """A Write within one block: (n,) point numbers in it and (n,) uint64 values, or None."""
+
+    block: int
+    indices: NDArray[np.int64]
+    label: NDArray[np.uint64] | None
+    provenance: NDArray[np.uint64] | None
+    deleted: NDArray[np.uint64] | None
+    only: str
+
+
+def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockWrite]:
+    """The pieces of ``write`` on a frame of ``points`` points, block by block.
+
+    Raises BadInputError, NotFoundError (label), LockedLabelError (one label, and it is locked).
+    """
+    indices = _indices(write.indices, points)
+    label = _values("label", write.label, len(indices), HIGHEST)
+    provenance = _values("provenance", write.provenance, len(indices), 3)
+    deleted = _values("deleted", write.deleted, len(indices), 1)
+    if write.only not in RULES:
+        raise BadInputError(f"only: expected one of {', '.join(RULES)}, got {write.only!r}")
+    _require_labels(write, label, palette)
+    blocks = indices // BLOCK
+    starts = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
+    for start, stop in zip(starts, [*starts[1:], len(indices)], strict=True):
+        block = int(blocks[start])
+        yield BlockWrite(
+            block,
+            indices[start:stop] - block * BLOCK,
+            None if label is None else label[start:stop],
+            None if provenance is None else provenance[start:stop],
+            None if deleted is None else deleted[start:stop],
+            write.only,
+        )
+
+
+def _indices(given: Any, points: int) -> NDArray[np.int64]:
+    indices = np.asarray(given)
+    if indices.size == 0:
+        return np.empty(0, np.int64)
+    if indices.ndim != 1 or indices.dtype.kind not in "iu":
+        raise BadInputError(f"indices: expected (n,) integers, got {indices.shape} {indices.dtype}")
+    indices = indices.astype(np.int64)
+    if (np.diff(indices) <= 0).any():
+        raise BadInputError("indices: expected strictly increasing point numbers")
+    if indices[0] < 0 or indices[-1] >= points:
+        raise BadInputError(
+            f"indices: expected point numbers 0 to {points - 1}, got {indices[0]} to {indices[-1]}"
+        )
+    return indices
+
+
+def _values(name: str, given: Any, n: int, highest: int) -> NDArray[np.uint64] | None:
+    if given is None:
+        return None
+    values = np.asarray(given)
+    if values.dtype.kind not in "iub" or values.shape not in ((), (n,)):
+        raise BadInputError(
+            f"{name}: expected an integer or ({n},) integers, got {values.shape} {values.dtype}"
+        )
+    if values.size and (int(values.min()) < 0 or int(values.max()) > highest):
+        raise BadInputError(
+            f"{name}: expected 0 to {highest}, got {int(values.min())} to {int(values.max())}"
+        )
+    return np.broadcast_to(values.astype(np.uint64), (n,))
+
+
+def _require_labels(
+    write: Write, label: NDArray[np.uint64] | None, palette: dict[int, Label]
+) -> None:
+    if label is None:
+        return
+    if np.ndim(write.label) == 0:  # type: ignore[arg-type]  # not None here
+        require_paintable(palette, int(write.label))  # type: ignore[arg-type]  # a checked scalar
+        return
+    for used in np.unique(label).tolist():
+        if used and used not in palette:
+            raise NotFoundError(f"label: expected labels of the palette, got {used}")
+
+
+def require_paintable(palette: dict[int, Label], label: int) -> None:
+    """Raise NotFoundError or LockedLabelError unless points may be given this label."""
+    if label == 0:
+        return
+    if label not in palette:
+        raise NotFoundError(f"label: expected a label of the palette, got {label}")
+    if palette[label].locked:
+        raise locked_error(palette, label)
+
+
+def locked_error(palette: dict[int, Label], label: int) -> LockedLabelError:
+    """The error that says which label is locked."""
+    return LockedLabelError(f"label: '{palette[label].name}' ({label}) is locked; unlock it first")
