@@ -52,6 +52,7 @@ export interface Forget {
   frames: number[];
 }
 
+/** The first message: who this is; answered with ``welcome``. */
 export interface Hello {
   type: 'hello';
   name?: string;
@@ -66,6 +67,7 @@ export interface Open {
   revision?: number | null;
 }
 
+/** Stop the clock, at ``frame`` if given; that frame is refined to all its points. */
 export interface Pause {
   type: 'pause';
   frame?: number | null;
@@ -79,6 +81,7 @@ export interface Play {
   loop?: boolean;
 }
 
+/** Bring back what this author's last undo took; answered like ``undo``. */
 export interface Redo {
   type: 'redo';
   id: string;
@@ -97,6 +100,7 @@ export interface Seek {
   frame: number;
 }
 
+/** A stroke starts; the same ``id`` sent again after a lost connection applies once. */
 export interface StrokeBegin {
   type: 'stroke_begin';
   id: string;
@@ -104,17 +108,20 @@ export interface StrokeBegin {
   brush: Brush;
 }
 
+/** The stroke is over; answered with a final ``stroke_result`` once it is durable. */
 export interface StrokeEnd {
   type: 'stroke_end';
   id: string;
 }
 
+/** More samples of a stroke; answered with ``stroke_result``, not final. */
 export interface StrokeSamples {
   type: 'stroke_samples';
   id: string;
   samples: Sample[];
 }
 
+/** Start a tracking run; its ``job`` messages follow. */
 export interface Track {
   type: 'track';
   id: string;
@@ -125,6 +132,7 @@ export interface Track {
   overwrite?: 'never' | 'tracked' | 'all';
 }
 
+/** Take back this author's last edit; answered with a final ``stroke_result``. */
 export interface Undo {
   type: 'undo';
   id: string;
@@ -143,7 +151,9 @@ export interface Want {
  * A value is a label id, 0 unlabeled, or 65535 for a deleted point.
  * whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
  * delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
- * single one for all.
+ * single one for all; ``base`` is the revision that last changed this frame.  Who applies all of
+ * them in the order they come is always right; who holds the frame at a revision below ``base``
+ * has missed something and sends ``open`` with the last revision it is sure of.
  */
 export interface Annotation {
   type: 'annotation';
@@ -188,7 +198,12 @@ export interface Error {
   about: string | null;
 }
 
-/** Points [first, first + count) of a frame, or chunks of a large one. */
+/**
+ * Chunks of a frame, in stored order: a prefix, or what refines the prefix sent before.
+ *
+ * Of a large frame, the chunks asked for.  The ``annotation`` of these points, whole, comes just
+ * before, so that they never show without their labels.
+ */
 export interface Frame {
   type: 'frame';
   sequence: string;
@@ -199,6 +214,7 @@ export interface Frame {
   data: Uint8Array;
 }
 
+/** Long work and how far it is. */
 export interface Job {
   type: 'job';
   id: string;
@@ -211,6 +227,7 @@ export interface Job {
   error: string | null;
 }
 
+/** An entry of the palette. */
 export interface Label {
   id: number;
   name: string;
@@ -231,6 +248,7 @@ export interface Labels {
   redo: string | null;
 }
 
+/** The answer to ``open``, and sent again when the manifest changes. */
 export interface SequenceInfo {
   type: 'sequence';
   id: string;
@@ -249,6 +267,7 @@ export interface SequenceInfo {
   frame: number;
 }
 
+/** Where somebody else is; ``left``: they have gone. */
 export interface ServerPresence {
   type: 'presence';
   viewer: string;
@@ -275,7 +294,7 @@ export interface StrokeResult {
   final: boolean;
 }
 
-/** Cells that changed (all of them after ``open``); zero points removes a cell. */
+/** Cells that changed (all of them after ``open``); one without points and state goes. */
 export interface Timeline {
   type: 'timeline';
   sequence: string;
@@ -294,6 +313,7 @@ export interface TimelineCell {
   state: 'painted' | 'tracked' | 'occluded' | 'lost' | null;
 }
 
+/** The answer to ``hello``. */
 export interface Welcome {
   type: 'welcome';
   viewer: string;

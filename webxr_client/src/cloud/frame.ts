@@ -1,0 +1,275 @@
+/** A frame of points in the page's memory, and the label of each point. */
+import type { LabelUpdate } from '../net/wire';
+import { spacingOf, STRIDE, type Segment, type SegmentChunk } from '../net/segment';
+
+/** The value of a deleted point on the wire. */
+export const DELETED = 65535;
+
+/** The points of one chunk.  Views share the buffer of the segment that brought them. */
+export interface Piece {
+  readonly index: number;
+  readonly level: number;
+  /** Stored number of the first point. */
+  readonly first: number;
+  readonly count: number;
+  readonly origin: readonly [number, number, number];
+  readonly scale: readonly [number, number, number];
+  readonly lo: readonly [number, number, number];
+  readonly hi: readonly [number, number, number];
+  /** 6 uint16 a point: x, y, z quantised; colours; stamp. */
+  readonly words: Uint16Array<ArrayBuffer>;
+  /** The same bytes, 12 a point. */
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /** Bounds of each 256 points, 6 uint16 a block. */
+  readonly blocks: Uint16Array;
+  /** One id a point; null while all are 0. */
+  labels: Uint16Array | null;
+}
+
+/** Labels shown over the server's own until it answers: a stroke, a tracking run. */
+export interface Overlay {
+  /** Stored numbers. */
+  readonly indices: Uint32Array;
+  /** One value for each, or a single one for all. */
+  readonly values: Uint16Array;
+}
+
+export class CloudFrame {
+  readonly pieces: Piece[] = [];
+  total = 0;
+  /** Points here; the first `loaded` ones, except in large frames. */
+  loaded = 0;
+  complete = false;
+  bytes = 0;
+  /** Grow with every change of points, and of labels. */
+  pointsVersion = 0;
+  labelsVersion = 0;
+  readonly overlays = new Map<string, Overlay>();
+  private readonly buffers: ArrayBuffer[] = [];
+  /** Label values that came before their points. */
+  private early: LabelUpdate[] = [];
+
+  constructor(
+    readonly index: number,
+    /** Chunks of large frames come in any order; others only as a growing prefix. */
+    readonly large: boolean,
+  ) {}
+
+  /**
+   * Take in decoded points.  False when they are not used: already here, or not joining on
+   * (then `gap` is true, and the frame must be asked for again).
+   */
+  add(segment: Segment): boolean {
+    const chunks = segment.chunks.filter((chunk) => !this.has(chunk));
+    this.total = segment.total;
+    if (!this.large && chunks.length > 0 && chunks[0]!.first !== this.loaded) return false;
+    for (const chunk of chunks) this.addPiece(segment, chunk);
+    this.complete ||= segment.final && (this.large || this.loaded === this.total);
+    if (chunks.length === 0) return false;
+    this.buffers.push(segment.vertices);
+    this.bytes += segment.vertices.byteLength;
+    this.pointsVersion += 1;
+    return true;
+  }
+
+  private has(chunk: SegmentChunk): boolean {
+    if (!this.large) return chunk.first < this.loaded;
+    return this.pieces.some((piece) => piece.index === chunk.index);
+  }
+
+  private addPiece(segment: Segment, chunk: SegmentChunk): void {
+    const at = chunk.start * STRIDE;
+    const { index, level, first, count, origin, scale, lo, hi } = chunk;
+    const words = new Uint16Array(segment.vertices, at, count * 6);
+    const bytes = new Uint8Array(segment.vertices, at, count * STRIDE);
+    const blocks = segment.blocks.subarray(
+      chunk.block * 6,
+      (chunk.block + Math.ceil(count / 256)) * 6,
+    );
+    const piece: Piece = {
+      index,
+      level,
+      first,
+      count,
+      origin,
+      scale,
+      lo,
+      hi,
+      words,
+      bytes,
+      blocks,
+      labels: null,
+    };
+    if (this.pieces.length === 0 || this.pieces.at(-1)!.first < first) this.pieces.push(piece);
+    else this.pieces.splice(this.after(first), 0, piece);
+    this.loaded += count;
+    for (const update of this.early) this.applyTo(piece, update);
+    this.forgetEarly(piece);
+  }
+
+  /** Label values are kept only for points that are not here yet. */
+  private forgetEarly(piece: Piece): void {
+    const stop = piece.first + piece.count;
+    if (!this.large) {
+      if (this.loaded === this.total) this.early = [];
+      return;
+    }
+    this.early = this.early.filter(
+      (update) =>
+        update.base !== null || update.first < piece.first || update.first + update.count > stop,
+    );
+    if (this.early.every((update) => update.base !== null)) this.early = [];
+  }
+
+  /** Drop a chunk of a large frame. */
+  remove(index: number): void {
+    const at = this.pieces.findIndex((piece) => piece.index === index);
+    const piece = this.pieces[at];
+    if (!piece) return;
+    this.pieces.splice(at, 1);
+    this.loaded -= piece.count;
+    this.pointsVersion += 1;
+  }
+
+  /** The buffers, to be recycled; the frame is empty afterwards. */
+  release(): ArrayBuffer[] {
+    this.pieces.length = 0;
+    this.loaded = 0;
+    this.bytes = 0;
+    this.complete = false;
+    this.pointsVersion += 1;
+    return this.buffers.splice(0);
+  }
+
+  /** Apply the server's values, whole or delta. */
+  applyLabels(update: LabelUpdate): void {
+    // Points still to come take their values from here, in the order that they were given.
+    if (!this.complete && (update.base === null || this.early.length > 0)) this.early.push(update);
+    for (const piece of this.pieces) this.applyTo(piece, update);
+    this.labelsVersion += 1;
+  }
+
+  private applyTo(piece: Piece, update: LabelUpdate): void {
+    if (update.base === null) applyRuns(piece, update);
+    else applyDelta(piece, update.lengths, update.values);
+  }
+
+  /** Number of the first piece that begins after `number`. */
+  private after(number: number): number {
+    let low = 0;
+    let high = this.pieces.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.pieces[middle]!.first <= number) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** The piece that holds a stored number, if it is here. */
+  pieceOf(number: number): Piece | null {
+    const piece = this.pieces[this.after(number) - 1];
+    return piece && number < piece.first + piece.count ? piece : null;
+  }
+
+  /** The label of a point as shown: overlays first. */
+  labelOf(number: number): number {
+    let value = this.storedLabelOf(number);
+    for (const overlay of this.overlays.values()) {
+      const at = search(overlay.indices, number);
+      if (at >= 0) value = overlay.values[overlay.values.length === 1 ? 0 : at]!;
+    }
+    return value;
+  }
+
+  /** The label of a point as the server has it. */
+  storedLabelOf(number: number): number {
+    const piece = this.pieceOf(number);
+    return piece?.labels?.[number - piece.first] ?? 0;
+  }
+
+  setOverlay(id: string, overlay: Overlay): void {
+    this.overlays.set(id, overlay);
+    this.labelsVersion += 1;
+  }
+
+  /** Add to an overlay; where both say something, the new values count. */
+  mergeOverlay(id: string, indices: Uint32Array, values: Uint16Array): void {
+    const merged = new Map<number, number>();
+    for (const overlay of [this.overlays.get(id), { indices, values }]) {
+      overlay?.indices.forEach((point, i) => {
+        merged.set(point, overlay.values[overlay.values.length === 1 ? 0 : i]!);
+      });
+    }
+    const points = Uint32Array.from(merged.keys()).sort();
+    this.setOverlay(id, {
+      indices: points,
+      values: Uint16Array.from(points, (p) => merged.get(p)!),
+    });
+  }
+
+  dropOverlay(id: string): boolean {
+    const dropped = this.overlays.delete(id);
+    if (dropped) this.labelsVersion += 1;
+    return dropped;
+  }
+}
+
+function applyRuns(piece: Piece, update: LabelUpdate): void {
+  const { lengths, values } = update;
+  const stop = piece.first + piece.count;
+  let number = update.first;
+  for (let run = 0; run < lengths.length && number < stop; run++) {
+    const end = number + lengths[run]!;
+    const value = values[run]!;
+    if (end > piece.first && (value !== 0 || piece.labels)) {
+      piece.labels ??= new Uint16Array(piece.count);
+      piece.labels.fill(
+        value,
+        Math.max(number, piece.first) - piece.first,
+        Math.min(end, stop) - piece.first,
+      );
+    }
+    number = end;
+  }
+}
+
+function applyDelta(piece: Piece, numbers: Uint32Array, values: Uint16Array): void {
+  const stop = piece.first + piece.count;
+  let at = lowerBound(numbers, piece.first);
+  if (at >= numbers.length || numbers[at]! >= stop) return;
+  piece.labels ??= new Uint16Array(piece.count);
+  const single = values.length === 1;
+  for (; at < numbers.length && numbers[at]! < stop; at++) {
+    piece.labels[numbers[at]! - piece.first] = values[single ? 0 : at]!;
+  }
+}
+
+/** Position of the first of sorted `numbers` that is not below `number`. */
+export function lowerBound(numbers: Uint32Array, number: number): number {
+  let low = 0;
+  let high = numbers.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (numbers[middle]! < number) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+function search(numbers: Uint32Array, number: number): number {
+  const at = lowerBound(numbers, number);
+  return numbers[at] === number ? at : -1;
+}
+
+/** How much denser the frame is than the piece's level alone: scales its spacing. */
+export function densityFactor(frame: CloudFrame, piece: Piece): number {
+  let level = 0;
+  for (const other of frame.pieces) if (other.level === piece.level) level += other.count;
+  return Math.sqrt(level / Math.max(1, frame.loaded));
+}
+
+/** Metres between neighbouring points near a point of a piece. */
+export function spacingAt(piece: Piece, point: number, factor: number): number {
+  return spacingOf(piece.words[point * 6 + 5]! & 63) * factor;
+}

@@ -1,0 +1,51 @@
+/** Label id → colour and flags, as a texture: recolouring a label uploads nothing else. */
+import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from 'three';
+import type { Label } from '../protocol/messages';
+
+const SIDE = 256;
+export const FLAG_VISIBLE = 128;
+export const FLAG_LOCKED = 64;
+
+export class PaletteTexture {
+  readonly texture: DataTexture;
+  private readonly data = new Uint8Array(SIDE * SIDE * 4);
+
+  constructor() {
+    this.texture = new DataTexture(this.data, SIDE, SIDE, RGBAFormat, UnsignedByteType);
+    this.texture.minFilter = NearestFilter;
+    this.texture.magFilter = NearestFilter;
+    this.texture.generateMipmaps = false;
+    this.set([], null);
+  }
+
+  /** `solo`: the only label shown, or null. */
+  set(labels: readonly Label[], solo: number | null): void {
+    // A label that this page has not heard of yet shows grey rather than vanish.
+    for (let i = 0; i < this.data.length; i += 4) {
+      this.data[i] = this.data[i + 1] = this.data[i + 2] = 160;
+      this.data[i + 3] = FLAG_VISIBLE;
+    }
+    for (const label of labels) {
+      const rgb = Number.parseInt(label.color.slice(1), 16);
+      const at = label.id * 4;
+      const visible = solo === null ? label.visible : solo === label.id;
+      this.data[at] = rgb >> 16;
+      this.data[at + 1] = (rgb >> 8) & 255;
+      this.data[at + 2] = rgb & 255;
+      this.data[at + 3] = (visible ? FLAG_VISIBLE : 0) | (label.locked ? FLAG_LOCKED : 0);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  isVisible(id: number): boolean {
+    return (this.data[id * 4 + 3]! & FLAG_VISIBLE) !== 0;
+  }
+
+  isLocked(id: number): boolean {
+    return (this.data[id * 4 + 3]! & FLAG_LOCKED) !== 0;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}

@@ -1,0 +1,177 @@
+/** GLSL of the points and of eye-dome lighting. */
+
+export const POINT_VERTEX = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+
+in vec3 quantised;
+in vec4 colour;      // r, g, b, intensity
+in float stamp;      // chunk * 64 + size code
+in float label;
+
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
+uniform sampler2D palette;      // texel per label: colour, flags
+uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
+uniform float pixelsPerMetre;   // at distance 1: viewport height / 2 * point size setting
+uniform vec2 pixelLimits;
+uniform int colourMode;         // 0 rgb, 1 intensity, 2 height, 3 plain
+uniform vec4 heightRow;         // local xyz1 -> height 0..1
+uniform float gain;
+uniform float labelBlend;
+uniform int hideUnlabeled;
+uniform int showDeleted;
+uniform int brushMode;          // 0 none, 1 capsule a-b, 2 half-line from a along b
+uniform vec3 brushA;
+uniform vec3 brushB;
+uniform float brushRadius;
+uniform vec3 brushColour;
+uniform int brushOnlyUnlabeled;
+
+out vec3 shade;
+flat out float pixels;
+
+vec3 ramp(float t) {
+  // A perceptually even ramp (viridis, fitted).
+  t = clamp(t, 0.0, 1.0);
+  vec3 c0 = vec3(0.2777, 0.0054, 0.3341), c1 = vec3(0.1051, 1.4046, 1.3846);
+  vec3 c2 = vec3(-0.3309, 0.2148, 0.0951), c3 = vec3(-4.6342, -5.7991, -19.3324);
+  vec3 c4 = vec3(6.2283, 14.1799, 56.6906), c5 = vec3(4.7764, -13.7451, -65.3530);
+  vec3 c6 = vec3(-5.4355, 4.6459, 26.3124);
+  return c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6)))));
+}
+
+bool underBrush(vec3 p) {
+  if (brushMode == 0) return false;
+  vec3 offset = p - brushA;
+  if (brushMode == 1) {
+    vec3 axis = brushB - brushA;
+    float length2 = dot(axis, axis);
+    if (length2 > 0.0) offset -= axis * clamp(dot(offset, axis) / length2, 0.0, 1.0);
+  } else {
+    float along = dot(offset, brushB);
+    if (along < 0.0) return false;
+    offset -= along * brushB;
+  }
+  return dot(offset, offset) <= brushRadius * brushRadius;
+}
+
+void main() {
+  int word = int(stamp);
+  int row = chunkRow >= 0 ? chunkRow : word >> 6;
+  vec4 origin = texelFetch(chunkTable, ivec2(0, row), 0);
+  vec4 scale = texelFetch(chunkTable, ivec2(1, row), 0);
+  vec3 position = origin.xyz + quantised * scale.xyz;
+
+  int id = int(label);
+  bool deleted = id == 65535;
+  vec4 entry = texelFetch(palette, ivec2(id & 255, id >> 8), 0);
+  int flags = int(entry.a * 255.0 + 0.5);
+  bool hidden = deleted ? showDeleted == 0
+    : id == 0 ? hideUnlabeled != 0 : (flags & 128) == 0;
+  if (hidden) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = 0.0;
+    return;
+  }
+
+  vec3 base;
+  if (colourMode == 0) base = colour.rgb;
+  else if (colourMode == 1) base = ramp(colour.a);
+  else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
+  else base = vec3(0.72, 0.74, 0.77);
+  base = min(base * gain, vec3(1.0));
+
+  if (deleted) base = mix(base, vec3(0.85, 0.2, 0.2), 0.75) * 0.7;
+  else if (id != 0) {
+    // The recording's light and shade stays under the label's colour, so that shapes stay legible.
+    float light = dot(base, vec3(0.299, 0.587, 0.114));
+    base = mix(base, entry.rgb * (0.55 + 0.6 * light), labelBlend);
+  }
+
+  float grow = 1.0;
+  if (underBrush(position)) {
+    bool spared = !deleted && (flags & 64) != 0 || brushOnlyUnlabeled != 0 && id != 0;
+    if (!spared) {
+      base = mix(base, brushColour, 0.62);
+      grow = 1.15;
+    }
+  }
+  shade = base;
+
+  vec4 eye = modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * eye;
+  float spacing = 0.0005 * exp2(float(word & 63) * 0.25) * origin.w;
+  float zoom = length(modelViewMatrix[0].xyz);
+  pixels = pixelsPerMetre * projectionMatrix[1][1] * spacing * zoom / max(gl_Position.w, 1e-4);
+  pixels = clamp(pixels, pixelLimits.x, pixelLimits.y) * grow;
+  gl_PointSize = pixels;
+}
+`;
+
+export const POINT_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 shade;
+flat in float pixels;
+out vec4 result;
+
+void main() {
+  // Small points are square: a disc of three pixels has no round edge to show.
+  if (pixels > 3.0) {
+    vec2 d = gl_PointCoord * 2.0 - 1.0;
+    if (dot(d, d) > 1.0) discard;
+  }
+  result = vec4(shade, 1.0);
+}
+`;
+
+export const SCREEN_VERTEX = /* glsl */ `
+precision highp float;
+in vec3 position;
+out vec2 uv;
+void main() {
+  uv = position.xy * 0.5 + 0.5;
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}
+`;
+
+/** Darkens what lies behind its neighbours: shape without normals (Boucheny 2009). */
+export const EYE_DOME_FRAGMENT = /* glsl */ `
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D points;
+uniform sampler2D depths;
+uniform vec2 texel;
+uniform vec2 clip;       // near, far
+uniform float strength;
+in vec2 uv;
+out vec4 result;
+
+float logDistance(vec2 at) {
+  float z = texture(depths, at).r;
+  if (z >= 1.0) return -1.0;
+  return log2(clip.x * clip.y / (clip.y - z * (clip.y - clip.x)));
+}
+
+float behind(float here, vec2 offset) {
+  float there = logDistance(uv + offset * texel);
+  // Beyond a silhouette there is nothing in front: no darkening towards the background.
+  return there < -100.0 ? 0.0 : max(0.0, here - there);
+}
+
+void main() {
+  float z = texture(depths, uv).r;
+  if (z >= 1.0) discard;
+  float here = log2(clip.x * clip.y / (clip.y - z * (clip.y - clip.x)));
+  float sum = 0.0;
+  sum += behind(here, vec2(1.4, 0.0)) + behind(here, vec2(-1.4, 0.0));
+  sum += behind(here, vec2(0.0, 1.4)) + behind(here, vec2(0.0, -1.4));
+  sum += behind(here, vec2(1.0, 1.0)) + behind(here, vec2(-1.0, -1.0));
+  sum += behind(here, vec2(1.0, -1.0)) + behind(here, vec2(-1.0, 1.0));
+  float shade = exp(-strength * min(sum, 0.8) / 8.0);
+  result = vec4(texture(points, uv).rgb * shade, 1.0);
+  gl_FragDepth = z;
+}
+`;

@@ -1,0 +1,104 @@
+/** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
+import { Points } from 'three';
+import type { BufferGeometry, RawShaderMaterial } from 'three';
+import { DELETED, lowerBound, type CloudFrame } from './frame';
+import { PointBuffers } from './gpu';
+import { ChunkTable, pointMaterial, type PointUniforms } from './material';
+
+export class Slot {
+  readonly points: Points<BufferGeometry, RawShaderMaterial>;
+  frame: CloudFrame | null = null;
+  /** Labels as last uploaded. */
+  private readonly shown: Uint16Array;
+  private pointsVersion = -1;
+  private labelsVersion = -1;
+  private uploaded = 0;
+  private blank = false;
+  private readonly buffers: PointBuffers;
+  private readonly table = new ChunkTable();
+
+  constructor(
+    gl: WebGL2RenderingContext,
+    readonly capacity: number,
+    uniforms: PointUniforms,
+  ) {
+    this.buffers = new PointBuffers(gl, capacity);
+    this.shown = new Uint16Array(capacity);
+    this.points = new Points(this.buffers.geometry(), pointMaterial(uniforms, this.table, -1));
+    this.points.frustumCulled = false;
+    this.points.visible = false;
+    this.points.matrixAutoUpdate = false;
+  }
+
+  /** Whether the GPU has this frame as it is now. */
+  holds(frame: CloudFrame): boolean {
+    return this.frame === frame && this.pointsVersion === frame.pointsVersion;
+  }
+
+  /** Bring the GPU up to date with a frame: only what is new goes over. */
+  upload(frame: CloudFrame): void {
+    if (this.frame !== frame || frame.loaded < this.uploaded) {
+      this.frame = frame;
+      this.uploaded = 0;
+      this.pointsVersion = -1;
+      this.labelsVersion = -1;
+    }
+    if (this.pointsVersion !== frame.pointsVersion) this.uploadPoints(frame);
+    if (this.labelsVersion !== frame.labelsVersion) this.uploadLabels(frame);
+  }
+
+  private uploadPoints(frame: CloudFrame): void {
+    for (const piece of frame.pieces) {
+      if (piece.first < this.uploaded || piece.first + piece.count > this.capacity) continue;
+      this.buffers.writeVertices(piece.first, piece.bytes);
+      this.uploaded = piece.first + piece.count;
+    }
+    this.table.set(frame);
+    this.points.geometry.setDrawRange(0, this.uploaded);
+    this.pointsVersion = frame.pointsVersion;
+    this.labelsVersion = -1;
+  }
+
+  private uploadLabels(frame: CloudFrame): void {
+    const { shown } = this;
+    this.labelsVersion = frame.labelsVersion;
+    const plain = frame.overlays.size === 0 && frame.pieces.every((piece) => !piece.labels);
+    if (plain && this.blank) return;
+    for (const piece of frame.pieces) {
+      if (piece.first + piece.count > this.capacity) continue;
+      if (piece.labels) shown.set(piece.labels, piece.first);
+      else shown.fill(0, piece.first, piece.first + piece.count);
+    }
+    for (const { indices, values } of frame.overlays.values()) {
+      const single = values.length === 1;
+      const stop = lowerBound(indices, this.uploaded);
+      for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
+    }
+    // Blank once is blank for every frame without labels: nothing more goes over.
+    if (plain) shown.fill(0);
+    this.buffers.writeLabels(shown, plain ? this.capacity : this.uploaded);
+    this.blank = plain;
+  }
+
+  /** Points with each label as on screen; deleted ones under `DELETED`. */
+  countLabels(): Map<number, number> {
+    const counts = new Map<number, number>();
+    for (let i = 0; i < this.uploaded; i++) {
+      const id = this.shown[i] ?? DELETED;
+      counts.set(id, (counts.get(id) ?? 0) + 1);
+    }
+    return counts;
+  }
+
+  get drawn(): number {
+    return this.uploaded;
+  }
+
+  dispose(): void {
+    this.points.removeFromParent();
+    this.points.material.dispose();
+    this.table.texture.dispose();
+    this.points.geometry.dispose();
+    this.buffers.dispose();
+  }
+}

@@ -1,0 +1,254 @@
+/** The picture: renderer, scene, and the GPU slots that frames are shown from. */
+import { Color, Group, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import type { SequenceInfo } from '../protocol/messages';
+import type { ViewSettings } from '../state';
+import { Backdrop } from './backdrop';
+import { EyeDome } from './eyedome';
+import type { CloudFrame } from './frame';
+import { LargeCloud } from './large';
+import { PointUniforms } from './material';
+import { PaletteTexture } from './palette';
+import { Slot } from './slot';
+import { Timing } from './timing';
+
+/** Layers 1 and 2 are the headset's eyes. */
+const POINTS_LAYER = 3;
+const SLOTS = 3;
+
+export type Tick = (now: number, frame: XRFrame | undefined) => void;
+
+export class Viewer {
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(55, 1, 0.05, 500);
+  /** Moved, turned and scaled by a person in the headset; identity at the desk. */
+  readonly world = new Group();
+  /** `T_room_local`: stands the recording on the floor. */
+  readonly room = new Group();
+  readonly backdrop = new Backdrop();
+  readonly palette = new PaletteTexture();
+  readonly uniforms = new PointUniforms(this.palette.texture);
+  /** Called before each picture, in order. */
+  readonly ticks = new Set<Tick>();
+  /** CPU milliseconds: our own work before a picture, and three's to issue it. */
+  readonly workMs = new Timing();
+  readonly drawMs = new Timing();
+  /** Milliseconds between pictures while something moves. */
+  readonly intervalMs = new Timing();
+  /** The GPU is a program: pretty extras are left out unless asked for. */
+  readonly software: boolean;
+  private readonly eyeDome = new EyeDome();
+  private slots: Slot[] = [];
+  private large: LargeCloud | null = null;
+  private current: Slot | null = null;
+  private eyeDomeOn = true;
+  private dirty = true;
+  private lastDrawn = 0;
+  private readonly size = new Vector2();
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: false,
+      powerPreference: 'high-performance',
+    });
+    this.renderer.autoClear = false;
+    this.renderer.setClearColor(new Color(0x0d1014), 0);
+    this.software = isSoftware(this.renderer.getContext());
+    this.world.add(this.room);
+    this.room.matrixAutoUpdate = false;
+    this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad);
+    canvas.addEventListener('webglcontextrestored', () => this.rebuild());
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  start(): void {
+    this.renderer.setAnimationLoop((now, frame) => this.tick(now, frame));
+  }
+
+  /** Draw again at the next opportunity. */
+  invalidate(): void {
+    this.dirty = true;
+  }
+
+  private get gl(): WebGL2RenderingContext {
+    return this.renderer.getContext() as WebGL2RenderingContext;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0 || this.renderer.xr.isPresenting) return;
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.getDrawingBufferSize(this.size);
+    this.eyeDome.setSize(this.size.x, this.size.y, ratio);
+    this.invalidate();
+  }
+
+  /** Prepare for a recording: buffers for its largest frame, its place in the room. */
+  setSequence(info: SequenceInfo | null): void {
+    this.clear();
+    if (!info) return;
+    this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
+    this.room.matrixWorldNeedsUpdate = true;
+    const [low, high] = this.bounds(info);
+    this.uniforms.setHeight(this.room.matrix, low.y, high.y);
+    this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
+    if (info.large) {
+      this.large = new LargeCloud(this.gl, this.uniforms);
+      this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
+      this.room.add(this.large.group);
+      return;
+    }
+    const capacity = Math.max(1, ...info.points);
+    const count = Math.min(SLOTS, info.frames);
+    this.slots = Array.from({ length: count }, () => new Slot(this.gl, capacity, this.uniforms));
+    for (const slot of this.slots) {
+      slot.points.layers.set(POINTS_LAYER);
+      this.room.add(slot.points);
+    }
+  }
+
+  /** Corners of the recording's bounds in the room. */
+  bounds(info: SequenceInfo): [Vector3, Vector3] {
+    const low = new Vector3(Infinity, Infinity, Infinity);
+    const high = low.clone().negate();
+    for (let corner = 0; corner < 8; corner++) {
+      const pick = (k: 0 | 1 | 2): number => (corner & (1 << k) ? info.hi[k] : info.lo[k]);
+      const at = new Vector3(pick(0), pick(1), pick(2)).applyMatrix4(this.room.matrix);
+      low.min(at);
+      high.max(at);
+    }
+    return [low, high];
+  }
+
+  private clear(): void {
+    for (const slot of this.slots) slot.dispose();
+    this.slots = [];
+    this.current = null;
+    this.large?.dispose();
+    this.large = null;
+    this.invalidate();
+  }
+
+  private rebuild(): void {
+    for (const slot of this.slots) slot.frame = null;
+    this.renderer.resetState();
+    this.invalidate();
+  }
+
+  setView(view: ViewSettings, fields: readonly string[]): void {
+    this.uniforms.set(view, fields);
+    this.eyeDomeOn = view.eyeDome;
+    this.backdrop.showFloor(view.grid);
+    this.invalidate();
+  }
+
+  /** Show a frame as it is now. */
+  show(frame: CloudFrame): void {
+    if (this.large) {
+      this.large.update(frame);
+      this.invalidate();
+      return;
+    }
+    const slot = this.slotFor(frame);
+    if (!slot) return;
+    slot.upload(frame);
+    if (slot !== this.current) {
+      if (this.current) this.current.points.visible = false;
+      slot.points.visible = true;
+      this.current = slot;
+    }
+    this.invalidate();
+  }
+
+  /** The octree of a large frame: for each chunk the one above it, −1 at the root. */
+  setParents(parents: readonly number[]): void {
+    this.large?.setParents(parents);
+  }
+
+  /** Bring a frame to the GPU ahead of time. */
+  prepare(frame: CloudFrame): void {
+    if (this.large || this.slots.length < 2) return;
+    const slot = this.slotFor(frame);
+    if (slot && slot !== this.current) slot.upload(frame);
+  }
+
+  private slotFor(frame: CloudFrame): Slot | undefined {
+    const holder = this.slots.find((slot) => slot.frame === frame);
+    if (holder) return holder;
+    // The one after the current was shown longest ago.
+    const at = this.current ? this.slots.indexOf(this.current) : -1;
+    return this.slots[(at + 1) % this.slots.length];
+  }
+
+  /** Points on screen. */
+  get drawn(): number {
+    return this.large?.drawn ?? this.current?.drawn ?? 0;
+  }
+
+  /** Points on screen with each label. */
+  countLabels(): Map<number, number> {
+    return this.current?.countLabels() ?? new Map<number, number>();
+  }
+
+  private tick(now: number, frame: XRFrame | undefined): void {
+    const started = performance.now();
+    for (const run of this.ticks) run(now, frame);
+    const worked = performance.now();
+    const presenting = this.renderer.xr.isPresenting;
+    if (!this.dirty && !presenting) {
+      this.lastDrawn = 0;
+      return;
+    }
+    this.dirty = false;
+    this.workMs.add(worked - started);
+    if (presenting) this.drawHeadset();
+    else this.drawDesk();
+    this.drawMs.add(performance.now() - worked);
+    if (this.lastDrawn > 0) this.intervalMs.add(now - this.lastDrawn);
+    this.lastDrawn = now;
+  }
+
+  private drawHeadset(): void {
+    const eyes = this.renderer.xr.getCamera().cameras;
+    const viewport = eyes[0]?.viewport;
+    if (viewport) this.uniforms.setViewport(viewport.w);
+    this.eyeDome.quad.visible = false;
+    this.camera.layers.enableAll();
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private drawDesk(): void {
+    const { renderer, camera, eyeDome } = this;
+    this.uniforms.setViewport(this.size.y);
+    this.backdrop.follow(camera.position);
+    eyeDome.quad.visible = false;
+    if (this.eyeDomeOn && (this.current || this.large)) {
+      eyeDome.setCamera(camera);
+      renderer.setRenderTarget(eyeDome.target);
+      renderer.clear();
+      camera.layers.set(POINTS_LAYER);
+      renderer.render(this.scene, camera);
+      renderer.setRenderTarget(null);
+      eyeDome.quad.visible = true;
+      camera.layers.set(0);
+    } else {
+      camera.layers.set(0);
+      camera.layers.enable(POINTS_LAYER);
+    }
+    renderer.clear();
+    renderer.render(this.scene, camera);
+  }
+}
+
+function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  return /swiftshader|llvmpipe|software/i.test(name);
+}

@@ -1,0 +1,372 @@
+/** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
+import { effect } from '@preact/signals';
+import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
+import type { CloudFrame } from '../cloud/frame';
+import { Viewer } from '../cloud/viewer';
+import { DeskCamera } from '../desktop/camera';
+import { presetView, sensorView } from '../desktop/framing';
+import { listenToKeys } from '../desktop/keyboard';
+import { DeskPointer } from '../desktop/pointer';
+import { Link } from '../net/link';
+import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
+import type { Brush, SequenceInfo, ServerPresence } from '../protocol/messages';
+import {
+  dismiss,
+  isActive,
+  notify,
+  patch,
+  RADIUS_MAX,
+  RADIUS_MIN,
+  state,
+  type Tool,
+} from '../state';
+import { Strokes, type Stroke } from '../tools/strokes';
+import { Detail } from './detail';
+import { labelActions, takeLabels, takeTimeline } from './labels';
+import { Playback } from './playback';
+import { noteJob, recordingActions } from './recordings';
+
+const RADIUS_NOTCH = 1.15;
+/** A cell whose tracking is less sure than this is doubtful. */
+const DOUBTFUL = 0.6;
+
+export class Engine {
+  readonly viewer: Viewer;
+  readonly link: Link;
+  readonly playback: Playback;
+  readonly strokes: Strokes;
+  readonly camera: DeskCamera;
+  private readonly pointer: DeskPointer;
+  private readonly detail: Detail;
+  /** The view must still be chosen for the recording just opened. */
+  private unframed = false;
+  /** Frames that show what a tracking run has found but not committed. */
+  private readonly provisional = new Set<CloudFrame>();
+  private painter: Tool = 'paint';
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.viewer = new Viewer(canvas);
+    this.link = new Link((message) => this.receive(message));
+    this.playback = new Playback(this.viewer, this.link);
+    this.strokes = new Strokes({
+      send: (message) => this.link.send(message),
+      locked: (label) => this.viewer.palette.isLocked(label),
+      changed: () => this.viewer.invalidate(),
+      now: () => performance.now(),
+    });
+    this.camera = new DeskCamera(this.viewer.camera);
+    const frame = (): CloudFrame | null => this.playback.frame;
+    const { viewer, camera, strokes } = this;
+    this.pointer = new DeskPointer({ viewer, camera, strokes, frame });
+    this.detail = new Detail(this.viewer, this.playback, this.link);
+    this.bind();
+    this.follow();
+    listenToKeys(this.camera);
+  }
+
+  start(): void {
+    this.viewer.ticks.add((now) => this.tick(now));
+    this.viewer.start();
+    this.link.connect();
+  }
+
+  /** Begin a stroke on the frame that is on screen, or null when there is none. */
+  beginStroke(brush: Brush): Stroke | null {
+    const frame = this.playback.frame;
+    const info = state.sequence.peek();
+    return frame && info ? this.strokes.begin(frame, brush, info.shift) : null;
+  }
+
+  private tick(now: number): void {
+    this.playback.update();
+    this.strokes.flush();
+    if (this.viewer.renderer.xr.isPresenting) return;
+    if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
+    if (this.camera.update(now)) {
+      this.pointer.refresh();
+      this.viewer.invalidate();
+    }
+    this.pointer.update();
+    this.detail.update(now);
+  }
+
+  // ── the store drives the picture ───────────────────────────────────────────────────────────
+
+  private follow(): void {
+    effect(() => {
+      this.viewer.palette.set(state.palette.value, state.solo.value);
+      this.viewer.invalidate();
+    });
+    effect(() => {
+      this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
+    });
+    effect(() => {
+      // Each of these changes what the brush would do where it is.
+      void [state.tool.value, state.brush.value, state.activeLabel.value, state.palette.value];
+      void state.shown.value;
+      this.pointer.refresh();
+    });
+  }
+
+  // ── what the worker brings ─────────────────────────────────────────────────────────────────
+
+  private receive(message: FromWorker): void {
+    switch (message.t) {
+      case 'segment':
+        this.playback.segment(message.segment);
+        return;
+      case 'labels':
+        this.takeLabelUpdate(message.update);
+        return;
+      case 'link': {
+        const retryAt = message.retryMs === null ? null : performance.now() + message.retryMs;
+        state.connection.value = { state: message.state, detail: message.detail, retryAt };
+        return;
+      }
+      case 'pending':
+        state.pending.value = message.count;
+        return;
+      case 'message':
+        this.takeMessage(message.message);
+    }
+  }
+
+  private takeLabelUpdate(update: LabelUpdate): void {
+    if (update.sequence !== state.sequence.peek()?.id) return;
+    if (update.provisional) {
+      const frame = this.playback.store.get(update.frame);
+      if (!frame) return;
+      frame.mergeOverlay('provisional', update.lengths, update.values);
+      this.provisional.add(frame);
+      this.viewer.invalidate();
+      return;
+    }
+    this.playback.labels(update);
+    if (update.edit !== null) this.strokes.drop(update.edit);
+  }
+
+  private takeMessage(message: PlainMessage): void {
+    switch (message.type) {
+      case 'welcome': {
+        const { viewer, author, role, version } = message;
+        state.me.value = { viewer, author, role, serverVersion: version };
+        void this.welcomed();
+        return;
+      }
+      case 'sequence':
+        this.takeSequence(message);
+        return;
+      case 'labels':
+        if (message.sequence === state.sequence.peek()?.id) takeLabels(message);
+        return;
+      case 'timeline': {
+        const info = state.sequence.peek();
+        if (info?.id === message.sequence) takeTimeline(message, info.frames);
+        return;
+      }
+      case 'stroke_result':
+        this.strokes.onResult(message);
+        return;
+      case 'job':
+        this.takeJob(message);
+        return;
+      case 'presence':
+        takePresence(message);
+        return;
+      case 'error':
+        if (message.about !== null) this.strokes.drop(message.about);
+        // Nothing to undo is an answer, not a fault.
+        notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
+    }
+  }
+
+  private async welcomed(): Promise<void> {
+    await actions.refreshSequences();
+    if (state.sequence.peek()) return;
+    const list = state.sequences.peek() ?? [];
+    const wanted = new URLSearchParams(location.search).get('sequence');
+    const first = list.find((entry) => entry.id === wanted) ?? (list.length === 1 ? list[0] : null);
+    if (first) this.openSequence(first.id);
+  }
+
+  private takeSequence(info: SequenceInfo): void {
+    const before = state.sequence.peek();
+    const again = before?.id === info.id && before.frames === info.frames;
+    state.sequence.value = info;
+    state.opening.value = null;
+    if (again) {
+      // The link came back: what is here stays, and time goes on where it was.
+      if (state.playing.peek()) this.playback.restart();
+      else this.link.send({ type: 'seek', frame: state.frame.peek() });
+      return;
+    }
+    this.playback.open(info);
+    this.unframed = true;
+    state.frame.value = info.frame;
+  }
+
+  private takeJob(job: Extract<PlainMessage, { type: 'job' }>): void {
+    const known = state.jobs.peek().find((other) => other.id === job.id);
+    noteJob(job);
+    if (isActive(job) || (known && !isActive(known))) return;
+    if (job.kind === 'tracking') this.dropProvisional();
+    if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
+    if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`);
+    if (job.state === 'done') void this.jobDone(job);
+  }
+
+  private async jobDone(job: Extract<PlainMessage, { type: 'job' }>): Promise<void> {
+    if (job.kind === 'tracking') notify('success', 'Tracked', job.message);
+    if (job.kind !== 'import') return;
+    const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
+    await actions.refreshSequences();
+    const fresh = (state.sequences.peek() ?? []).find((entry) => !before.has(entry.id));
+    notify('success', 'Imported', fresh?.name ?? job.message);
+    const id = job.sequence ?? fresh?.id;
+    if (id && !state.sequence.peek()) this.openSequence(id);
+  }
+
+  private dropProvisional(): void {
+    for (const frame of this.provisional) frame.dropOverlay('provisional');
+    this.provisional.clear();
+    this.viewer.invalidate();
+  }
+
+  // ── actions ────────────────────────────────────────────────────────────────────────────────
+
+  private bind(): void {
+    bindActions(recordingActions);
+    bindActions(labelActions);
+    bindActions({
+      togglePlay: () => (state.playing.peek() ? this.playback.pause() : this.playback.play()),
+      play: () => this.playback.play(),
+      pause: () => this.playback.pause(),
+      step: (frames) => this.step(frames),
+      seek: (frame) => this.playback.seek(frame),
+      setSpeed: (speed) => {
+        state.speed.value = Math.min(16, Math.max(-16, speed));
+        this.playback.restart();
+      },
+      toggleLoop: () => {
+        state.loop.value = !state.loop.peek();
+        this.playback.restart();
+      },
+      nextDoubtful: (direction) => this.nextDoubtful(direction),
+      setTool: (tool) => {
+        state.tool.value = tool;
+      },
+      setShape: (shape) => {
+        patch(state.brush, { shape });
+        const tool = state.tool.peek();
+        if (tool === 'navigate' || tool === 'pick') state.tool.value = 'paint';
+      },
+      setRadius,
+      nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
+      toggleEraser: () => this.toggleEraser(),
+      setView: (settings) => patch(state.view, settings),
+      viewFrom: (preset) => this.viewFrom(preset),
+      undo: () => this.link.send({ type: 'undo', id: crypto.randomUUID() }),
+      redo: () => this.link.send({ type: 'redo', id: crypto.randomUUID() }),
+      track: (request) => this.track(request),
+      openSequence: (id) => this.openSequence(id),
+      closeSequence: () => this.closeSequence(),
+      reconnect: () => this.link.connect(),
+      dismissNotice: dismiss,
+    });
+  }
+
+  private step(frames: number): void {
+    const info = state.sequence.peek();
+    if (!info) return;
+    this.playback.pause();
+    const to = state.frame.peek() + frames;
+    this.playback.seek(((to % info.frames) + info.frames) % info.frames);
+  }
+
+  private toggleEraser(): void {
+    const tool = state.tool.peek();
+    if (tool === 'erase') state.tool.value = this.painter;
+    else {
+      this.painter = tool === 'navigate' || tool === 'pick' ? 'paint' : tool;
+      state.tool.value = 'erase';
+    }
+  }
+
+  private nextDoubtful(direction: 1 | -1): void {
+    const frames = state.sequence.peek()?.frames ?? 0;
+    const rows = [...state.timeline.peek().rows.values()];
+    for (let away = 1; away <= frames; away++) {
+      const frame = (((state.frame.peek() + away * direction) % frames) + frames) % frames;
+      const doubtful = rows.some(
+        (row) => (row.confidence[frame] ?? 1) < DOUBTFUL || (row.state[frame] ?? 0) >= 3,
+      );
+      if (doubtful) {
+        this.playback.pause();
+        this.playback.seek(frame);
+        return;
+      }
+    }
+    notify('info', 'No doubtful frames');
+  }
+
+  viewFrom(preset: ViewPreset, jump = false): void {
+    const info = state.sequence.peek();
+    const frame = this.playback.frame;
+    if (!info || !frame) return;
+    this.unframed = false;
+    const [low, high] = this.viewer.bounds(info);
+    const { camera, room } = this.viewer;
+    const overview = presetView(preset, { low, high }, camera.fov, camera.aspect);
+    const sensor = preset === 'sensor' ? sensorView(frame, room.matrix, camera.fov) : null;
+    const { eye, target } = sensor ?? overview;
+    const size = low.distanceTo(high);
+    camera.near = Math.min(0.05, Math.max(0.01, size / 2000)) * (size > 200 ? 10 : 1);
+    camera.far = Math.max(100, size * 6);
+    camera.updateProjectionMatrix();
+    this.camera.walkSpeed = Math.max(0.5, size / 8);
+    this.camera.lookAt(eye, target, jump);
+    this.viewer.invalidate();
+  }
+
+  private track(request: TrackRequest): void {
+    this.playback.pause();
+    const { labels, ...rest } = request;
+    const id = crypto.randomUUID();
+    this.link.send({ type: 'track', id, labels: labels && [...labels], ...rest });
+  }
+
+  private openSequence(id: string): void {
+    if (state.sequence.peek()?.id === id) return;
+    this.closeSequence();
+    state.opening.value = id;
+    const url = new URL(location.href);
+    url.searchParams.set('sequence', id);
+    history.replaceState(null, '', url);
+    this.link.open({ type: 'open', sequence: id, frame: 0, revision: null });
+  }
+
+  private closeSequence(): void {
+    this.link.close();
+    this.playback.close();
+    state.playing.value = false;
+    state.sequence.value = null;
+    state.opening.value = null;
+    state.frame.value = 0;
+    state.palette.value = [];
+    state.counts.value = new Map();
+    state.timeline.value = { rows: new Map() };
+    state.loaded.value = [];
+    state.solo.value = null;
+    state.undo.value = state.redo.value = null;
+    state.history.value = [];
+  }
+}
+
+function setRadius(metres: number): void {
+  patch(state.brush, { radius: Math.min(RADIUS_MAX, Math.max(RADIUS_MIN, metres)) });
+}
+
+function takePresence(message: ServerPresence): void {
+  const others = state.people.peek().filter((person) => person.viewer !== message.viewer);
+  state.people.value = message.left ? others : [...others, message];
+}

@@ -1,0 +1,69 @@
+/** `window.__pointbrush`: what tests and benchmarks may look at.  Nothing here changes labels. */
+import { DELETED } from '../cloud/frame';
+import { SCHEMA_HASH } from '../protocol/messages';
+import { state } from '../state';
+import type { Engine } from './engine';
+
+export function installHook(engine: Engine): void {
+  const { viewer, playback } = engine;
+  const hook = {
+    schema: SCHEMA_HASH,
+    state,
+    engine,
+    /** What is on screen. */
+    shown: () => ({ ...state.shown.peek(), drawn: viewer.drawn }),
+    /** Label id → points of it in a cached frame, as shown; deleted points under −1. */
+    labels: (index = state.shown.peek().frame): Record<string, number> => {
+      const counts: Record<string, number> = {};
+      const frame = playback.store.get(index);
+      for (const piece of frame?.pieces ?? []) {
+        for (let i = 0; i < piece.count; i++) {
+          const label = frame!.labelOf(piece.first + i);
+          const key = label === DELETED ? -1 : label;
+          counts[key] = (counts[key] ?? 0) + 1;
+        }
+      }
+      return counts;
+    },
+    /** The same, from what was sent to the GPU. */
+    drawnLabels: () => Object.fromEntries(viewer.countLabels()),
+    counters: () => ({
+      ...playback.counters,
+      pictures: viewer.drawMs.total,
+      cachedFrames: playback.store.size,
+      cachedBytes: playback.store.usedBytes,
+    }),
+    /** Milliseconds a picture: our own work, and issuing the draws. */
+    timing: () => ({
+      work: viewer.workMs.recent(),
+      draw: viewer.drawMs.recent(),
+      interval: viewer.intervalMs.recent(),
+    }),
+    resetTiming: () => {
+      viewer.workMs.reset();
+      viewer.drawMs.reset();
+      viewer.intervalMs.reset();
+    },
+    /** Look from `eye` to `target`, room coordinates. */
+    look: (eye: [number, number, number], target: [number, number, number]) => {
+      const { position } = viewer.camera;
+      engine.camera.lookAt(position.clone().set(...eye), position.clone().set(...target), true);
+      viewer.invalidate();
+    },
+    /** Where a point (source coordinates) is on the page, CSS pixels of the canvas. */
+    project: (point: [number, number, number]): [number, number] => {
+      const shift = state.sequence.peek()?.shift ?? [0, 0, 0];
+      viewer.camera.updateMatrixWorld();
+      const at = viewer.camera.position.clone();
+      at.set(point[0] - shift[0], point[1] - shift[1], point[2] - shift[2]);
+      at.applyMatrix4(viewer.room.matrixWorld).project(viewer.camera);
+      const { clientWidth, clientHeight } = viewer.canvas;
+      return [((at.x + 1) / 2) * clientWidth, ((1 - at.y) / 2) * clientHeight];
+    },
+    /** Whether slow pictures make the server send fewer points. */
+    setAdaptive: (on: boolean) => {
+      playback.adaptive = on;
+    },
+  };
+  Object.defineProperty(window, '__pointbrush', { value: Object.freeze(hook) });
+}

@@ -1,0 +1,138 @@
+/** The palette and the timeline: what the server says, and what the user asks for. */
+import type { Actions, LabelPatch } from '../actions';
+import { suggestColor, suggestName } from '../panels/colors';
+import { api } from '../net/rest';
+import type { Label, Labels, Timeline } from '../protocol/messages';
+import { CELL_STATES, state, type HistoryEntry, type TimelineRow } from '../state';
+import { attempt } from './recordings';
+
+type LabelActions = Pick<
+  Actions,
+  | 'selectLabel'
+  | 'selectNthLabel'
+  | 'createLabel'
+  | 'updateLabel'
+  | 'renameLabel'
+  | 'recolorLabel'
+  | 'toggleVisible'
+  | 'toggleLock'
+  | 'deleteLabel'
+  | 'solo'
+  | 'loadHistory'
+>;
+
+// ── what the server says ─────────────────────────────────────────────────────────────────────
+
+export function takeLabels(message: Labels): void {
+  state.palette.value = message.labels;
+  state.counts.value = new Map(
+    Object.entries(message.counts).map(([id, count]) => [Number(id), count]),
+  );
+  state.undo.value = message.undo;
+  state.redo.value = message.redo;
+  const active = state.activeLabel.peek();
+  if (!message.labels.some((label) => label.id === active)) {
+    state.activeLabel.value = message.labels[0]?.id ?? 0;
+  }
+  const solo = state.solo.peek();
+  if (solo !== null && !message.labels.some((label) => label.id === solo)) state.solo.value = null;
+}
+
+export function takeTimeline(message: Timeline, frames: number): void {
+  const rows = new Map<number, TimelineRow>(message.whole ? [] : state.timeline.peek().rows);
+  for (const cell of message.cells) {
+    let row = rows.get(cell.label);
+    if (!row) rows.set(cell.label, (row = emptyRow(frames)));
+    row.points[cell.frame] = cell.points;
+    row.painted[cell.frame] = cell.painted;
+    row.confidence[cell.frame] = cell.confidence ?? Number.NaN;
+    row.state[cell.frame] = CELL_STATES.indexOf(cell.state ?? 'none');
+  }
+  state.timeline.value = { rows };
+}
+
+function emptyRow(frames: number): TimelineRow {
+  return {
+    points: new Uint32Array(frames),
+    painted: new Uint32Array(frames),
+    confidence: new Float32Array(frames).fill(Number.NaN),
+    state: new Uint8Array(frames),
+  };
+}
+
+// ── what the user asks for ───────────────────────────────────────────────────────────────────
+
+function base(): string {
+  return `sequences/${encodeURIComponent(state.sequence.peek()?.id ?? '')}`;
+}
+
+function find(id: number): Label | undefined {
+  return state.palette.peek().find((label) => label.id === id);
+}
+
+/** Show the change at once; the server's palette replaces it, also when it refuses. */
+async function update(id: number, patch: LabelPatch): Promise<void> {
+  const before = state.palette.peek();
+  state.palette.value = before.map((label) => (label.id === id ? { ...label, ...patch } : label));
+  await attempt('The label was not changed', async () => {
+    try {
+      await api('PATCH', `${base()}/labels/${id}`, patch);
+    } catch (error) {
+      state.palette.value = before;
+      throw error;
+    }
+  });
+}
+
+async function create(name?: string, color?: string, category = ''): Promise<number> {
+  const palette = state.palette.peek();
+  const body = {
+    name: name ?? suggestName(category, palette.map((label) => label.name)), // prettier-ignore
+    color: color ?? suggestColor(palette.map((label) => label.color)),
+    category,
+  };
+  let id = 0;
+  await attempt('The label was not made', async () => {
+    const label = await api<Label>('POST', `${base()}/labels`, body);
+    id = label.id;
+    if (!find(id)) state.palette.value = [...state.palette.peek(), label];
+    state.activeLabel.value = id;
+  });
+  return id;
+}
+
+function select(id: number): void {
+  if (!find(id)) return;
+  state.activeLabel.value = id;
+  if (state.tool.peek() === 'navigate' || state.tool.peek() === 'pick') state.tool.value = 'paint';
+}
+
+async function history(): Promise<void> {
+  const edits = await api<(Omit<HistoryEntry, 'frames'> & { frames: number[] })[]>(
+    'GET',
+    `${base()}/edits`,
+  );
+  state.history.value = edits.map((edit) => ({ ...edit, frames: edit.frames.length }));
+}
+
+export const labelActions: LabelActions = {
+  selectLabel: select,
+  selectNthLabel: (n) => {
+    const label = state.palette.peek()[n - 1];
+    if (label) select(label.id);
+  },
+  createLabel: create,
+  updateLabel: update,
+  renameLabel: (id, name) => update(id, { name }),
+  recolorLabel: (id, color) => update(id, { color }),
+  toggleVisible: (id) => update(id, { visible: !find(id)?.visible }),
+  toggleLock: (id) => update(id, { locked: !find(id)?.locked }),
+  deleteLabel: (id) =>
+    attempt('The label was not deleted', async () => {
+      await api('DELETE', `${base()}/labels/${id}`);
+    }),
+  solo: (id) => {
+    state.solo.value = state.solo.peek() === id ? null : id;
+  },
+  loadHistory: () => attempt('The history did not load', history),
+};

@@ -1,0 +1,201 @@
+/** Time: the playhead, the clock, which frame is on screen, and what the cache keeps. */
+import { PlayClock } from '../cloud/clock';
+import type { CloudFrame } from '../cloud/frame';
+import { FrameStore } from '../cloud/store';
+import type { Viewer } from '../cloud/viewer';
+import type { Link } from '../net/link';
+import type { Segment } from '../net/segment';
+import type { LabelUpdate } from '../net/wire';
+import type { SequenceInfo } from '../protocol/messages';
+import { state } from '../state';
+
+const CACHE_BYTES = 640 << 20;
+const DESK_MS = 1000 / 60;
+
+export class Playback {
+  store = new FrameStore(1, false, CACHE_BYTES);
+  /** Frame messages taken in since the page began, and their bytes. */
+  readonly counters = { applied: 0, points: 0, bytes: 0, dropped: 0, decodeMs: 0 };
+  /** What the display wants; the headset sets its own. */
+  targetMs = DESK_MS;
+  /** Points a frame that the display can show in time, or null. */
+  pointBudget: number | null = null;
+  /** Tell the server when pictures come too slowly, so that it sends fewer points. */
+  adaptive = true;
+  private info: SequenceInfo | null = null;
+  private readonly clock = new PlayClock();
+  private shown: CloudFrame | null = null;
+  private shownVersion = -1;
+  private shownLabels = -1;
+  private rangesVersion = -1;
+  private ranges = 0;
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly link: Link,
+  ) {}
+
+  /** The frame on screen. */
+  get frame(): CloudFrame | null {
+    return this.shown;
+  }
+
+  open(info: SequenceInfo): void {
+    this.close();
+    this.info = info;
+    this.store = new FrameStore(info.frames, info.large, CACHE_BYTES);
+    this.viewer.setSequence(info);
+  }
+
+  close(): void {
+    for (const frame of this.store.all()) this.link.recycle(frame.release());
+    this.store = new FrameStore(1, false, CACHE_BYTES);
+    this.info = null;
+    this.shown = null;
+    this.rangesVersion = -1;
+    this.viewer.setSequence(null);
+    state.shown.value = { frame: -1, points: 0, total: 0 };
+  }
+
+  // ── the user's wishes ──────────────────────────────────────────────────────────────────────
+
+  play(): void {
+    const { info } = this;
+    if (!info || info.frames < 2) return;
+    const speed = state.speed.peek();
+    let frame = state.frame.peek();
+    // Play at the end of a recording that does not loop starts over.
+    if (!state.loop.peek() && speed > 0 && frame === info.frames - 1) frame = 0;
+    state.frame.value = frame;
+    state.playing.value = true;
+    this.restart();
+  }
+
+  /** (Re)start the clock where the playhead is; also after a change of speed or of the link. */
+  restart(): void {
+    const { info } = this;
+    if (!info || !state.playing.peek()) return;
+    const frame = state.frame.peek();
+    const [speed, loop] = [state.speed.peek(), state.loop.peek()];
+    this.clock.begin(frame, info.fps, speed, info.frames, loop, performance.now());
+    this.link.send({ type: 'play', frame, speed, loop });
+  }
+
+  pause(): void {
+    if (!state.playing.peek()) return;
+    state.playing.value = false;
+    // What one sees is what one paused at.
+    if (this.shown) state.frame.value = this.shown.index;
+    this.link.send({ type: 'pause', frame: state.frame.peek() });
+    this.sync();
+  }
+
+  seek(frame: number): void {
+    const { info } = this;
+    if (!info) return;
+    const to = Math.min(info.frames - 1, Math.max(0, Math.round(frame)));
+    state.frame.value = to;
+    if (state.playing.peek()) {
+      this.restart();
+      return;
+    }
+    this.link.send({ type: 'seek', frame: to });
+    this.sync();
+  }
+
+  // ── what comes in ──────────────────────────────────────────────────────────────────────────
+
+  /** Take in points, and let the server send more. */
+  segment(segment: Segment): void {
+    const mine = segment.sequence === this.info?.id;
+    const used = mine && this.store.add(segment);
+    this.counters.applied += 1;
+    this.counters.points += segment.count;
+    this.counters.bytes += segment.nbytes;
+    this.counters.decodeMs += segment.decodeMs;
+    if (!used) this.counters.dropped += 1;
+    this.link.applied(
+      {
+        type: 'credit',
+        frames: 1,
+        nbytes: segment.nbytes,
+        decode_ms: segment.decodeMs,
+        frame_ms: this.adaptive ? Math.min(1000, this.viewer.intervalMs.mean) : 0,
+        target_ms: this.adaptive ? this.targetMs : 0,
+        points: this.pointBudget,
+      },
+      used ? [] : [segment.vertices],
+    );
+    if (used) this.trim();
+    if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
+  }
+
+  labels(update: LabelUpdate): void {
+    this.store.applyLabels(update);
+    this.viewer.invalidate();
+  }
+
+  private trim(): void {
+    const head = { frame: state.frame.peek(), direction: this.clock.direction };
+    const dropped = this.store.evict(head, this.shown?.index ?? -1);
+    if (dropped.length === 0) return;
+    this.link.send({ type: 'forget', frames: dropped.map((frame) => frame.index) });
+    for (const frame of dropped) this.link.recycle(frame.release());
+  }
+
+  // ── before each picture ────────────────────────────────────────────────────────────────────
+
+  update(): void {
+    if (state.playing.peek()) this.advance();
+    this.sync();
+    this.report();
+  }
+
+  private advance(): void {
+    const now = performance.now();
+    if (this.clock.ended(now)) {
+      state.frame.value = this.clock.frameAt(now);
+      this.pause();
+      return;
+    }
+    const frame = this.clock.frameAt(now);
+    if (frame !== state.frame.peek()) state.frame.value = frame;
+  }
+
+  /** Put the newest frame that is here on screen, and the next one on the GPU. */
+  private sync(): void {
+    if (!this.info) return;
+    const playing = state.playing.peek();
+    const head = { frame: state.frame.peek(), direction: playing ? this.clock.direction : 1 };
+    const index = playing ? this.store.newest(head, state.loop.peek()) : head.frame;
+    const frame = this.store.get(index);
+    if (!frame || frame.loaded === 0) return;
+    const changed =
+      frame !== this.shown ||
+      frame.pointsVersion !== this.shownVersion ||
+      frame.labelsVersion !== this.shownLabels;
+    if (changed) {
+      this.shown = frame;
+      this.shownVersion = frame.pointsVersion;
+      this.shownLabels = frame.labelsVersion;
+      this.viewer.show(frame);
+      state.shown.value = { frame: frame.index, points: frame.loaded, total: frame.total };
+      return;
+    }
+    // The picture stands: time to bring the next frame over.
+    if (playing) {
+      const next = this.store.get((index + head.direction + this.store.length) % this.store.length);
+      if (next && next.loaded > 0) this.viewer.prepare(next);
+    }
+  }
+
+  /** The buffer bar, a few times a second at most. */
+  private report(): void {
+    if (this.store.version === this.rangesVersion) return;
+    const now = performance.now();
+    if (now - this.ranges < 200) return;
+    this.ranges = now;
+    this.rangesVersion = this.store.version;
+    state.loaded.value = this.store.ranges();
+  }
+}

@@ -1,0 +1,144 @@
+/** Recordings: the list, import, export, change, delete. */
+import { actions, type Actions, type ImportOptions } from '../actions';
+import { api, apiUrl, ApiError, upload } from '../net/rest';
+import type { Job } from '../protocol/messages';
+import { notify, state, type SequenceSummary, type Upload } from '../state';
+
+interface SequenceOut {
+  id: string;
+  name: string;
+  frames: number;
+  fps: number;
+  points: number[];
+}
+
+type RecordingActions = Pick<
+  Actions,
+  | 'refreshSequences'
+  | 'renameSequence'
+  | 'deleteSequence'
+  | 'importPath'
+  | 'importFiles'
+  | 'exportSequence'
+  | 'cancelJob'
+  | 'dismissJob'
+>;
+
+/** Show what went wrong, in the server's words. */
+export async function attempt(what: string, work: () => Promise<void>): Promise<void> {
+  try {
+    await work();
+  } catch (error) {
+    const detail = error instanceof ApiError ? error.message : String(error);
+    notify('error', what, detail);
+  }
+}
+
+/** Job messages come over the socket and from answers; the newest word counts. */
+export function noteJob(job: Job): void {
+  const others = state.jobs.peek().filter((other) => other.id !== job.id);
+  state.jobs.value = [...others, job];
+}
+
+function setUpload(name: string, next: Upload | null): void {
+  const others = state.uploads.peek().filter((other) => other.name !== name);
+  state.uploads.value = next ? [...others, next] : others;
+}
+
+function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
+  return { ...answer, type: 'job', frame: null };
+}
+
+async function refreshSequences(): Promise<void> {
+  const list = await api<SequenceOut[]>('GET', 'sequences');
+  state.sequences.value = list.map(({ id, name, frames, fps, points }): SequenceSummary => ({
+    id,
+    name,
+    frames,
+    fps,
+    points: points.reduce((most, count) => Math.max(most, count), 0),
+  }));
+}
+
+function sequencePath(id: string): string {
+  return `sequences/${encodeURIComponent(id)}`;
+}
+
+async function importFiles(files: readonly File[], options: ImportOptions = {}): Promise<void> {
+  const name = options.name ?? commonName(files);
+  const form = new FormData();
+  for (const file of files) form.append('files', file);
+  form.append('name', name);
+  if (options.fps !== undefined) form.append('fps', String(options.fps));
+  if (options.format !== undefined) form.append('format', options.format);
+  const total = files.reduce((sum, file) => sum + file.size, 0);
+  setUpload(name, { name, sent: 0, total });
+  try {
+    const job = await upload<Omit<Job, 'type' | 'frame'>>('sequences', form, (sent) =>
+      setUpload(name, { name, sent, total }),
+    );
+    noteJob(jobOf(job));
+  } finally {
+    setUpload(name, null);
+  }
+}
+
+/** A folder's name, or the file's without its ending. */
+function commonName(files: readonly File[]): string {
+  const first = files[0];
+  if (!first) return 'recording';
+  const folder = first.webkitRelativePath.split('/')[0];
+  const name = folder ? folder : first.name.replace(/\.[^.]+$/, '');
+  return name.slice(0, 200) || 'recording';
+}
+
+function download(href: string): void {
+  const link = document.createElement('a');
+  link.href = href;
+  link.download = '';
+  link.click();
+}
+
+async function exportSequence(format: string, frames = ''): Promise<void> {
+  const info = state.sequence.peek();
+  if (!info) return;
+  const query = new URLSearchParams({ format });
+  if (frames) query.set('frames', frames);
+  download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
+  notify('success', 'Export started', 'The browser saves it among its downloads.');
+  await Promise.resolve();
+}
+
+export const recordingActions: RecordingActions = {
+  refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
+  renameSequence: (id, name) =>
+    attempt('The recording was not renamed', async () => {
+      await api('PATCH', sequencePath(id), { name });
+      const info = state.sequence.peek();
+      if (info?.id === id) state.sequence.value = { ...info, name };
+      await refreshSequences();
+    }),
+  deleteSequence: (id) =>
+    attempt('The recording was not deleted', async () => {
+      await api('DELETE', sequencePath(id));
+      if (state.sequence.peek()?.id === id) actions.closeSequence();
+      await refreshSequences();
+    }),
+  importPath: (path, options = {}) =>
+    attempt('The import did not start', async () => {
+      const body = { path, ...options };
+      noteJob(jobOf(await api<Omit<Job, 'type' | 'frame'>>('POST', 'sequences', body)));
+    }),
+  importFiles: (files, options) =>
+    attempt('The import did not start', () => importFiles(files, options)),
+  exportSequence: (format, frames) =>
+    attempt('The export did not start', () => exportSequence(format, frames)),
+  cancelJob: (id, keep = false) =>
+    attempt('The job could not be stopped', async () => {
+      const query = keep ? '?keep=true' : '';
+      noteJob(jobOf(await api<Omit<Job, 'type' | 'frame'>>('DELETE', `jobs/${id}${query}`)));
+    }),
+  dismissJob: (id) => {
+    state.jobs.value = state.jobs.peek().filter((job) => job.id !== id);
+  },
+};

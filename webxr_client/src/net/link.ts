@@ -1,0 +1,45 @@
+/** The page's end of the worker: typed messages in and out, nothing else. */
+import type { ClientMessage, Credit, Open } from '../protocol/messages';
+import type { FromWorker, ToWorker } from './wire';
+
+export class Link {
+  private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), {
+    type: 'module',
+    name: 'pointbrush-net',
+  });
+
+  constructor(listen: (message: FromWorker) => void) {
+    this.worker.onmessage = (event: MessageEvent<FromWorker>) => listen(event.data);
+  }
+
+  connect(): void {
+    const url = new URL('api/v1/stream', document.baseURI);
+    url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+    const probe = new URL('api/v1/session', document.baseURI).href;
+    this.post({ t: 'connect', url: url.href, probe });
+  }
+
+  send(message: ClientMessage): void {
+    this.post({ t: 'send', message });
+  }
+
+  open(message: Open): void {
+    this.post({ t: 'open', message });
+  }
+
+  close(): void {
+    this.post({ t: 'close' });
+  }
+
+  applied(credit: Credit, buffers: ArrayBuffer[]): void {
+    this.post({ t: 'applied', credit, buffers }, buffers);
+  }
+
+  recycle(buffers: ArrayBuffer[]): void {
+    if (buffers.length > 0) this.post({ t: 'recycle', buffers }, buffers);
+  }
+
+  private post(message: ToWorker, transfer: Transferable[] = []): void {
+    this.worker.postMessage(message, transfer);
+  }
+}

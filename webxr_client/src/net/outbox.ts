@@ -1,0 +1,125 @@
+/**
+ * Edits that the server has not answered.  They survive a lost connection and a closed tab, and
+ * are sent again in order; the server applies each id once.
+ */
+import type {
+  ClientMessage,
+  Redo,
+  Sample,
+  StrokeBegin,
+  StrokeEnd,
+  StrokeSamples,
+  Track,
+  Undo,
+} from '../protocol/messages';
+
+export type Edit = StrokeBegin | StrokeSamples | StrokeEnd | Undo | Redo | Track;
+
+export interface OutboxEntry {
+  readonly id: string;
+  readonly sequence: string;
+  /** Time of the first message, which orders the entries. */
+  readonly at: number;
+  readonly first: StrokeBegin | Undo | Redo | Track;
+  readonly samples: Sample[];
+  ended: boolean;
+}
+
+export interface OutboxStorage {
+  load(): Promise<OutboxEntry[]>;
+  put(entry: OutboxEntry): void;
+  remove(id: string): void;
+}
+
+/** An unfinished stroke of another tab may still be going on; older ones were cut off. */
+const ABANDONED_MS = 10_000;
+const SAMPLES_PER_MESSAGE = 1024;
+
+export class Outbox {
+  private readonly entries = new Map<string, OutboxEntry>();
+  private last = 0;
+
+  constructor(
+    private readonly storage: OutboxStorage,
+    private readonly now: () => number = Date.now,
+  ) {}
+
+  /** Take up what an earlier page left. */
+  async restore(): Promise<void> {
+    for (const entry of await this.storage.load()) {
+      if (this.entries.has(entry.id)) continue;
+      if (!entry.ended && this.now() - entry.at < ABANDONED_MS) continue;
+      entry.ended = true;
+      this.entries.set(entry.id, entry);
+    }
+  }
+
+  get size(): number {
+    return this.entries.size;
+  }
+
+  /** Note an edit on its way out. */
+  note(sequence: string, message: Edit): void {
+    if (message.type === 'stroke_samples' || message.type === 'stroke_end') {
+      const entry = this.entries.get(message.id);
+      if (!entry) return;
+      if (message.type === 'stroke_samples') entry.samples.push(...message.samples);
+      else entry.ended = true;
+      this.storage.put(entry);
+      return;
+    }
+    // Two edits within a millisecond keep their order.
+    this.last = Math.max(this.now(), this.last + 0.001);
+    const ended = message.type !== 'stroke_begin';
+    const entry = { id: message.id, sequence, at: this.last, first: message, samples: [], ended };
+    this.entries.set(message.id, entry);
+    this.storage.put(entry);
+  }
+
+  /** The server answered, for good or ill. */
+  settle(id: string): boolean {
+    if (!this.entries.delete(id)) return false;
+    this.storage.remove(id);
+    return true;
+  }
+
+  /** A tracking run shows as a job, whose id is its own: one that runs answers the request. */
+  settleTracks(): string[] {
+    const ids = [...this.entries.values()]
+      .filter((entry) => entry.first.type === 'track')
+      .map((entry) => entry.id);
+    return ids.filter((id) => this.settle(id));
+  }
+
+  /** Everything to send again after (re)opening a sequence, in order. */
+  resend(sequence: string): ClientMessage[] {
+    const entries = [...this.entries.values()].filter((entry) => entry.sequence === sequence);
+    entries.sort((a, b) => a.at - b.at);
+    return entries.flatMap(messagesOf);
+  }
+}
+
+function messagesOf(entry: OutboxEntry): ClientMessage[] {
+  const messages: ClientMessage[] = [entry.first];
+  if (entry.first.type !== 'stroke_begin') return messages;
+  for (let i = 0; i < entry.samples.length; i += SAMPLES_PER_MESSAGE) {
+    const samples = entry.samples.slice(i, i + SAMPLES_PER_MESSAGE);
+    messages.push({ type: 'stroke_samples', id: entry.id, samples });
+  }
+  if (entry.ended) messages.push({ type: 'stroke_end', id: entry.id });
+  return messages;
+}
+
+export function isEdit(message: ClientMessage): message is Edit {
+  switch (message.type) {
+    case 'stroke_begin':
+    case 'stroke_samples':
+    case 'stroke_end':
+    case 'undo':
+    case 'redo':
+    case 'track':
+      return true;
+    default:
+      return false;
+  }
+}

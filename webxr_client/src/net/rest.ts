@@ -1,0 +1,65 @@
+/** Plain requests: what is not worth a socket message. */
+
+export class ApiError extends Error {
+  constructor(
+    readonly title: string,
+    readonly detail: string,
+    readonly status: number,
+  ) {
+    super(detail || title);
+  }
+}
+
+export function apiUrl(path: string): string {
+  return new URL(`api/v1/${path}`, document.baseURI).href;
+}
+
+/** The JSON answer; raises ApiError with the server's words (RFC 9457). */
+export async function api<T>(method: string, path: string, body?: unknown): Promise<T> {
+  const init: RequestInit = { method, credentials: 'same-origin' };
+  if (body !== undefined) {
+    init.body = JSON.stringify(body);
+    init.headers = { 'Content-Type': 'application/json' };
+  }
+  let response: Response;
+  try {
+    response = await fetch(apiUrl(path), init);
+  } catch {
+    throw new ApiError('No connection', 'The server did not answer.', 0);
+  }
+  if (!response.ok) throw await problem(response);
+  return (response.status === 204 ? undefined : await response.json()) as T;
+}
+
+async function problem(response: Response): Promise<ApiError> {
+  try {
+    const { title, detail } = (await response.json()) as { title?: string; detail?: string };
+    return new ApiError(title ?? response.statusText, detail ?? '', response.status);
+  } catch {
+    return new ApiError(response.statusText, '', response.status);
+  }
+}
+
+/** Send files; `progress` hears how many bytes have gone. */
+export function upload<T>(
+  path: string,
+  form: FormData,
+  progress: (sent: number, total: number) => void,
+): Promise<T> {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open('POST', apiUrl(path));
+    request.responseType = 'json';
+    request.upload.onprogress = (event) => progress(event.loaded, event.total);
+    request.onerror = () => reject(new ApiError('No connection', 'The upload was cut off.', 0));
+    request.onload = () => {
+      const answer = request.response as { title?: string; detail?: string } | null;
+      if (request.status < 300) resolve(answer as T);
+      else
+        reject(
+          new ApiError(answer?.title ?? 'Upload failed', answer?.detail ?? '', request.status),
+        );
+    };
+    request.send(form);
+  });
+}

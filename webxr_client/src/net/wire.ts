@@ -1,0 +1,41 @@
+/** What page and worker tell each other. */
+import type { ClientMessage, Credit, Open, ServerMessage } from '../protocol/messages';
+import type { Segment } from './segment';
+
+export type ToWorker =
+  | { t: 'connect'; url: string; probe: string }
+  | { t: 'send'; message: ClientMessage }
+  | { t: 'open'; message: Open }
+  | { t: 'close' }
+  /** The page used a frame message; `buffers` are free again. */
+  | { t: 'applied'; credit: Credit; buffers: ArrayBuffer[] }
+  | { t: 'recycle'; buffers: ArrayBuffer[] };
+
+export type LinkState = 'connecting' | 'online' | 'offline' | 'refused';
+
+/** An annotation with its packed arrays ready to use. */
+export interface LabelUpdate {
+  readonly sequence: string;
+  readonly frame: number;
+  readonly revision: number;
+  readonly base: number | null;
+  readonly edit: string | null;
+  readonly provisional: boolean;
+  readonly first: number;
+  readonly count: number;
+  /** Run lengths (whole) or sorted point numbers (delta). */
+  readonly lengths: Uint32Array<ArrayBuffer>;
+  readonly values: Uint16Array<ArrayBuffer>;
+}
+
+type Bulk = 'frame' | 'annotation';
+export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
+
+export type FromWorker =
+  | { t: 'link'; state: LinkState; detail: string; retryMs: number | null }
+  | { t: 'message'; message: PlainMessage }
+  | { t: 'segment'; segment: Segment }
+  | { t: 'labels'; update: LabelUpdate }
+  | { t: 'pending'; count: number }
+  /** Strokes of an earlier page that are being sent again. */
+  | { t: 'settled'; id: string };

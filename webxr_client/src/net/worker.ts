@@ -1,0 +1,233 @@
+/** The worker that owns the socket: nothing that takes time happens on the page's own thread. */
+import { decode, encode, unpackU16, unpackU32 } from '../protocol/codec';
+import {
+  SUBPROTOCOL,
+  type Annotation,
+  type ClientMessage,
+  type Open,
+  type ServerMessage,
+} from '../protocol/messages';
+import { Backoff } from './backoff';
+import { decodeFrame, ready } from './decode';
+import { isEdit, Outbox } from './outbox';
+import { BufferPool } from './pool';
+import { MemoryStorage, openStorage } from './storage';
+import type { FromWorker, LinkState, ToWorker } from './wire';
+
+const POOL_BYTES = 64 << 20;
+/** More than this unsent means that the link is stalled; what can be dropped is dropped. */
+const SEND_LIMIT = 1 << 20;
+
+const pool = new BufferPool(POOL_BYTES);
+const backoff = new Backoff();
+let outbox = new Outbox(new MemoryStorage());
+let socket: WebSocket | null = null;
+let address = '';
+let probe = '';
+/** What is open, or to be opened once online; kept for resuming. */
+let opened: Open | null = null;
+/** The server confirmed `opened`; edits may go out. */
+let live = false;
+/** The newest revision that the page has heard of. */
+let revision: number | null = null;
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+function post(message: FromWorker, transfer: Transferable[] = []): void {
+  (self as unknown as Worker).postMessage(message, transfer);
+}
+
+function link(state: LinkState, detail = '', retryMs: number | null = null): void {
+  post({ t: 'link', state, detail, retryMs });
+}
+
+function connect(): void {
+  clearTimeout(timer);
+  link('connecting');
+  const current = new WebSocket(address, SUBPROTOCOL);
+  let welcomed = false;
+  current.binaryType = 'arraybuffer';
+  socket = current;
+  current.onopen = () => {
+    welcomed = true;
+    backoff.reset();
+    link('online');
+    transmit({ type: 'hello' });
+    reopen();
+  };
+  current.onmessage = (event: MessageEvent<ArrayBuffer>) => receive(event.data);
+  current.onclose = (event) => {
+    if (socket === current) void lost(event, welcomed);
+  };
+}
+
+async function lost(event: CloseEvent, welcomed: boolean): Promise<void> {
+  socket = null;
+  live = false;
+  const refusal = welcomed ? refusalOf(event) : await whyRefused();
+  if (refusal) {
+    link('refused', refusal);
+    return;
+  }
+  const wait = backoff.next();
+  link('offline', event.reason, wait);
+  timer = setTimeout(connect, wait);
+}
+
+/** Close codes after which trying again cannot help. */
+function refusalOf(event: CloseEvent): string {
+  if (event.code === 4401 || event.code === 4403 || event.code === 1008) {
+    return event.reason || 'The server refused this page.';
+  }
+  return '';
+}
+
+/** A browser does not say why a socket was refused; a plain request does. */
+async function whyRefused(): Promise<string> {
+  try {
+    const response = await fetch(probe, { credentials: 'same-origin', cache: 'no-store' });
+    if (response.status === 401)
+      return 'This page has no valid token. Open the URL that the server printed.';
+    if (response.status === 403) return 'The server does not accept pages from this address.';
+    if (!response.ok) return '';
+    const current = ((await response.json()) as { schema?: string }).schema;
+    if (current && !SUBPROTOCOL.endsWith(current)) {
+      return 'This page is older than the server. Reload it.';
+    }
+    return '';
+  } catch {
+    return '';
+  }
+}
+
+/** Open again what is open, and hear what changed meanwhile. */
+function reopen(): void {
+  if (!opened) return;
+  live = false;
+  // One back: of the newest edit perhaps not every frame's part has come.
+  transmit({ ...opened, revision: revision === null ? null : Math.max(0, revision - 1) });
+}
+
+function transmit(message: ClientMessage): void {
+  if (socket?.readyState !== WebSocket.OPEN) return;
+  // Where a person's hands are matters only now.
+  if (message.type === 'presence' && socket.bufferedAmount > SEND_LIMIT) return;
+  socket.send(encode(message));
+}
+
+function send(message: ClientMessage): void {
+  if (isEdit(message)) {
+    if (!opened) return;
+    outbox.note(opened.sequence, message);
+    report();
+    if (!live) return;
+  }
+  transmit(message);
+}
+
+function report(): void {
+  post({ t: 'pending', count: outbox.size });
+}
+
+function settle(id: string): void {
+  if (!outbox.settle(id)) return;
+  report();
+  post({ t: 'settled', id });
+}
+
+function receive(data: ArrayBuffer): void {
+  const message: ServerMessage = decode(data);
+  switch (message.type) {
+    case 'frame': {
+      const segment = decodeFrame(message, pool);
+      post({ t: 'segment', segment }, [segment.vertices, segment.blocks.buffer]);
+      return;
+    }
+    case 'annotation':
+      annotation(message);
+      return;
+    case 'sequence':
+      post({ t: 'message', message });
+      if (opened?.sequence !== message.id) return;
+      live = true;
+      revision ??= message.revision;
+      for (const edit of outbox.resend(message.id)) transmit(edit);
+      return;
+    default:
+      post({ t: 'message', message });
+      settleBy(message);
+  }
+}
+
+function settleBy(message: ServerMessage): void {
+  if (message.type === 'stroke_result' && message.final) settle(message.id);
+  if (message.type === 'job' && message.kind === 'tracking') {
+    if (outbox.settleTracks().length > 0) report();
+  }
+  if (message.type !== 'error') return;
+  if (message.about !== null) settle(message.about);
+  else if (!live && opened && revision !== null) {
+    // The server knows no such revision (its database was put back): start from what it has.
+    revision = null;
+    transmit({ ...opened, revision: null });
+  }
+}
+
+function annotation(message: Annotation): void {
+  const lengths = unpackU32(message.lengths);
+  const values = unpackU16(message.values);
+  const { sequence, frame, base, edit, provisional, first, count } = message;
+  const update = { sequence, frame, base, edit, provisional, first, count, lengths, values };
+  post({ t: 'labels', update: { ...update, revision: message.revision } }, [
+    lengths.buffer,
+    values.buffer,
+  ]);
+  if (base === null || provisional || opened?.sequence !== sequence) return;
+  // A delta that builds on one that never came: catch up.
+  const gap = live && revision !== null && base > revision;
+  revision = gap ? revision : Math.max(revision ?? 0, message.revision);
+  if (gap) reopen();
+  else if (edit !== null) settle(edit);
+}
+
+async function start(): Promise<void> {
+  outbox = new Outbox(await openStorage());
+  await Promise.all([outbox.restore(), ready]);
+  report();
+}
+
+const started = start();
+
+async function handle(message: ToWorker): Promise<void> {
+  await started;
+  switch (message.t) {
+    case 'connect':
+      address = message.url;
+      probe = message.probe;
+      if (!socket) connect();
+      return;
+    case 'open':
+      opened = message.message;
+      live = false;
+      revision = null;
+      transmit(opened);
+      return;
+    case 'close':
+      opened = null;
+      live = false;
+      return;
+    case 'send':
+      send(message.message);
+      return;
+    case 'applied':
+      for (const buffer of message.buffers) pool.give(buffer);
+      transmit(message.credit);
+      return;
+    case 'recycle':
+      for (const buffer of message.buffers) pool.give(buffer);
+  }
+}
+
+self.onmessage = (event: MessageEvent<ToWorker>) => void handle(event.data);
+self.addEventListener('online', () => {
+  if (!socket && address) connect();
+});

@@ -1,0 +1,32 @@
+/** Messages ⇄ msgpack bytes.  Types come from the server's models; see `messages.ts`. */
+import { Decoder, Encoder } from '@msgpack/msgpack';
+import type { ClientMessage, ServerMessage } from './messages';
+
+const encoder = new Encoder({ ignoreUndefined: true });
+const decoder = new Decoder();
+
+/** The bytes of a message, in a buffer of its own. */
+export function encode(message: ClientMessage): Uint8Array<ArrayBuffer> {
+  return encoder.encode(message);
+}
+
+/**
+ * A message from its bytes.  Packed arrays in it are views into `bytes`, not copies.
+ * Throws when the bytes are not a map with a `type`.
+ */
+export function decode(bytes: Uint8Array | ArrayBuffer): ServerMessage {
+  const value: unknown = decoder.decode(bytes);
+  if (typeof value !== 'object' || value === null || !('type' in value)) {
+    throw new TypeError(`message: expected a map with "type", got ${typeof value}`);
+  }
+  return value as ServerMessage;
+}
+
+/** Little-endian packed numbers as a typed array; copied, since bytes may lie unaligned. */
+export function unpackU32(bytes: Uint8Array): Uint32Array<ArrayBuffer> {
+  return new Uint32Array(bytes.slice().buffer);
+}
+
+export function unpackU16(bytes: Uint8Array): Uint16Array<ArrayBuffer> {
+  return new Uint16Array(bytes.slice().buffer);
+}
