@@ -1,0 +1,22 @@
+"""Point cloud files: every reader and exporter, behind one registry."""
+
+from __future__ import annotations
+
+from pointbrush.formats.exports import EXPORTS, Export, LabeledFrame, export
+from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.registry import FORMATS, Format
+from pointbrush.formats.source import Source, open_source, read
+
+__all__ = [
+    "EXPORTS",
+    "FORMATS",
+    "Export",
+    "Format",
+    "LabeledFrame",
+    "Limits",
+    "ReadOptions",
+    "Source",
+    "export",
+    "open_source",
+    "read",
+]

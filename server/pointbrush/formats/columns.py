@@ -1,0 +1,219 @@
+"""Named columns as files have them, turned into a PointFrame.
+
+Names of PLY properties, PCD and LAS fields, CSV headers and structured NumPy arrays differ by
+program; one table here says which are understood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.frame import PointFrame
+
+Array = NDArray[Any]
+
+ROLES: dict[str, tuple[str, ...]] = {
+    "x": ("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
+    "y": ("y", "py", "posy", "pos_y", "position_y", "point_y", "y_m", "northing"),
+    "z": ("z", "pz", "posz", "pos_z", "position_z", "point_z", "z_m", "elevation", "height"),
+    "red": ("red", "r", "diffuse_red", "scalar_red", "color_red", "rf", "colorred"),
+    "green": ("green", "g", "diffuse_green", "scalar_green", "color_green", "gf", "colorgreen"),
+    "blue": ("blue", "b", "diffuse_blue", "scalar_blue", "color_blue", "bf", "colorblue"),
+    "rgb": ("rgb", "rgba"),
+    "intensity": (
+        *("intensity", "scalar_intensity", "intensities", "reflectance", "scalar_reflectance"),
+        *("reflectivity", "remission", "scalar_scalar_intensity", "i"),
+    ),
+    "label": (
+        *("label", "scalar_label", "labels", "label_id", "semantic", "semantic_label"),
+        *("sem_label", "class_id", "scalar_scalar_label"),
+    ),
+    "instance": (
+        *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
+        *("object_id", "scalar_scalar_instance"),
+    ),
+}
+
+
+def roles(names: Iterable[str]) -> dict[str, str]:
+    """Role → the name in the file that plays it; the earliest synonym in ROLES wins."""
+    by_lower: dict[str, str] = {}
+    for name in names:
+        by_lower.setdefault(name.strip().strip("\"'").lower(), name)
+    found: dict[str, str] = {}
+    for role, synonyms in ROLES.items():
+        for synonym in synonyms:
+            if synonym in by_lower:
+                found[role] = by_lower[synonym]
+                break
+    return found
+
+
+def frame_from_columns(
+    name: str,
+    columns: Mapping[str, Array],
+    options: ReadOptions,
+    *,
+    missing: bool = False,
+    extras: Extras | None = None,
+) -> PointFrame:
+    """Build a frame from columns of equal length, by their names.
+
+    ``missing``: NaN and infinite points are absent measurements of this format, and are left out
+    and counted.  Otherwise they raise, unless ``options.drop_invalid``.
+
+    Raises BadInputError when x, y or z is absent, points are not finite, or colours or labels
+    are out of range; messages start with ``name``.
+    """
+    found = roles(columns)
+    absent = [axis for axis in "xyz" if axis not in found]
+    if absent:
+        raise BadInputError(
+            f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
+        )
+    xyz = _stack(name, [columns[found[axis]] for axis in "xyz"])
+    keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
+    rgb = _rgb(name, columns, found, keep)
+    parts = {role: columns[found[role]] for role in found if role not in "xyz"}
+    extras, known = extras or Extras(), options.known
+    return PointFrame(
+        xyz=_take(xyz, keep),
+        rgb=rgb,
+        intensity=intensity_of(_take(parts["intensity"], keep)) if "intensity" in parts else None,
+        label=number_of(name, "label", _take(parts["label"], keep), 65534)
+        if "label" in parts
+        else None,
+        instance=number_of(name, "instance", _take(parts["instance"], keep), 65535)
+        if "instance" in parts
+        else None,
+        dropped=0 if keep is None else len(xyz) - len(keep),
+        pose=known.pose if extras.pose is None else extras.pose,
+        viewpoint=extras.viewpoint,
+        timestamp=known.timestamp if extras.timestamp is None else extras.timestamp,
+        camera=extras.camera,
+        pixel=None if extras.pixel is None else _take(extras.pixel, keep),
+    )
+
+
+def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] | None:
+    """Indices of the finite points, None when all are; raises BadInputError unless ``missing``."""
+    # One reduction per axis; isfinite over (N, 3) would make a second array of that size.
+    finite = np.isfinite(xyz[:, 0])
+    finite &= np.isfinite(xyz[:, 1])
+    finite &= np.isfinite(xyz[:, 2])
+    if finite.all():
+        return None
+    bad = np.flatnonzero(~finite)
+    if not missing:
+        raise BadInputError(
+            f"{name}: expected finite coordinates, got {bad.size} of {len(xyz)} points with NaN "
+            f"or infinity (first at point {bad[0]}); --drop-invalid leaves them out"
+        )
+    return np.flatnonzero(finite)
+
+
+def colors_of(name: str, values: Array) -> NDArray[np.uint8]:
+    """(N, 3) colours of any number type as uint8.
+
+    uint8 stays.  16-bit colours are scaled unless none exceeds 255 (many writers leave 8-bit
+    values in 16-bit fields).  Floats are 0..1 when none exceeds 1, else 0..255.
+    Raises BadInputError for negative, NaN or larger values.
+    """
+    if values.dtype == np.uint8:
+        return values
+    if values.dtype == np.int8:
+        return values.astype(np.uint8)
+    if len(values) == 0:
+        return np.zeros((0, 3), np.uint8)
+    low, high = values.min(), values.max()
+    if values.dtype.kind in "ui":
+        if low >= 0 and high <= 255:
+            return values.astype(np.uint8)
+        if low >= 0 and high <= 65535:
+            return ((values.astype(np.uint32) * 255 + 32767) // 65535).astype(np.uint8)
+        raise BadInputError(f"{name}: expected colours 0 to 65535, got {low} to {high}")
+    if low >= 0 and high <= 1:
+        return np.rint(values * 255).astype(np.uint8)
+    if low >= 0 and high <= 255:
+        return np.rint(values).astype(np.uint8)
+    if low >= 0 and high <= 65535 and not np.any(values % 1):
+        return colors_of(name, values.astype(np.uint32))
+    raise BadInputError(f"{name}: expected colours 0 to 1 or 0 to 255, got {low:g} to {high:g}")
+
+
+def unpack_rgb(values: Array) -> NDArray[np.uint8]:
+    """(N, 3) uint8 from colours packed as 0xAARRGGBB in a 4-byte integer, or in a float's bits."""
+    if values.dtype.kind == "f":
+        packed = np.ascontiguousarray(values, dtype=np.float32).view(np.uint32)
+    else:
+        packed = (values.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
+    return np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=1).astype(np.uint8)
+
+
+def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.uint16]:
+    """Labels or instances as uint16; -1 and NaN are the usual marks for "none" and become 0.
+
+    Raises BadInputError for fractions and for numbers outside 0..greatest.
+    """
+    if values.dtype.kind == "f":
+        values = np.where(np.isnan(values), 0, values)
+        if np.any(values % 1):
+            at = int(np.flatnonzero(values % 1)[0])
+            raise BadInputError(f"{name}: expected whole {what}s, got {values[at]} at point {at}")
+    elif values.dtype.kind not in "uib":
+        raise BadInputError(f"{name}: expected {what}s as numbers, got {values.dtype}")
+    if values.dtype.kind in "fi":
+        values = np.where(values == -1, 0, values)
+    if len(values) and (values.min() < 0 or values.max() > greatest):
+        raise BadInputError(
+            f"{name}: expected {what}s 0 to {greatest}, got {values.min():g} to {values.max():g}"
+        )
+    return values.astype(np.uint16)
+
+
+def intensity_of(values: Array) -> NDArray[np.float32]:
+    """Intensity as float32; a value that is not finite becomes 0."""
+    with np.errstate(over="ignore"):
+        intensity = values.astype(np.float32)
+    intensity[~np.isfinite(intensity)] = 0
+    return intensity
+
+
+def _take(values: Array, keep: NDArray[np.int64] | None) -> Array:
+    return values if keep is None else values[keep]
+
+
+def _stack(name: str, axes: list[Array]) -> Array:
+    lengths = {len(axis) for axis in axes}
+    if len(lengths) != 1:
+        raise BadInputError(f"{name}: expected x, y and z of one length, got {sorted(lengths)}")
+    # float32 holds float32 and integers of 16 bits exactly; everything else needs float64.
+    small = all(axis.dtype.kind in "fiu" and np.can_cast(axis.dtype, np.float32) for axis in axes)
+    xyz = np.empty((len(axes[0]), 3), np.float32 if small else np.float64)
+    for column, axis in enumerate(axes):
+        if axis.dtype.kind not in "fiub":
+            raise BadInputError(f"{name}: expected numbers as coordinates, got {axis.dtype}")
+        xyz[:, column] = axis
+    return xyz
+
+
+def _rgb(
+    name: str, columns: Mapping[str, Array], found: dict[str, str], keep: NDArray[np.int64] | None
+) -> NDArray[np.uint8] | None:
+    if all(role in found for role in ("red", "green", "blue")):
+        parts = [_take(columns[found[role]], keep) for role in ("red", "green", "blue")]
+        if len({part.dtype for part in parts} - {np.dtype(np.int8), np.dtype(np.uint8)}) == 0:
+            parts = [np.ascontiguousarray(part).view(np.uint8) for part in parts]
+        return colors_of(name, np.stack(parts, axis=1))
+    if "rgb" in found:
+        values = _take(columns[found["rgb"]], keep)
+        if values.ndim == 1:
+            return unpack_rgb(values)
+        return colors_of(name, values[:, :3])
+    return None

@@ -1,0 +1,69 @@
+"""Labelled frames written to files: one exporter per format, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti
+from pointbrush.formats.exports.labeled import LabeledFrame, Palette, PaletteEntry
+from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
+
+
+@dataclass(frozen=True, slots=True)
+class Export:
+    """An export format: ``write`` puts frames and palette into an Output.
+
+    ``endings`` are those of a single file that holds one frame, if the format has such files.
+    """
+
+    name: str
+    title: str
+    write: Callable[[Iterable[LabeledFrame], Palette, Output], None]
+    endings: tuple[str, ...] = ()
+
+
+_ALL = (
+    Export("ply", "PLY with labels", points.write_plys, (".ply",)),
+    Export("npz", "NumPy arrays", points.write_npzs, (".npz",)),
+    Export("pcd", "PCD with labels", points.write_pcds, (".pcd",)),
+    Export("las", "LAS with labels", points.write_lass, (".las",)),
+    Export("laz", "LAZ with labels", points.write_lazs, (".laz",)),
+    Export("csv", "CSV with labels", points.write_csvs, (".csv",)),
+    Export("semantickitti", "SemanticKITTI", semantickitti.write_semantickitti),
+    Export("labels-only", "Labels without points", labels_only.write_labels_only),
+    Export("cut", "One PLY per label", cut.write_cuts),
+    Export("boxes", "Oriented boxes, JSON and KITTI tracking", boxes.write_boxes),
+)
+EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}
+
+
+def export(
+    format: str,
+    frames: Iterable[LabeledFrame],
+    palette: Sequence[PaletteEntry],
+    out: Path | BinaryIO,
+) -> None:
+    """Write frames and palette to a new folder, a .zip, a single file, or a stream (as zip).
+
+    Points are in source order, deleted ones left out.  Written beside the target and renamed
+    when whole: nothing is half-written.  Raises BadInputError for an unknown format, a folder
+    that is not empty, or a single file for several frames.
+    """
+    if format not in EXPORTS:
+        raise BadInputError(f"format: expected one of {', '.join(EXPORTS)}, got {format!r}")
+    entry = EXPORTS[format]
+    if not isinstance(out, Path):
+        context = stream_output(out)
+    elif out.suffix.lower() in entry.endings or out.suffix.lower() == ".zip":
+        context = single_output(out)
+    else:
+        context = folder_output(out)
+    with context as output:
+        entry.write(frames, Palette(palette), output)
+
+
+__all__ = ["EXPORTS", "Export", "LabeledFrame", "Output", "Palette", "PaletteEntry", "export"]

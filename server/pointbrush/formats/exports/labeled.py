@@ -1,0 +1,142 @@
+"""What is exported: frames with their annotation, and the palette with its numbers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.frame import PointFrame
+
+Array = NDArray[Any]
+
+
+class PaletteEntry(Protocol):
+    """A label of the palette."""
+
+    @property
+    def id(self) -> int:
+        """1..65534."""
+
+    @property
+    def name(self) -> str:
+        """Shown to people."""
+
+    @property
+    def category(self) -> str:
+        """What it is an instance of; "" where it stands for itself."""
+
+    @property
+    def color(self) -> str:
+        """``#rrggbb``."""
+
+
+@dataclass(frozen=True, eq=False)
+class LabeledFrame:
+    """Frame ``index`` of a sequence with its annotation; all arrays in source order.
+
+    ``label`` (N,) uint16, 0 = unlabeled; ``provenance`` (N,) uint8; ``deleted`` (N,) bool;
+    ``tracks`` the frame's track states as the tracks call lists them; ``up`` (3,) points away
+    from the floor in source coordinates.
+    Raises BadInputError when lengths differ.
+    """
+
+    index: int
+    points: PointFrame
+    label: NDArray[np.uint16]
+    provenance: NDArray[np.uint8]
+    deleted: NDArray[np.bool_]
+    tracks: Sequence[Mapping[str, Any]] = field(default_factory=list)
+    up: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+
+    def __post_init__(self) -> None:
+        lengths = {len(self.label), len(self.provenance), len(self.deleted)}
+        if lengths != {len(self.points)}:
+            raise BadInputError(
+                f"frame {self.index}: expected {len(self.points)} labels, got {sorted(lengths)}"
+            )
+
+    @property
+    def stem(self) -> str:
+        """File name of the frame, without ending."""
+        return f"{self.index:06d}"
+
+    @property
+    def keep(self) -> NDArray[np.int64]:
+        """Numbers of the points that are not deleted."""
+        return np.flatnonzero(~self.deleted)
+
+
+class Palette:
+    """The labels with category numbers (1, 2, … by first label) and instances within each.
+
+    A label without category is a category of its own, called as it is.
+    """
+
+    def __init__(self, entries: Sequence[PaletteEntry]) -> None:
+        self.entries = sorted(entries, key=lambda entry: entry.id)
+        self.categories: dict[str, int] = {}
+        self._category = np.zeros(1 << 16, np.uint16)
+        self._instance = np.zeros(1 << 16, np.uint16)
+        sizes: dict[str, int] = {}
+        for entry in self.entries:
+            name = category_of(entry)
+            number = self.categories.setdefault(name, len(self.categories) + 1)
+            sizes[name] = sizes.get(name, 0) + 1
+            self._category[entry.id] = number
+            self._instance[entry.id] = sizes[name]
+
+    def category(self, label: NDArray[np.uint16]) -> NDArray[np.uint16]:
+        """The category number of each label id; 0 for 0."""
+        return self._category[label]
+
+    def instance(self, label: NDArray[np.uint16]) -> NDArray[np.uint16]:
+        """The number of each label within its category, from 1; 0 for 0."""
+        return self._instance[label]
+
+    def document(self) -> dict[str, Any]:
+        """The palette as it lies beside exports."""
+        labels = [
+            {
+                "id": entry.id,
+                "name": entry.name,
+                "category": category_of(entry),
+                "category_id": int(self._category[entry.id]),
+                "instance": int(self._instance[entry.id]),
+                "color": entry.color,
+            }
+            for entry in self.entries
+        ]
+        categories = [{"id": number, "name": name} for name, number in self.categories.items()]
+        return {"labels": labels, "categories": categories}
+
+    def json(self) -> bytes:
+        """``document`` as UTF-8 JSON."""
+        return json.dumps(self.document(), indent=1, ensure_ascii=False).encode()
+
+
+def category_of(entry: PaletteEntry) -> str:
+    """The category of a label; its own name where it has none."""
+    return entry.category or entry.name
+
+
+def point_columns(
+    frame: LabeledFrame, palette: Palette, keep: NDArray[np.int64]
+) -> dict[str, Array]:
+    """The columns x y z [red green blue] [intensity] label category instance of ``keep``."""
+    points, label = frame.points, frame.label[keep]
+    columns: dict[str, Array] = {axis: points.xyz[keep, i] for i, axis in enumerate("xyz")}
+    if points.rgb is not None:
+        rgb = points.rgb[keep]
+        columns |= {color: rgb[:, i] for i, color in enumerate(("red", "green", "blue"))}
+    if points.intensity is not None:
+        columns["intensity"] = points.intensity[keep]
+    columns["label"] = label
+    columns["category"] = palette.category(label)
+    columns["instance"] = palette.instance(label)
+    return columns

@@ -1,0 +1,56 @@
+"""SemanticKITTI (Behley et al. 2019): velodyne ``.bin``, ``.label``, poses and times.
+
+A ``.label`` entry is a uint32: the category number in the lower 16 bits, the label id in the
+upper 16.  ``.bin`` and ``.label`` have the same points; deleted ones are in neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.formats.exports.labeled import LabeledFrame, Palette
+from pointbrush.formats.exports.output import Output
+from pointbrush.formats.exports.points import write_palette
+from pointbrush.formats.kitti import pack_label
+
+ROOT = "sequences/00"
+
+
+def write_semantickitti(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
+    """``sequences/00/velodyne/NNNNNN.bin`` and ``labels/NNNNNN.label``, palette at the top."""
+    poses: list[NDArray[np.float64] | None] = []
+    times: list[float | None] = []
+    for frame in frames:
+        keep, label = frame.keep, frame.label[frame.keep]
+        records = np.zeros((len(keep), 4), "<f4")
+        records[:, :3] = frame.points.xyz[keep]
+        if frame.points.intensity is not None:
+            records[:, 3] = frame.points.intensity[keep]
+        with output.file(f"{ROOT}/velodyne/{frame.stem}.bin") as file:
+            file.write(records.tobytes())
+        with output.file(f"{ROOT}/labels/{frame.stem}.label") as file:
+            file.write(pack_label(palette.category(label), label).tobytes())
+        poses.append(frame.points.pose)
+        times.append(frame.points.timestamp)
+    _write_lines(
+        "poses.txt", [None if pose is None else pose[:3].ravel() for pose in poses], output
+    )
+    _write_lines("times.txt", [None if time is None else [time] for time in times], output)
+    if any(pose is not None for pose in poses):
+        # The poses are the sensor's own: camera and velodyne frames coincide.
+        with output.file(f"{ROOT}/calib.txt") as file:
+            file.write(b"Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
+    write_palette(palette, output)
+
+
+def _write_lines(
+    name: str, rows: list[NDArray[np.float64] | None] | list[list[float] | None], output: Output
+) -> None:
+    """One line per frame, if every frame has one."""
+    lines = [" ".join(f"{value:.17g}" for value in row) for row in rows if row is not None]
+    if lines and len(lines) == len(rows):
+        with output.file(f"{ROOT}/{name}") as file:
+            file.write(("\n".join(lines) + "\n").encode())

@@ -1,0 +1,198 @@
+"""Which files of a folder are the frames of a recording, in which order and when."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.kitti import read_poses
+from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.registry import Format, format_by_name, format_named, format_of
+from pointbrush.formats.timing import (
+    TIME_FILES,
+    find_time_file,
+    natural_key,
+    rate_of,
+    read_times,
+    times_in_names,
+)
+from pointbrush.frame import PointFrame
+
+# Text and binary files that lie beside frames without being frames.
+SIDECARS = {
+    *TIME_FILES,
+    *("poses.txt", "calib.txt", "calibration.txt", "rgb.txt", "depth.txt", "groundtruth.txt"),
+    *("associations.txt", "accelerometer.txt", "license.txt", "licence.txt", "readme.txt"),
+    *("camera.txt", "intrinsics.txt", "imu.txt", "imu.csv", "poses.csv", "tracks.csv"),
+    *("requirements.txt", "labels.txt", "classes.txt", "calib_cam_to_cam.txt", "log.txt"),
+    *("calib_velo_to_cam.txt", "calib_imu_to_velo.txt", "provenance.npy", "label.npy"),
+}
+
+
+Pose = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFile:
+    """A file to read with ``read``, and what its folder tells of its frame."""
+
+    read: Callable[[ReadOptions], Iterator[PointFrame]]
+    known: Extras = field(default_factory=Extras)
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """The frames of a folder; ``count`` is None where a file holds an unknown number."""
+
+    format: str
+    frames: list[FrameFile]
+    times: list[float] | None = None
+    fps: float | None = None
+    count: int | None = None
+
+
+def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
+    """The recording in a folder: its point files, or those of the one subfolder that has them.
+
+    Raises BadInputError for none, for several formats, or for several recordings.
+    """
+    files = _files(folder, options)
+    chosen = _point_files(folder, files, format)
+    if chosen:
+        return list_files(chosen, format, folder, options)
+    inside = _subfolder(folder, format, options)
+    if inside is not None:
+        return list_folder(inside, format, options)
+    seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
+    raise BadInputError(f"{folder.name}: expected a folder with point cloud files, got {seen}")
+
+
+def _files(folder: Path, options: ReadOptions) -> list[Path]:
+    files: list[Path] = []
+    for path in folder.iterdir():
+        if path.is_file() and not path.name.startswith("."):
+            files.append(path)
+            if len(files) > options.limits.max_files:
+                raise TooLargeError(
+                    f"{folder.name}: expected at most {options.limits.max_files} files, got more"
+                )
+    return sorted(files, key=natural_key)
+
+
+def _point_files(folder: Path, files: list[Path], format: str | None) -> list[Path]:
+    """The frames among the files of a folder; raises BadInputError for several formats."""
+    candidates = [path for path in files if path.name.lower() not in SIDECARS]
+    if format is not None:
+        wanted = format_named(format)
+        endings = wanted.extensions or (".bin",)
+        # XYZRGB records come as .bin as often as under their own ending.
+        endings += (".bin",) if wanted.name == "xyzrgb" else ()
+        return [path for path in candidates if path.name.lower().endswith(endings)]
+    found = [(path, entry) for path in candidates if (entry := format_by_name(path)) is not None]
+    if any(not entry.weak for _, entry in found):
+        found = [(path, entry) for path, entry in found if not entry.weak]
+    names = Counter(entry.name for _, entry in found)
+    if len(names) > 1:
+        listed = " and ".join(f"{count} {name}" for name, count in names.most_common())
+        raise BadInputError(
+            f"{folder.name}: expected files of one format, got {listed} files; "
+            "name the format to read"
+        )
+    return [path for path, _ in found]
+
+
+def _subfolder(folder: Path, format: str | None, options: ReadOptions) -> Path | None:
+    """The subfolder to read in place of a folder without points of its own."""
+    inner = sorted(
+        (path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")),
+        key=natural_key,
+    )
+    by_name = {path.name.lower(): path for path in inner}
+    if "raw" in by_name and _reads_raw(by_name["raw"], format, options, "npz" in by_name):
+        return by_name["raw"]
+    for name in ("npz", "velodyne", "velodyne_points", "data", "sequences"):
+        if name in by_name and _has_points(by_name[name], format, options):
+            return by_name[name]
+    holding = [path for path in inner if _has_points(path, format, options)]
+    if len(holding) > 1:
+        listed = ", ".join(path.name for path in holding[:8])
+        raise BadInputError(
+            f"{folder.name}: expected one recording, got {len(holding)} folders with point clouds "
+            f"({listed}); import them one by one"
+        )
+    return holding[0] if holding else None
+
+
+def _reads_raw(raw: Path, format: str | None, options: ReadOptions, has_npz: bool) -> bool:
+    """Whether ``raw`` is of a format with a layout of its own; .npz there may hold anything."""
+    chosen = _point_files(raw, _files(raw, options), format)
+    if not chosen:
+        return not has_npz and _has_points(raw, format, options)
+    entry = format_by_name(chosen[0])
+    anything = entry is None or entry.weak or entry.name in ("npy", "npz")
+    return not (has_npz and anything)
+
+
+def _has_points(folder: Path, format: str | None, options: ReadOptions, depth: int = 4) -> bool:
+    if _point_files(folder, _files(folder, options), format):
+        return True
+    inner = (path for path in folder.iterdir() if path.is_dir() and not path.is_symlink())
+    return depth > 0 and any(_has_points(path, format, options, depth - 1) for path in inner)
+
+
+def list_files(
+    files: Sequence[Path], format: str | None, folder: Path, options: ReadOptions
+) -> Listing:
+    """Files as the frames of a recording, in the given order or that of a timestamp file.
+
+    Raises BadInputError for several formats, or a timestamp file that does not fit.
+    """
+    entries = [format_named(format) if format else format_of(path) for path in files]
+    names = sorted({entry.name for entry in entries})
+    if len(names) > 1:
+        raise BadInputError(f"path: expected files of one format, got {' and '.join(names)}")
+    entry = entries[0]
+    whole = len(files) > 1 or {path.name for path in _files(folder, options)} <= {
+        files[0].name,
+        *SIDECARS,
+    }
+    times = _times(files, folder) if whole else None
+    poses = _kitti_poses(entry, files, folder) if whole else None
+    order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
+    frames = [
+        FrameFile(
+            partial(entry.read, files[i]),
+            Extras(
+                timestamp=times[i] if times else None,
+                pose=poses[i] if poses else None,
+            ),
+        )
+        for i in order
+    ]
+    times = sorted(times) if times else None
+    count = None if entry.many else len(files)
+    return Listing(entry.name, frames, times, rate_of(times), count)
+
+
+def _times(files: Sequence[Path], folder: Path) -> list[float] | None:
+    time_file = find_time_file(folder)
+    if time_file is not None:
+        return read_times(time_file, [path.name for path in files])
+    return times_in_names(files)
+
+
+def _kitti_poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pose] | None:
+    if entry.name not in ("kitti", "bin"):
+        return None
+    for place in (folder, folder.parent):
+        poses = read_poses(place, len(files))
+        if poses is not None:
+            return poses
+    return None

@@ -1,0 +1,167 @@
+"""KITTI velodyne ``.bin`` (x y z reflectance as float32) and SemanticKITTI ``.label`` (uint32)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.options import ReadOptions, read_bytes, require_count
+from pointbrush.formats.xyzrgb import read_xyzrgb
+from pointbrush.frame import PointFrame
+
+RECORD = 16
+# As many floats as make whole points of either record.
+SAMPLE = 48_000
+
+
+def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """One ``.bin`` file with its ``.label`` (beside it, or in ``../labels``), if there is one.
+
+    Raises BadInputError for a size that is not whole records, or labels of another count.
+    """
+    data = read_bytes(path)
+    if len(data) % RECORD:
+        raise BadInputError(
+            f"{path.name}: expected records of {RECORD} bytes (x y z reflectance as float32), got "
+            f"{len(data)} bytes"
+        )
+    require_count(path.name, len(data) // RECORD, options.limits)
+    table = np.frombuffer(data, "<f4").reshape(-1, 4)
+    columns = {name: table[:, i] for i, name in enumerate(("x", "y", "z", "intensity"))}
+    label_file = find_label(path)
+    if label_file is not None:
+        label, instance = read_label(label_file, len(table))
+        named = has_palette(label_file)
+        columns["label"] = instance if named else label
+        columns["instance"] = instance
+    yield frame_from_columns(path.name, columns, options)
+
+
+def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """A ``.bin`` file of a kind not named: KITTI, or XYZRGB records where the values say so.
+
+    Raises BadInputError when neither is plausible.
+    """
+    data = read_bytes(path)
+    if len(data) % RECORD == 0 and _is_kitti(data):
+        yield from read_kitti(path, options)
+    elif len(data) % 24 == 0 and _is_xyzrgb(data):
+        yield from read_xyzrgb(path, options)
+    else:
+        raise BadInputError(
+            f"{path.name}: expected KITTI records (x y z reflectance) or XYZRGB records, got "
+            f"{len(data)} bytes that are neither by their values; name the format (kitti or xyzrgb)"
+        )
+
+
+def _sample(data: bytes, width: int) -> NDArray[np.float32]:
+    count = min(len(data) // 4, SAMPLE) // width * width
+    return np.frombuffer(data, "<f4", count).reshape(-1, width)
+
+
+def _is_kitti(data: bytes) -> bool:
+    """Reflectances are 0..1 or 0..255; floats elsewhere are negative or larger soon."""
+    table = _sample(data, 4)
+    finite = bool((np.abs(table) < 1e7).all())
+    reflectance = table[:, 3]
+    return finite and bool((reflectance >= 0).all() and (reflectance <= 255).all())
+
+
+def _is_xyzrgb(data: bytes) -> bool:
+    table = _sample(data, 6)
+    finite = bool((np.abs(table) < 1e7).all())
+    xyz, rgb = table[:, :3], table[:, 3:]
+    if not finite or len(table) < 16 or rgb.min() < 0:
+        return False
+    if rgb.max() <= 1:
+        return float(np.mean((xyz < 0) | (xyz > 1))) > 0.1
+    return bool(rgb.max() <= 255 and not np.any(rgb % 1))
+
+
+def find_label(path: Path) -> Path | None:
+    """The ``.label`` file that belongs to a ``.bin``, or None."""
+    candidates = (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label")
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def read_label(path: Path, count: int) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
+    """Semantic class (lower 16 bits) and instance (upper 16 bits) of each point.
+
+    Raises BadInputError unless the file holds ``count`` uint32.
+    """
+    data = path.read_bytes()
+    if len(data) != 4 * count:
+        raise BadInputError(
+            f"{path.name}: expected {count} labels of 4 bytes, one for each point, got {len(data)} "
+            "bytes"
+        )
+    packed = np.frombuffer(data, "<u4")
+    return (packed & 0xFFFF).astype(np.uint16), (packed >> 16).astype(np.uint16)
+
+
+def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> NDArray[np.uint32]:
+    """SemanticKITTI's uint32: class in the lower 16 bits, instance in the upper 16."""
+    packed: NDArray[np.uint32] = semantic.astype("<u4") | instance.astype("<u4") << 16
+    return packed
+
+
+def has_palette(label_file: Path) -> bool:
+    """Whether a pointbrush palette lies with the labels, so that instances are label ids."""
+    for folder in list(label_file.parents)[:4]:
+        palette = folder / "palette.json"
+        if palette.is_file():
+            try:
+                return "labels" in json.loads(palette.read_text("utf-8"))
+            except (OSError, ValueError):
+                return False
+    return False
+
+
+def read_poses(folder: Path, count: int) -> list[NDArray[np.float64]] | None:
+    """``T_world_velodyne`` of each frame from ``poses.txt`` (camera 0) and ``calib.txt``, or None.
+
+    The world is the first frame's velodyne.  Raises BadInputError for lines that are not twelve
+    numbers, or fewer poses than frames.
+    """
+    path = folder / "poses.txt"
+    if not path.is_file():
+        return None
+    T_cam_velo = _velodyne_to_camera(folder / "calib.txt")
+    T_velo_cam = np.linalg.inv(T_cam_velo)
+    poses = []
+    for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
+        if line.strip():
+            T_world_cam = _matrix(f"{path.name} line {number}", line.split())
+            poses.append(T_velo_cam @ T_world_cam @ T_cam_velo)
+    if len(poses) < count:
+        raise BadInputError(f"{path.name}: expected {count} poses, one per frame, got {len(poses)}")
+    return poses[:count]
+
+
+def _velodyne_to_camera(path: Path) -> NDArray[np.float64]:
+    if path.is_file():
+        for line in path.read_text("utf-8", "replace").splitlines():
+            key, _, values = line.partition(":")
+            if key.strip() in ("Tr", "Tr_velo_to_cam", "Tr_velo_cam"):
+                return _matrix(f"{path.name} {key.strip()}", values.split())
+    return np.eye(4)
+
+
+def _matrix(where: str, words: list[str]) -> NDArray[np.float64]:
+    try:
+        values = np.array([float(word) for word in words])
+    except ValueError:
+        values = np.empty(0)
+    if values.size != 12 or not np.isfinite(values).all():
+        raise BadInputError(f"{where}: expected 12 numbers, got {len(words)} words")
+    matrix = np.eye(4)
+    matrix[:3] = values.reshape(3, 4)
+    if abs(np.linalg.det(matrix[:3, :3]) - 1) > 0.05:
+        raise BadInputError(f"{where}: expected a rotation and a translation, got another matrix")
+    return matrix

@@ -1,0 +1,228 @@
+"""NumPy .npy and .npz: plain (N, 3..), structured, or one array per field.  No pickles."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.options import Extras, ReadOptions, require_count
+from pointbrush.frame import PointFrame
+
+Array = NDArray[Any]
+
+POINTS = ("xyz", "points", "pc", "point_cloud", "pointcloud", "cloud", "positions", "coords")
+COLORS = ("rgb", "colors", "colours", "color", "rgba", "colour")
+INTENSITIES = ("intensity", "intensities", "reflectance", "remission")
+LABELS = ("label", "labels", "semantic", "semantic_label")
+INSTANCES = ("instance", "instances", "instance_id", "instance_label")
+PLAIN = {
+    3: ("x", "y", "z"),
+    4: ("x", "y", "z", "intensity"),
+    6: ("x", "y", "z", "red", "green", "blue"),
+    7: ("x", "y", "z", "intensity", "red", "green", "blue"),
+}
+READ_ERRORS = (ValueError, EOFError, OSError, KeyError, zipfile.BadZipFile, NotImplementedError)
+
+
+def read_npy(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """One .npy file: (N, 3), (N, 4: intensity), (N, 6: rgb), (N, 7: intensity, rgb) or fields.
+
+    Raises BadInputError for another shape, a truncated file or a pickle.
+    """
+    require_array_header(path, options)
+    array = _load(path)
+    if not isinstance(array, np.ndarray):
+        raise BadInputError(f"{path.name}: expected one NumPy array, got an archive of arrays")
+    columns = _columns_of(path.name, "array", array)
+    yield frame_from_columns(path.name, columns, options)
+
+
+def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """One .npz file: points under ``xyz`` (or ``points``, ``pc``…) with further arrays beside.
+
+    Known beside them: rgb, intensity, label, instance (N,), ``pose`` (4, 4) T_world_frame,
+    ``timestamp`` and ``viewpoint``.  ``deleted`` points are not left out: they are points.
+    Raises BadInputError for missing points, other shapes, a truncated file or a pickle.
+    """
+    _require_sane_zip(path, options)
+    arrays: dict[str, Array] = {}
+    archive = _load(path)
+    if isinstance(archive, np.ndarray):
+        raise BadInputError(f"{path.name}: expected an archive of arrays, got a single array")
+    with archive:
+        wanted = (*POINTS, *COLORS, *INTENSITIES, *LABELS, *INSTANCES)
+        extra = ("pose", "viewpoint", "timestamp", "x", "y", "z")
+        for key in archive.files:
+            if key in wanted or key in extra or len(archive.files) == 1:
+                try:
+                    arrays[key] = np.asarray(archive[key])
+                except READ_ERRORS as error:
+                    raise BadInputError(f"{path.name}: array '{key}': {error}") from None
+        keys = ", ".join(archive.files) or "no arrays"
+    points = _first(arrays, POINTS)
+    if points is None and len(arrays) == 1 and not {"x", "y", "z"} & set(arrays):
+        points = next(iter(arrays))
+    if points is None and not {"x", "y", "z"} <= set(arrays):
+        raise BadInputError(f"{path.name}: expected an array 'xyz' or 'points', got {keys}")
+    columns = (
+        {axis: arrays[axis].reshape(-1) for axis in "xyz"}
+        if points is None
+        else _columns_of(path.name, points, arrays[points])
+    )
+    count = len(columns["x"]) if "x" in columns else len(next(iter(columns.values())))
+    require_count(path.name, count, options.limits)
+    columns |= _beside(path.name, arrays, count)
+    yield frame_from_columns(path.name, columns, options, extras=_extras(path.name, arrays))
+
+
+def _load(path: Path) -> Any:
+    try:
+        return np.load(path, allow_pickle=False, max_header_size=1 << 20)
+    except FileNotFoundError:
+        raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+    except READ_ERRORS as error:
+        message = str(error).split("\n")[0]
+        raise BadInputError(f"{path.name}: expected a NumPy file, {message}") from None
+
+
+def require_array_header(path: Path, options: ReadOptions) -> None:
+    """Check that the size an .npy header claims is the file's, before NumPy allocates it."""
+    try:
+        with path.open("rb") as file:
+            _require_array(path.name, file, path.stat().st_size, options)
+    except FileNotFoundError:
+        raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+
+
+def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> None:
+    if size == 0:
+        raise BadInputError(f"{name}: expected a NumPy array, got an empty file (0 bytes)")
+    try:
+        version = np.lib.format.read_magic(file)
+        reader = (
+            np.lib.format.read_array_header_1_0
+            if version == (1, 0)
+            else np.lib.format.read_array_header_2_0
+        )
+        shape, _, dtype = reader(file, max_header_size=1 << 20)
+    except (ValueError, EOFError, SyntaxError, TypeError, OverflowError) as error:
+        message = str(error).split("\n")[0]
+        raise BadInputError(f"{name}: expected a NumPy array, {message}") from None
+    if dtype.hasobject:
+        raise BadInputError(f"{name}: expected an array of numbers, got Python objects (a pickle)")
+    count = 1
+    for length in shape:
+        count *= int(length)
+    if any(length < 0 for length in shape):
+        raise BadInputError(f"{name}: expected a shape of 0 or more, got {shape}")
+    if count * dtype.itemsize > size:
+        raise BadInputError(
+            f"{name}: expected {count * dtype.itemsize} bytes of data for shape {shape} {dtype}, "
+            f"the file has {size} in all; it is cut off"
+        )
+    if shape:
+        require_count(name, int(shape[0]), options.limits)
+
+
+def _require_sane_zip(path: Path, options: ReadOptions) -> None:
+    try:
+        size = path.stat().st_size
+        if size == 0:
+            raise BadInputError(f"{path.name}: expected NumPy arrays, got an empty file (0 bytes)")
+        with zipfile.ZipFile(path) as archive:
+            for entry in archive.infolist():
+                ratio = options.limits.max_archive_ratio * 10
+                if entry.file_size > max(entry.compress_size, 64) * ratio:
+                    raise TooLargeError(
+                        f"{path.name}: expected '{entry.filename}' to unpack to less than {ratio} "
+                        f"times its {entry.compress_size} bytes, got {entry.file_size}"
+                    )
+                if entry.filename.endswith(".npy"):
+                    with archive.open(entry) as file:
+                        where = f"{path.name}: '{entry.filename}'"
+                        _require_array(where, file, entry.file_size, options)
+    except FileNotFoundError:
+        raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError) as error:
+        raise BadInputError(f"{path.name}: expected a NumPy archive (.npz), {error}") from None
+
+
+def _first(arrays: Mapping[str, Array], keys: tuple[str, ...]) -> str | None:
+    return next((key for key in keys if key in arrays), None)
+
+
+def _columns_of(name: str, key: str, array: Array) -> dict[str, Array]:
+    if array.dtype.names:
+        flat = array.reshape(-1)
+        columns: dict[str, Array] = {}
+        for field in array.dtype.names:
+            if flat[field].ndim == 1:
+                columns[field] = flat[field]
+            elif flat[field].ndim == 2 and field in POINTS and flat[field].shape[1] == 3:
+                columns |= {axis: flat[field][:, i] for i, axis in enumerate("xyz")}
+            elif flat[field].ndim == 2 and field in COLORS:
+                columns["rgb"] = flat[field]
+        return columns
+    if array.ndim == 3 and array.shape[2] in PLAIN:
+        array = array.reshape(-1, array.shape[2])
+    if array.ndim != 2 or array.shape[1] not in PLAIN or array.dtype.kind not in "fiu":
+        raise BadInputError(
+            f"{name}: expected '{key}' as (N, 3), (N, 4), (N, 6) or (N, 7) numbers, got "
+            f"{array.shape} {array.dtype}"
+        )
+    if array.dtype == np.float16:
+        array = array.astype(np.float32)
+    return {column: array[:, i] for i, column in enumerate(PLAIN[array.shape[1]])}
+
+
+def _beside(name: str, arrays: Mapping[str, Array], count: int) -> dict[str, Array]:
+    columns: dict[str, Array] = {}
+    for role, keys in (("intensity", INTENSITIES), ("label", LABELS), ("instance", INSTANCES)):
+        key = _first(arrays, keys)
+        if key is not None:
+            if arrays[key].size != count:
+                raise BadInputError(
+                    f"{name}: expected '{key}' with {count} values, got {arrays[key].shape}"
+                )
+            columns[role] = arrays[key].reshape(-1)
+    key = _first(arrays, COLORS)
+    if key is not None:
+        color = arrays[key].reshape(-1, arrays[key].shape[-1]) if arrays[key].ndim > 1 else None
+        if color is None or len(color) != count or color.shape[1] not in (3, 4):
+            raise BadInputError(
+                f"{name}: expected '{key}' as ({count}, 3) colours, got {arrays[key].shape}"
+            )
+        columns["rgb"] = color
+    return columns
+
+
+def _extras(name: str, arrays: Mapping[str, Array]) -> Extras:
+    shapes = {"pose": (4, 4), "viewpoint": (3,), "timestamp": ()}
+    found: dict[str, Array] = {}
+    for key, shape in shapes.items():
+        if key in arrays:
+            value = arrays[key]
+            numeric = value.dtype.kind in "fiu"
+            if not numeric or value.size != int(np.prod(shape)) or not np.isfinite(value).all():
+                raise BadInputError(
+                    f"{name}: expected '{key}' as {shape} finite numbers, got {value.shape} "
+                    f"{value.dtype}"
+                )
+            found[key] = value.astype(np.float64).reshape(shape)
+    return Extras(
+        pose=found.get("pose"),
+        viewpoint=found.get("viewpoint"),
+        timestamp=float(found["timestamp"]) if "timestamp" in found else None,
+    )
+
+
+def write_npz(out: BinaryIO, arrays: Mapping[str, Array]) -> None:
+    """Write arrays as a compressed .npz."""
+    np.savez_compressed(out, **arrays)  # type: ignore[arg-type]

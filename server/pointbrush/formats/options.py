@@ -1,0 +1,69 @@
+"""Limits on what is read from files, and the choices a caller has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.frame import DepthCamera
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Upper bounds checked before anything is allocated."""
+
+    max_points: int = 500_000_000
+    max_files: int = 200_000
+    max_unpacked_bytes: int = 64 * 2**30
+    max_archive_ratio: int = 200
+    native_memory: int = 4 * 2**30
+    native_stall_seconds: float = 60.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Extras:
+    """What is known of a frame besides its points; the fields are those of PointFrame."""
+
+    pose: NDArray[np.float64] | None = None
+    viewpoint: NDArray[np.float64] | None = None
+    timestamp: float | None = None
+    camera: DepthCamera | None = None
+    pixel: NDArray[np.uint32] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """How to read a file.
+
+    ``drop_invalid`` leaves NaN and infinite points out instead of raising; ``known`` is what the
+    folder tells of the frame (a line of poses.txt, a time in its name): the file itself wins.
+    """
+
+    drop_invalid: bool = False
+    known: Extras = field(default_factory=Extras)
+    limits: Limits = field(default_factory=Limits)
+
+
+def require_count(name: str, count: int, limits: Limits) -> None:
+    """Raise TooLargeError when ``count`` points exceed the limit, BadInputError below zero."""
+    if count < 0:
+        raise BadInputError(f"{name}: expected a number of points of 0 or more, got {count}")
+    if count > limits.max_points:
+        raise TooLargeError(f"{name}: expected at most {limits.max_points:,} points, got {count:,}")
+
+
+def read_bytes(path: Path) -> bytes:
+    """All bytes of a file; raises NotFoundError, or BadInputError when unreadable or empty."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+    except OSError as error:
+        raise BadInputError(f"{path}: expected a readable file, {error.strerror}") from None
+    if not data:
+        raise BadInputError(f"{path.name}: expected points, got an empty file (0 bytes)")
+    return data

@@ -1,0 +1,259 @@
+"""PCD (Point Cloud Library) 0.5 to 0.7: ascii, binary and binary_compressed.
+
+Points with a NaN coordinate are missing pixels of an organised cloud and are left out.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.columns import frame_from_columns, unpack_rgb
+from pointbrush.formats.lzf import lzf_decompress
+from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
+from pointbrush.formats.ply import parse_numbers
+from pointbrush.frame import PointFrame
+
+Array = NDArray[Any]
+KEYS = (
+    *("VERSION", "FIELDS", "COLUMNS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT"),
+    *("VIEWPOINT", "POINTS", "DATA"),
+)
+KINDS = {"F": "f", "U": "u", "I": "i"}
+MAX_HEADER = 1 << 16
+# liblzf packs at most 264 bytes into 3.
+MAX_RATIO = 90
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field: ``count`` values of NumPy type ``kind`` ("" where the file gives an unknown one)."""
+
+    name: str
+    kind: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """What stands before the data; ``size`` is its length in bytes."""
+
+    fields: list[Field]
+    width: int
+    height: int
+    points: int
+    viewpoint: list[float]
+    layout: str
+    size: int
+
+    @property
+    def row(self) -> int:
+        """Bytes of one point."""
+        return sum(np.dtype(field.kind).itemsize * field.count for field in self.fields)
+
+
+def read_pcd(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """One file as one frame; points with NaN coordinates are left out and counted.
+
+    Raises BadInputError for a damaged or truncated file.
+    """
+    data = read_bytes(path)
+    name = path.name
+    header = parse_header(name, data)
+    require_count(name, header.points, options.limits)
+    body = data[header.size :]
+    if header.layout == "ascii":
+        columns = _ascii_columns(name, body, header)
+    elif header.layout == "binary":
+        columns = _binary_columns(name, body, header)
+    else:
+        columns = _compressed_columns(name, body, header)
+    named = {n: c for n, c in columns.items() if n.lower() in ("rgb", "rgba") and c.ndim == 1}
+    for field, values in named.items():
+        columns[field] = unpack_rgb(values)
+    yield frame_from_columns(name, columns, options, missing=True, extras=_extras(header))
+
+
+def _extras(header: Header) -> Extras:
+    position = np.array(header.viewpoint[:3], np.float64)
+    # 0 0 0 is also what writers put that know nothing; of an organised cloud it is the camera.
+    known = header.height > 1 or bool(position.any())
+    return Extras(viewpoint=position if known and np.isfinite(position).all() else None)
+
+
+def parse_header(name: str, data: bytes) -> Header:
+    """The header; raises BadInputError naming what is missing or wrong."""
+    entries: dict[str, list[str]] = {}
+    at = 0
+    while "DATA" not in entries:
+        end = data.find(b"\n", at, MAX_HEADER)
+        if end < 0:
+            raise BadInputError(
+                f"{name}: expected a PCD header ending in a DATA line, "
+                f"got {', '.join(entries) or 'none of its lines'}"
+            )
+        words = data[at:end].decode("latin-1").split()
+        at = end + 1
+        if not words or words[0].startswith("#"):
+            continue
+        if words[0].upper() not in KEYS:
+            raise BadInputError(f"{name}: expected a PCD header line, got {words[0][:40]!r}")
+        entries[words[0].upper()] = words[1:]
+    layout = " ".join(entries["DATA"]).lower()
+    if layout not in ("ascii", "binary", "binary_compressed"):
+        raise BadInputError(
+            f"{name}: expected DATA ascii, binary or binary_compressed, got {layout[:40]!r}"
+        )
+    width = _whole(name, entries, "WIDTH")
+    height = _whole(name, entries, "HEIGHT", 1)
+    points = _whole(name, entries, "POINTS", width * height)
+    if points != width * height:
+        raise BadInputError(
+            f"{name}: expected POINTS to be WIDTH x HEIGHT = {width * height}, got {points}"
+        )
+    try:
+        viewpoint = [float(word) for word in entries.get("VIEWPOINT", ["0"] * 7)]
+    except ValueError:
+        viewpoint = []
+    if len(viewpoint) != 7:
+        raise BadInputError(
+            f"{name}: expected VIEWPOINT with 7 numbers, got {' '.join(entries['VIEWPOINT'])[:60]}"
+        )
+    return Header(_fields(name, entries), width, height, points, viewpoint, layout, at)
+
+
+def _whole(name: str, entries: dict[str, list[str]], key: str, default: int | None = None) -> int:
+    words = entries.get(key)
+    if words is None and default is not None:
+        return default
+    if not words or not (words[0].isascii() and words[0].isdigit()) or len(words[0]) > 18:
+        raise BadInputError(f"{name}: expected {key} with a whole number, got {words}")
+    return int(words[0])
+
+
+def _fields(name: str, entries: dict[str, list[str]]) -> list[Field]:
+    names = entries.get("FIELDS", entries.get("COLUMNS", []))
+    sizes = entries.get("SIZE", ["4"] * len(names))
+    kinds = entries.get("TYPE", ["F"] * len(names))
+    counts = entries.get("COUNT", ["1"] * len(names))
+    if not names or {len(sizes), len(kinds), len(counts)} != {len(names)}:
+        raise BadInputError(
+            f"{name}: expected FIELDS, SIZE, TYPE and COUNT with one entry per field, got "
+            f"{len(names)}, {len(sizes)}, {len(kinds)} and {len(counts)}"
+        )
+    fields = []
+    for field, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
+        dtype = KINDS.get(kind.upper(), "?") + size
+        if dtype not in ("f4", "f8", "u1", "u2", "u4", "u8", "i1", "i2", "i4", "i8"):
+            raise BadInputError(
+                f"{name}: expected field '{field}' as F 4, F 8 or U or I of 1, 2, 4 or 8 bytes, "
+                f"got {kind} {size}"
+            )
+        if not (count.isascii() and count.isdigit()) or not 1 <= int(count[:18]) <= 1 << 20:
+            raise BadInputError(f"{name}: expected COUNT 1 or more for '{field}', got {count}")
+        fields.append(Field(field, dtype, int(count)))
+    return fields
+
+
+def _ascii_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
+    numbers = parse_numbers(name, body)
+    width = sum(field.count for field in header.fields)
+    if len(numbers) != header.points * width:
+        raise BadInputError(
+            f"{name}: expected {header.points} points of {width} values = "
+            f"{header.points * width} numbers, got {len(numbers)}"
+        )
+    table = numbers.reshape(header.points, width)
+    columns: dict[str, Array] = {}
+    at = 0
+    for field in header.fields:
+        if field.count == 1:
+            columns[field.name] = _typed(field, table[:, at])
+        at += field.count
+    return columns
+
+
+def _typed(field: Field, values: NDArray[np.float64]) -> Array:
+    if field.kind[0] == "f":
+        # Text can hold more digits than the declared float keeps: far from the origin they count.
+        far = field.kind == "f4" and len(values) and np.nanmax(np.abs(values), initial=0) > 4096
+        packed = field.name.lower() in ("rgb", "rgba")
+        return values if far and not packed else values.astype(field.kind)
+    values = np.where(np.isfinite(values), values, 0)
+    return values.astype(np.int64)
+
+
+def _binary_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
+    needed = header.points * header.row
+    if len(body) < needed:
+        raise BadInputError(
+            f"{name}: expected {header.points} points of {header.row} bytes = {needed} bytes, got "
+            f"{len(body)}; the file is cut off"
+        )
+    kinds = [(f"f{i}", f"<{f.kind}", (f.count,)) for i, f in enumerate(header.fields)]
+    rows = np.frombuffer(body, np.dtype(kinds), header.points)
+    return {
+        field.name: rows[f"f{i}"][:, 0].astype(field.kind)
+        for i, field in enumerate(header.fields)
+        if field.count == 1
+    }
+
+
+def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
+    """Compressed data holds each field as one array, one after the other."""
+    if header.points == 0:
+        return {field.name: np.empty(0, field.kind) for field in header.fields}
+    if len(body) < 8:
+        raise BadInputError(f"{name}: expected compressed data, got {len(body)} bytes")
+    packed, size = struct.unpack_from("<II", body)
+    needed = header.points * header.row
+    if size != needed:
+        raise BadInputError(
+            f"{name}: expected {header.points} points of {header.row} bytes = {needed} bytes, got "
+            f"{size} according to the data"
+        )
+    if packed > len(body) - 8:
+        raise BadInputError(
+            f"{name}: expected {packed} bytes of compressed data, got {len(body) - 8}; the file "
+            "is cut off"
+        )
+    if size > packed * MAX_RATIO:
+        raise TooLargeError(f"{name}: expected at most {packed * MAX_RATIO} bytes, got {size}")
+    raw = lzf_decompress(name, body[8 : 8 + packed], size)
+    columns: dict[str, Array] = {}
+    at = 0
+    for field in header.fields:
+        count = header.points * field.count
+        if field.count == 1:
+            columns[field.name] = np.frombuffer(raw, f"<{field.kind}", count, at).copy()
+        at += count * np.dtype(field.kind).itemsize
+    return columns
+
+
+def write_pcd(out: BinaryIO, columns: Mapping[str, Array]) -> None:
+    """Write columns of equal length as a binary PCD 0.7."""
+    count = len(next(iter(columns.values())))
+    dtype = np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
+    rows = np.empty(count, dtype)
+    for name, values in columns.items():
+        rows[name] = values
+    kinds = [values.dtype for values in columns.values()]
+    lines = [
+        "# .PCD v0.7 - Point Cloud Data file format",
+        "VERSION 0.7",
+        f"FIELDS {' '.join(columns)}",
+        f"SIZE {' '.join(str(kind.itemsize) for kind in kinds)}",
+        f"TYPE {' '.join(kind.kind.upper() for kind in kinds)}",
+        f"COUNT {' '.join('1' for _ in kinds)}",
+        *(f"WIDTH {count}", "HEIGHT 1", "VIEWPOINT 0 0 0 1 0 0 0", f"POINTS {count}"),
+        *("DATA binary", ""),
+    ]
+    out.write("\n".join(lines).encode("ascii"))
+    out.write(rows.tobytes())

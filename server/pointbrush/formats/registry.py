@@ -1,0 +1,119 @@
+"""Which formats are read: one entry each, and those of plug-ins.
+
+A plug-in package adds a format with an entry point in the group ``pointbrush.formats`` that names
+a ``Format``.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.kitti import read_bin, read_kitti
+from pointbrush.formats.npy import read_npy, read_npz
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.pcd import read_pcd
+from pointbrush.formats.ply import read_ply
+from pointbrush.formats.text import read_text
+from pointbrush.formats.xyzrgb import read_xyzrgb
+from pointbrush.frame import PointFrame
+
+log = logging.getLogger(__name__)
+Reader = Callable[[Path, ReadOptions], Iterator[PointFrame]]
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A file format: its name on the command line, file name endings, and reader.
+
+    ``magic`` starts the files of the format, for names that do not tell.  ``read`` yields the
+    frames of one file and raises BadInputError for a file that is not whole.  ``weak`` endings
+    are those of other things too (.txt): in a folder they give way to files of other formats.
+    ``many``: a file can hold any number of frames.
+    """
+
+    name: str
+    extensions: tuple[str, ...]
+    read: Reader
+    title: str
+    magic: tuple[bytes, ...] = ()
+    weak: bool = False
+    many: bool = False
+
+
+BUILT_IN = (
+    Format("ply", (".ply",), read_ply, "PLY", (b"ply\n", b"ply\r")),
+    Format("pcd", (".pcd",), read_pcd, "PCD", (b"# .PCD", b"VERSION ")),
+    Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
+    Format("npz", (".npz",), read_npz, "NumPy arrays"),
+    Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records"),
+    Format("bin", (".bin",), read_bin, "KITTI or XYZRGB records, told apart by their values"),
+    Format("kitti", (), read_kitti, "KITTI and SemanticKITTI"),
+    Format(
+        "text", (".xyz", ".txt", ".pts", ".csv", ".asc"), read_text, "XYZ, TXT, PTS, CSV", weak=True
+    ),
+)
+ALIASES = {
+    **dict.fromkeys(("xyz", "txt", "pts", "csv", "asc"), "text"),
+    **dict.fromkeys(("semantickitti", "velodyne"), "kitti"),
+}
+
+
+def _with_plugins() -> dict[str, Format]:
+    formats = {entry.name: entry for entry in BUILT_IN}
+    for point in entry_points(group="pointbrush.formats"):
+        # A plug-in that does not load must not take the built-in formats with it.
+        try:
+            plugin = point.load()
+        except Exception:
+            log.exception("format plug-in %s could not be loaded", point.name)
+            continue
+        if isinstance(plugin, Format):
+            formats[plugin.name] = plugin
+        else:
+            log.error("format plug-in %s: expected a Format, got %r", point.name, plugin)
+    return formats
+
+
+FORMATS: dict[str, Format] = _with_plugins()
+
+
+def format_named(name: str) -> Format:
+    """The format called ``name``; raises BadInputError listing what there is."""
+    key = name.lower().lstrip(".")
+    key = ALIASES.get(key, key)
+    if key not in FORMATS:
+        raise BadInputError(f"format: expected one of {', '.join(FORMATS)}, got {name!r}")
+    return FORMATS[key]
+
+
+def format_by_name(path: Path) -> Format | None:
+    """The format that a file's ending tells; the longest ending wins (``.copc.laz``)."""
+    lower = path.name.lower()
+    matches = [
+        (len(extension), entry)
+        for entry in FORMATS.values()
+        for extension in entry.extensions
+        if lower.endswith(extension)
+    ]
+    return max(matches, key=lambda match: match[0])[1] if matches else None
+
+
+def format_of(path: Path) -> Format:
+    """The format of a single file, by its ending, else by its first bytes.
+
+    Raises BadInputError when neither tells.
+    """
+    found = format_by_name(path)
+    if found is None:
+        with path.open("rb") as file:
+            start = file.read(16)
+        found = next((f for f in FORMATS.values() if f.magic and start.startswith(f.magic)), None)
+    if found is None:
+        endings = ", ".join(e for entry in FORMATS.values() for e in entry.extensions)
+        raise BadInputError(f"{path.name}: expected a file ending in {endings}, got another")
+    return found

@@ -1,0 +1,152 @@
+"""A recording as its user points at it: a file, several, a folder, a glob or an archive."""
+
+from __future__ import annotations
+
+import glob
+import shutil
+import weakref
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.archive import is_archive, unpack
+from pointbrush.formats.folder import Listing, list_files, list_folder
+from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.registry import format_named
+from pointbrush.formats.timing import natural_key, rate_of
+from pointbrush.frame import PointFrame
+
+
+@dataclass
+class Source:
+    """A recording about to be read.
+
+    ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
+    their number and ``fps`` their rate, where the files tell.  ``close`` removes temporary
+    files; exhausting or dropping ``frames`` does too.
+    """
+
+    frames: Iterator[PointFrame]
+    count: int | None
+    fps: float | None
+    name: str
+    _temporary: list[Path] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._finalizer = weakref.finalize(self, _remove, list(self._temporary))
+
+    def __enter__(self) -> Source:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Remove the temporary files of archives."""
+        self._finalizer()
+
+
+def _remove(folders: list[Path]) -> None:
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def read(
+    path: Path | str, format: str | None = None, *, drop_invalid: bool = False
+) -> Iterator[PointFrame]:
+    """The frames of a file, folder, glob or archive, in natural or timestamp order.
+
+    Raises NotFoundError, BadInputError, TooLargeError as ``open_source`` does, at the first
+    frame that is asked for.
+    """
+    with open_source([Path(path)], format, drop_invalid=drop_invalid) as source:
+        yield from source.frames
+
+
+def open_source(
+    paths: Sequence[Path],
+    format: str | None = None,
+    limits: Limits | None = None,
+    *,
+    drop_invalid: bool = False,
+) -> Source:
+    """Find the frames that ``paths`` name, without reading points yet.
+
+    Raises NotFoundError for a path or glob that matches nothing, BadInputError for an unknown
+    format, a folder without points or with several formats, a damaged archive; TooLargeError.
+    """
+    if not paths:
+        raise BadInputError("path: expected one or more files or folders, got none")
+    options = ReadOptions(drop_invalid=drop_invalid, limits=limits or Limits())
+    if format is not None:
+        format_named(format)
+    temporary: list[Path] = []
+    try:
+        listings = _listings(_expand(paths), format, options, temporary)
+    except BaseException:
+        _remove(temporary)
+        raise
+    times = [time for listing in listings for time in listing.times or []]
+    counts = [listing.count for listing in listings]
+    count = sum(c for c in counts if c is not None) if None not in counts else None
+    fps = listings[0].fps if len(listings) == 1 else None
+    fps = fps or (rate_of(times) if count == len(times) else None)
+    return Source(_frames(listings, options), count, fps, _name(paths, listings), temporary)
+
+
+def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:
+    for listing in listings:
+        for frame in listing.frames:
+            yield from frame.read(replace(options, known=frame.known))
+
+
+def _expand(paths: Sequence[Path]) -> list[Path]:
+    """Globs replaced by what they match, in natural order; everything else must exist."""
+    found: list[Path] = []
+    for path in paths:
+        if path.exists():
+            found.append(path)
+            continue
+        pattern = str(path)
+        # Path.glob takes no absolute patterns.
+        matches = glob.glob(pattern, recursive=True) if glob.has_magic(pattern) else []  # noqa: PTH207
+        if not matches:
+            kind = "files that match" if glob.has_magic(str(path)) else "a file or folder"
+            raise NotFoundError(f"path: expected {kind}, there is no {path}")
+        found += sorted((Path(match) for match in matches), key=natural_key)
+    return found
+
+
+def _listings(
+    paths: list[Path], format: str | None, options: ReadOptions, temporary: list[Path]
+) -> list[Listing]:
+    plain = [path for path in paths if path.is_file() and not is_archive(path)]
+    if len(plain) == len(paths):
+        return [list_files(sorted(plain, key=natural_key), format, plain[0].parent, options)]
+    listings: list[Listing] = []
+    for path in paths:
+        if path.is_dir():
+            listings.append(list_folder(path, format, options))
+        elif is_archive(path):
+            temporary.append(unpack(path, options.limits))
+            listings.append(list_folder(temporary[-1], format, options))
+        else:
+            listings.append(list_files([path], format, path.parent, options))
+    formats = sorted({listing.format for listing in listings})
+    if len(formats) > 1:
+        raise BadInputError(f"path: expected files of one format, got {' and '.join(formats)}")
+    return listings
+
+
+def _name(paths: Sequence[Path], listings: list[Listing]) -> str:
+    path = Path(paths[0])
+    if len(paths) > 1 or glob.has_magic(str(path)):
+        path = path.absolute().parent
+    elif path.is_dir() and path.resolve().name in ("raw", "npz", "velodyne"):
+        path = path.resolve().parent
+    name = path.resolve().name
+    for ending in (".tar.gz", ".tar.bz2", ".tar.xz", ".copc.laz", ".pcd.bin"):
+        if name.lower().endswith(ending):
+            return name[: -len(ending)]
+    return name if path.is_dir() else (Path(name).stem or listings[0].format)

@@ -1,0 +1,139 @@
+"""Times of frames: from a timestamp file, from file names, and the rate they imply."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from pointbrush.errors import BadInputError
+
+TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
+# Seconds since 1970 of plausible recordings: 1990 to 2100.
+EARLIEST, LATEST = 631_152_000, 4_102_444_800
+_DATE = re.compile(r"(?<!\d)((?:19|20)\d{6})[T_\- ]?(\d{6})(?:[._](\d{1,9}))?(?!\d)")
+_EPOCH = re.compile(r"(?<!\d)(\d{10})(?:[._](\d{1,9}))?(?!\d)|(?<!\d)(\d{13,19})(?!\d)")
+
+
+def natural_key(path: Path) -> tuple[tuple[int, str | int], ...]:
+    """Sort key that puts ``frame2`` before ``frame10``."""
+    return tuple(
+        (0, int(part)) if part.isdigit() else (1, part.lower())
+        for part in re.findall(r"\d{1,4000}|\D+", str(path), re.ASCII)
+    )
+
+
+def time_in_name(name: str) -> float | None:
+    """Seconds since 1970 in a file name: ``20121214T142255.814212``, or an epoch in s, ms … ns."""
+    if match := _DATE.search(name):
+        try:
+            moment = datetime.strptime("".join(match.group(1, 2)), "%Y%m%d%H%M%S")
+        except ValueError:
+            return None
+        return moment.replace(tzinfo=UTC).timestamp() + float(f"0.{match.group(3) or 0}")
+    if match := _EPOCH.search(name):
+        whole, fraction, long = match.groups()
+        seconds = (
+            float(f"{whole}.{fraction or 0}") if whole else int(long) / 10.0 ** (len(long) - 10)
+        )
+        return seconds if EARLIEST < seconds < LATEST else None
+    return None
+
+
+def times_in_names(paths: Sequence[Path]) -> list[float] | None:
+    """The time in each file's name; None unless every name has one and they increase."""
+    times = [time_in_name(path.stem) for path in paths]
+    known = [time for time in times if time is not None]
+    if len(known) != len(times) or any(b <= a for a, b in pairwise(known)):
+        return None
+    return known
+
+
+def find_time_file(folder: Path) -> Path | None:
+    """The timestamp file of a folder of frames, in it or beside it."""
+    for place in (folder, folder.parent):
+        for name in TIME_FILES:
+            if (place / name).is_file():
+                return place / name
+    return None
+
+
+def read_times(path: Path, names: Sequence[str]) -> list[float]:
+    """Seconds for each of ``names`` from a timestamp file.
+
+    Lines are ``time`` in the order of the names, or ``time name`` or ``name time`` in any order;
+    a time is a number in seconds (integers of 13 to 19 digits: ms to ns) or an ISO date.
+    Raises BadInputError for other lines, a name without a time, or another number of lines.
+    """
+    bare: list[float] = []
+    by_name: dict[str, float] = {}
+    known = {name: name for name in names} | {Path(name).stem: name for name in names}
+    for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
+        words = line.replace(",", " ").replace(";", " ").replace("\t", " ").split()
+        if not words or words[0].startswith("#"):
+            continue
+        time, name = _parse(words, known)
+        if time is None:
+            if number == 1:
+                continue  # a header
+            raise BadInputError(f"{path.name} line {number}: expected a time, got {line[:60]!r}")
+        if name is not None:
+            by_name[name] = time
+        bare.append(time)
+    if by_name:
+        absent = [name for name in names if name not in by_name]
+        if absent:
+            raise BadInputError(f"{path.name}: expected a time for '{absent[0]}', got none")
+        return [by_name[name] for name in names]
+    if len(bare) != len(names):
+        raise BadInputError(
+            f"{path.name}: expected {len(names)} times, one per frame, got {len(bare)}"
+        )
+    return bare
+
+
+def _parse(words: list[str], known: dict[str, str]) -> tuple[float | None, str | None]:
+    for i, word in enumerate(words if len(words) > 1 else []):
+        base = word.replace("\\", "/").rsplit("/", 1)[-1]
+        if base in known:
+            return _time(words[:i] + words[i + 1 :]), known[base]
+    return _time(words), None
+
+
+def _time(words: list[str]) -> float | None:
+    if not words:
+        return None
+    try:
+        value = float(words[0])
+    except ValueError:
+        return _iso(" ".join(words[:2])) if len(words) > 1 else _iso(words[0])
+    if words[0].isdigit() and 13 <= len(words[0]) <= 19:
+        value /= 10.0 ** (len(words[0]) - 10)
+    return value if np.isfinite(value) else None
+
+
+def _iso(text: str) -> float | None:
+    # Python reads at most microseconds; KITTI writes nanoseconds.
+    try:
+        moment = datetime.fromisoformat(re.sub(r"(\.\d{6})\d+", r"\1", text))
+    except ValueError:
+        return None
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def rate_of(times: Sequence[float] | None) -> float | None:
+    """Frames per second of increasing times, by the median step; None where it is not clear."""
+    if times is None or len(times) < 2:
+        return None
+    steps = np.diff(np.asarray(times, np.float64))
+    if (steps <= 0).any():
+        return None
+    rate = float(1 / np.median(steps))
+    if not 0.01 <= rate <= 1000:
+        return None
+    # Jitter of a clock is not a rate: 9.9987 is 10.
+    return float(round(rate)) if abs(rate - round(rate)) < 0.0005 * rate else round(rate, 3)
