@@ -31,6 +31,7 @@ Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
 Shape = Literal["sphere", "ray", "lasso", "box", "grow"]
+Role = Literal["viewer", "annotator", "reviewer", "admin"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
 
@@ -60,8 +61,12 @@ class Brush(Message):
     radius: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] = 0.05
     only_unlabeled: bool = False
     through: bool = False
-    polygon: Annotated[list[Annotated[list[Finite], Field(min_length=2, max_length=2)]],
-                       Field(max_length=4096)] | None = None
+    polygon: (
+        Annotated[
+            list[Annotated[list[Finite], Field(min_length=2, max_length=2)]], Field(max_length=4096)
+        ]
+        | None
+    ) = None
     """lasso: vertices in normalised device coordinates, x right and y up, -1..1."""
     matrix: Matrix4 | None = None
     """lasso: ``clip_from_source``, the camera's projection times view, row-major."""
@@ -73,6 +78,8 @@ class Brush(Message):
 
 
 class Label(Message):
+    """An entry of the palette."""
+
     id: LabelId
     name: str
     category: str
@@ -105,6 +112,8 @@ class Chunk(Message):
 
 
 class Hello(Message):
+    """The first message: who this is; answered with ``welcome``."""
+
     type: Literal["hello"] = "hello"
     name: Annotated[str, Field(max_length=64)] = ""
     color: Color | None = None
@@ -129,6 +138,8 @@ class Play(Message):
 
 
 class Pause(Message):
+    """Stop the clock, at ``frame`` if given; that frame is refined to all its points."""
+
     type: Literal["pause"] = "pause"
     frame: FrameIndex | None = None
 
@@ -172,6 +183,8 @@ class Want(Message):
 
 
 class StrokeBegin(Message):
+    """A stroke starts; the same ``id`` sent again after a lost connection applies once."""
+
     type: Literal["stroke_begin"] = "stroke_begin"
     id: Uuid
     frame: FrameIndex
@@ -179,27 +192,37 @@ class StrokeBegin(Message):
 
 
 class StrokeSamples(Message):
+    """More samples of a stroke; answered with ``stroke_result``, not final."""
+
     type: Literal["stroke_samples"] = "stroke_samples"
     id: Uuid
     samples: Annotated[list[Sample], Field(max_length=4096)]
 
 
 class StrokeEnd(Message):
+    """The stroke is over; answered with a final ``stroke_result`` once it is durable."""
+
     type: Literal["stroke_end"] = "stroke_end"
     id: Uuid
 
 
 class Undo(Message):
+    """Take back this author's last edit; answered with a final ``stroke_result``."""
+
     type: Literal["undo"] = "undo"
     id: Uuid
 
 
 class Redo(Message):
+    """Bring back what this author's last undo took; answered like ``undo``."""
+
     type: Literal["redo"] = "redo"
     id: Uuid
 
 
 class Track(Message):
+    """Start a tracking run; its ``job`` messages follow."""
+
     type: Literal["track"] = "track"
     id: Uuid
     labels: Annotated[list[LabelId], Field(max_length=65534)] | None = None
@@ -222,8 +245,21 @@ class ClientPresence(Message):
 
 
 ClientMessage = Annotated[
-    Hello | Open | Play | Pause | Seek | Credit | Forget | Want | StrokeBegin | StrokeSamples
-    | StrokeEnd | Undo | Redo | Track | ClientPresence,
+    Hello
+    | Open
+    | Play
+    | Pause
+    | Seek
+    | Credit
+    | Forget
+    | Want
+    | StrokeBegin
+    | StrokeSamples
+    | StrokeEnd
+    | Undo
+    | Redo
+    | Track
+    | ClientPresence,
     Field(discriminator="type"),
 ]
 
@@ -232,16 +268,20 @@ ClientMessage = Annotated[
 
 
 class Welcome(Message):
+    """The answer to ``hello``."""
+
     type: Literal["welcome"] = "welcome"
     viewer: Id
     author: str
-    role: Literal["viewer", "annotator", "reviewer", "admin"]
+    role: Role
     version: str
     credits: int
     """Frame messages that the server may send before the first credit comes back."""
 
 
 class SequenceInfo(Message):
+    """The answer to ``open``, and sent again when the manifest changes."""
+
     type: Literal["sequence"] = "sequence"
     id: Id
     name: str
@@ -264,7 +304,11 @@ class SequenceInfo(Message):
 
 
 class Frame(Message):
-    """Points [first, first + count) of a frame, or chunks of a large one."""
+    """Chunks of a frame, in stored order: a prefix, or what refines the prefix sent before.
+
+    Of a large frame, the chunks asked for.  The ``annotation`` of these points, whole, comes just
+    before, so that they never show without their labels.
+    """
 
     type: Literal["frame"] = "frame"
     sequence: Id
@@ -282,7 +326,9 @@ class Annotation(Message):
     A value is a label id, 0 unlabeled, or 65535 for a deleted point.
     whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
     delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
-    single one for all.
+    single one for all; ``base`` is the revision that last changed this frame.  Who applies all of
+    them in the order they come is always right; who holds the frame at a revision below ``base``
+    has missed something and sends ``open`` with the last revision it is sure of.
     """
 
     type: Literal["annotation"] = "annotation"
@@ -338,7 +384,7 @@ class TimelineCell(Message):
 
 
 class Timeline(Message):
-    """Cells that changed (all of them after ``open``); zero points removes a cell."""
+    """Cells that changed (all of them after ``open``); one without points and state goes."""
 
     type: Literal["timeline"] = "timeline"
     sequence: Id
@@ -348,6 +394,8 @@ class Timeline(Message):
 
 
 class Job(Message):
+    """Long work and how far it is."""
+
     type: Literal["job"] = "job"
     id: Id
     kind: Literal["import", "tracking", "export"]
@@ -360,6 +408,8 @@ class Job(Message):
 
 
 class ServerPresence(Message):
+    """Where somebody else is; ``left``: they have gone."""
+
     type: Literal["presence"] = "presence"
     viewer: Id
     name: str
@@ -384,7 +434,15 @@ class Error(Message):
 
 
 ServerMessage = Annotated[
-    Welcome | SequenceInfo | Frame | Annotation | StrokeResult | Labels | Timeline | Job
-    | ServerPresence | Error,
+    Welcome
+    | SequenceInfo
+    | Frame
+    | Annotation
+    | StrokeResult
+    | Labels
+    | Timeline
+    | Job
+    | ServerPresence
+    | Error,
     Field(discriminator="type"),
 ]

@@ -1,0 +1,63 @@
+"""The server's clock of one viewer's playback."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+MOST_PER_SECOND = 60.0
+"""Faster playback shows every second, third … frame: no display shows more."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlayClock:
+    """Frames due over time: ``start`` at time ``since``, ``rate`` frames a second (signed)."""
+
+    start: int
+    since: float
+    rate: float
+    frames: int
+    loop: bool = True
+
+    @property
+    def stride(self) -> int:
+        """Frames between two that are shown, signed like the direction."""
+        step = max(1, math.ceil(abs(self.rate) / MOST_PER_SECOND - 1e-9))
+        return step if self.rate >= 0 else -step
+
+    @property
+    def shown_per_second(self) -> float:
+        """Different frames shown a second."""
+        return abs(self.rate) / abs(self.stride)
+
+    def steps(self, now: float) -> int:
+        """Shown frames passed since the start."""
+        return max(0, math.floor((now - self.since) * self.shown_per_second + 1e-9))
+
+    def frame(self, step: int) -> int:
+        """The frame of a step, wrapped when looping, else held at the end."""
+        index = self.start + step * self.stride
+        return index % self.frames if self.loop else min(max(index, 0), self.frames - 1)
+
+    def due(self, now: float) -> int:
+        """The frame that should be seen now."""
+        return self.frame(self.steps(now))
+
+    def next_change(self, now: float) -> float:
+        """Seconds until another frame is due; infinity when none will be."""
+        if self.rate == 0 or (not self.loop and self.ended(now)):
+            return math.inf
+        return max(0.0, self.since + (self.steps(now) + 1) / self.shown_per_second - now)
+
+    def ended(self, now: float) -> bool:
+        """Not looping, and at the last frame of the direction."""
+        last = self.frames - 1 if self.rate >= 0 else 0
+        return not self.loop and self.due(now) == last
+
+    def ahead(self, now: float, seconds: float) -> list[int]:
+        """The frame due now and those due within ``seconds``, each once, in order of time."""
+        if self.rate == 0:
+            return [self.frame(0)]
+        first = self.steps(now)
+        last = self.steps(now + seconds)
+        return list(dict.fromkeys(self.frame(step) for step in range(first, last + 1)))

@@ -1,0 +1,179 @@
+"""A viewer's edits, in the order they came: live strokes, undo, redo, tracking runs."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import TYPE_CHECKING
+
+from pointbrush.errors import (
+    BadInputError,
+    ForbiddenError,
+    PointbrushError,
+    TooManyRequestsError,
+)
+from pointbrush.labels import Commit
+from pointbrush.streaming import messages
+from pointbrush.streaming.encoding import encode
+from pointbrush.work.strokes import LiveStroke
+
+if TYPE_CHECKING:
+    from pointbrush.streaming.session import ViewerSession
+
+Edit = (
+    messages.StrokeBegin
+    | messages.StrokeSamples
+    | messages.StrokeEnd
+    | messages.Undo
+    | messages.Redo
+    | messages.Track
+)
+EDITS = (
+    messages.StrokeBegin,
+    messages.StrokeSamples,
+    messages.StrokeEnd,
+    messages.Undo,
+    messages.Redo,
+    messages.Track,
+)
+WAITING = 64
+"""Edits that may wait; a viewer that sends faster is read more slowly."""
+LIVE_STROKES = 8
+EDITORS = ("annotator", "reviewer", "admin")
+
+
+class Editor:
+    """Applies one viewer's edits one after another, in threads."""
+
+    def __init__(self, session: ViewerSession) -> None:
+        self._session = session
+        self._queue: asyncio.Queue[Edit] = asyncio.Queue(WAITING)
+        self._live: dict[str, LiveStroke | Commit] = {}
+        self._refused: dict[str, None] = {}
+
+    async def put(self, edit: Edit) -> None:
+        """Queue an edit; waits while too many are queued."""
+        await self._queue.put(edit)
+
+    async def run(self) -> None:
+        """Apply edits until cancelled."""
+        while True:
+            edit = await self._queue.get()
+            try:
+                await self._apply(edit)
+            except PointbrushError as error:
+                self._drop(edit)
+                self._session.refuse(error, edit.id)
+
+    def _drop(self, edit: Edit) -> None:
+        self._live.pop(edit.id, None)
+        if isinstance(edit, messages.StrokeBegin | messages.StrokeSamples):
+            # The rest of a refused stroke is on its way; one answer is enough.
+            self._refused[edit.id] = None
+            if len(self._refused) > LIVE_STROKES * 8:
+                del self._refused[next(iter(self._refused))]
+
+    async def _apply(self, edit: Edit) -> None:
+        if self._session.role not in EDITORS:
+            raise ForbiddenError(
+                f"expected the role annotator or higher, this token's is {self._session.role}"
+            )
+        match edit:
+            case messages.StrokeBegin():
+                await self._begin(edit)
+            case messages.StrokeSamples() | messages.StrokeEnd() if edit.id in self._refused:
+                if isinstance(edit, messages.StrokeEnd):
+                    del self._refused[edit.id]
+            case messages.StrokeSamples():
+                await self._samples(edit)
+            case messages.StrokeEnd():
+                await self._end(edit)
+            case messages.Undo() | messages.Redo():
+                await self._undo(edit)
+            case messages.Track():
+                await self._track(edit)
+
+    async def _begin(self, edit: messages.StrokeBegin) -> None:
+        session = self._session
+        workspace, sequence = session.hub.workspace, session.require_room().id
+        self._refused.pop(edit.id, None)
+        if len(self._live) >= LIVE_STROKES and edit.id not in self._live:
+            raise TooManyRequestsError(f"expected at most {LIVE_STROKES} strokes at a time")
+
+        def begin() -> LiveStroke | Commit:
+            # A stroke that is sent again after its answer was lost has been applied.
+            done = workspace.store.find(sequence, edit.id)
+            return done or workspace.begin_stroke(
+                sequence, edit.frame, edit.brush.model_dump(), edit.id
+            )
+
+        self._live[edit.id] = await session.hub.edit(begin)
+
+    def _stroke(self, stroke_id: str) -> LiveStroke | Commit:
+        if stroke_id not in self._live:
+            raise BadInputError(f"id: expected a stroke that has begun, got {stroke_id}")
+        return self._live[stroke_id]
+
+    async def _samples(self, edit: messages.StrokeSamples) -> None:
+        stroke = self._stroke(edit.id)
+        if isinstance(stroke, Commit):
+            return
+        samples = [sample.model_dump() for sample in edit.samples]
+        touched = await self._session.hub.edit(stroke.add, samples)
+        self._answer(edit.id, stroke.frame, touched)
+
+    async def _end(self, edit: messages.StrokeEnd) -> None:
+        session = self._session
+        started = time.monotonic()
+        stroke = self._stroke(edit.id)
+        if isinstance(stroke, Commit):
+            commit, frame, touched = stroke, next(iter(stroke.frames), 0), stroke.changed
+        else:
+            commit = await session.hub.edit(stroke.commit, session.author)
+            frame, touched = stroke.frame, stroke.touched
+        del self._live[edit.id]
+        session.hub.metrics.strokes.observe(time.monotonic() - started)
+        self._answer(edit.id, frame, touched, commit)
+
+    async def _undo(self, edit: messages.Undo | messages.Redo) -> None:
+        session = self._session
+        workspace = session.hub.workspace
+        act = workspace.undo if isinstance(edit, messages.Undo) else workspace.redo
+        sequence = session.require_room().id
+        commit = await session.hub.edit(act, sequence, session.author, edit.id)
+        self._answer(edit.id, next(iter(commit.frames), 0), commit.changed, commit)
+
+    async def _track(self, edit: messages.Track) -> None:
+        session = self._session
+        sequence = session.require_room().id
+
+        def start() -> None:
+            session.hub.workspace.track(
+                sequence,
+                start=edit.start,
+                stop=edit.stop,
+                author=session.author,
+                labels=edit.labels,
+                method=edit.method,
+                overwrite=edit.overwrite,
+                edit=edit.id,
+            )
+
+        await session.hub.edit(start)
+
+    def _answer(
+        self, stroke_id: str, frame: int, touched: int, commit: Commit | None = None
+    ) -> None:
+        self._session.outbox.reply(
+            encode(
+                messages.StrokeResult(
+                    id=stroke_id,
+                    frame=frame,
+                    touched=touched,
+                    changed=commit.changed if commit else 0,
+                    edit=commit.edit_id if commit else None,
+                    revision=commit.revision if commit else self._session.require_room().revision,
+                    final=commit is not None,
+                )
+            )
+        )

@@ -1,0 +1,170 @@
+"""Messages to and from bytes: one msgpack map each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels import Delta, FrameValues
+from pointbrush.sequences import Chunk, StoredFrame
+from pointbrush.streaming.messages import ClientMessage, Message
+from pointbrush.streaming.status import MalformedError
+
+DELETED = 65535
+"""Wire value of a deleted point."""
+LONGEST = 65_536
+"""Most items of an array in a client's message."""
+_client: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)
+
+
+def decode(data: bytes) -> ClientMessage:
+    """A client's message.
+
+    Raises MalformedError (no msgpack map) or BadInputError (no message of ours).
+    """
+    try:
+        content = msgpack.unpackb(
+            data,
+            max_array_len=LONGEST,
+            max_map_len=64,
+            max_ext_len=0,
+            max_bin_len=0,
+            max_str_len=4096,
+        )
+    # msgpack raises its own errors, ValueError, TypeError or UnicodeDecodeError on junk.
+    except Exception as error:
+        raise MalformedError(f"message: expected a msgpack map, got {error}"[:300]) from None
+    if not isinstance(content, dict):
+        raise MalformedError(f"message: expected a map, got {type(content).__name__}")
+    try:
+        return _client.validate_python(content)
+    except ValidationError as error:
+        raise BadInputError(describe(error.errors(include_url=False))) from None
+
+
+def describe(found: Sequence[Any], most: int = 5) -> str:
+    """Pydantic's findings as "where: what was expected, got what", a line's length each."""
+    lines = []
+    for item in found[:most]:
+        where = ".".join(str(part) for part in item["loc"]) or "message"
+        got = "" if item["type"] == "missing" else f", got {str(item.get('input'))[:60]!r}"
+        lines.append(f"{where}: {item['msg']}{got}")
+    more = len(found) - most
+    return "; ".join(lines) + (f"; and {more} more" if more > 0 else "")
+
+
+def encode(message: Message) -> bytes:
+    """A server's message."""
+    packed: bytes = msgpack.packb(message.model_dump())
+    return packed
+
+
+def encode_frame(sequence: str, frame: StoredFrame, first: int, stop: int, *, final: bool) -> bytes:
+    """Chunks [first, stop) as a ``frame`` message: a small map around bytes of the memory map."""
+    data = frame.wire(first, stop)
+    chunks = frame.chunks[first:stop]
+    start = chunks[0].offset if chunks else 0
+    packer = msgpack.Packer(autoreset=False)
+    packer.pack_map_header(7)
+    for name, value in (
+        ("type", "frame"),
+        ("sequence", sequence),
+        ("frame", frame.index),
+        ("total", frame.count),
+        ("final", final),
+        ("chunks", [_row(chunk, start) for chunk in chunks]),
+    ):
+        packer.pack(name)
+        packer.pack(value)
+    packer.pack("data")
+    header: bytes = packer.bytes()
+    # The data is joined once, here, instead of being copied by the packer and again out of it.
+    return b"".join((header, b"\xc6", len(data).to_bytes(4, "big"), data))
+
+
+def _row(chunk: Chunk, start: int) -> dict[str, Any]:
+    return {
+        "index": chunk.index,
+        "level": chunk.level,
+        "first": chunk.first,
+        "count": chunk.count,
+        "offset": chunk.offset - start,
+        "nbytes": chunk.nbytes,
+        "origin": chunk.origin,
+        "scale": chunk.scale,
+        "lo": chunk.lo,
+        "hi": chunk.hi,
+    }
+
+
+def encode_whole(sequence: str, frame: int, first: int, values: FrameValues) -> bytes:
+    """The values of a run of points as an ``annotation`` message, run-length encoded."""
+    shown = np.where(values.deleted, np.uint16(DELETED), values.label)
+    starts = np.flatnonzero(np.concatenate(([True], shown[1:] != shown[:-1])))[: len(shown)]
+    lengths = np.diff(starts, append=len(shown))
+    return _annotation(
+        sequence, frame, values.revision, None, first, len(shown), lengths, shown[starts]
+    )
+
+
+def encode_delta(
+    sequence: str, frame: int, revision: int, base: int, delta: Delta, edit: str, author: str
+) -> bytes:
+    """A commit's part in one frame as an ``annotation`` message."""
+    shown = np.where(delta.deleted, np.uint16(DELETED), delta.label)
+    return _annotation(
+        sequence, frame, revision, base, 0, 0, delta.indices, _single(shown), edit, author
+    )
+
+
+def encode_provisional(
+    sequence: str, frame: int, revision: int, numbers: NDArray[Any], labels: NDArray[Any]
+) -> bytes:
+    """A tracking run's finding, which no edit has confirmed yet."""
+    return _annotation(
+        sequence, frame, revision, revision, 0, 0, numbers, _single(labels), provisional=True
+    )
+
+
+def _single(values: NDArray[Any]) -> NDArray[Any]:
+    """One value in place of many equal ones."""
+    return values[:1] if len(values) > 1 and (values == values[0]).all() else values
+
+
+def _annotation(
+    sequence: str,
+    frame: int,
+    revision: int,
+    base: int | None,
+    first: int,
+    count: int,
+    lengths: NDArray[Any],
+    values: NDArray[Any],
+    edit: str | None = None,
+    author: str | None = None,
+    *,
+    provisional: bool = False,
+) -> bytes:
+    packed: bytes = msgpack.packb(
+        {
+            "type": "annotation",
+            "sequence": sequence,
+            "frame": frame,
+            "revision": revision,
+            "base": base,
+            "edit": edit,
+            "author": author,
+            "provisional": provisional,
+            "first": first,
+            "count": count,
+            "lengths": lengths.astype("<u4").tobytes(),
+            "values": values.astype("<u2").tobytes(),
+        }
+    )
+    return packed

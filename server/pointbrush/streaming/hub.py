@@ -1,0 +1,186 @@
+"""All viewers of one server: rooms by sequence, the workspace's events, presence, load."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import asynccontextmanager
+from typing import Any, TypeVar
+
+import anyio
+import anyio.to_thread
+
+from pointbrush.jobs import Job
+from pointbrush.labels import Commit
+from pointbrush.streaming import messages
+from pointbrush.streaming.cache import MessageCache
+from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.metrics import Metrics
+from pointbrush.streaming.presence import Presence
+from pointbrush.streaming.room import Room
+from pointbrush.streaming.session import ViewerSession
+from pointbrush.workspace import Event, Provisional, Retracted, SequencesChanged, Workspace
+
+logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
+CACHE_BYTES = 64 * 2**20
+READ_THREADS, EDIT_THREADS = 4, 8
+PRESENCE_HZ = 30.0
+
+
+class Hub:
+    """Connects viewers with the workspace."""
+
+    def __init__(self, workspace: Workspace, metrics: Metrics) -> None:
+        self.workspace, self.metrics = workspace, metrics
+        self.cache = MessageCache(CACHE_BYTES)
+        self.viewers: set[ViewerSession] = set()
+        self.rooms: dict[str, Room] = {}
+        self.presence = Presence()
+        self._opening = asyncio.Lock()
+        self._events: asyncio.Queue[Event] = asyncio.Queue()
+        self._reads = anyio.CapacityLimiter(READ_THREADS)
+        self._edits = anyio.CapacityLimiter(EDIT_THREADS)
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[Hub]:
+        """Listen to the workspace while the context is open; viewers are sent away at its end."""
+        loop = asyncio.get_running_loop()
+
+        def forward(event: Event) -> None:
+            # Called from any thread, also in the moment that the loop ends.
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(self._events.put_nowait, event)
+
+        unsubscribe = self.workspace.subscribe(forward)
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                background = [
+                    tasks.create_task(self._dispatch_all()),
+                    tasks.create_task(self._relay_presence()),
+                ]
+                yield self
+                for viewer in list(self.viewers):
+                    viewer.close()
+                for task in background:
+                    task.cancel()
+        finally:
+            unsubscribe()
+
+    async def read(self, function: Callable[..., T], *args: Any) -> T:
+        """Run something short that reads, in a thread."""
+        return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
+
+    async def edit(self, function: Callable[..., T], *args: Any) -> T:
+        """Run something that writes, in a thread of its own kind: readers do not wait for it."""
+        return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
+
+    # ── viewers ──────────────────────────────────────────────────────────────────────────
+
+    def join(self, viewer: ViewerSession) -> None:
+        """A socket opened."""
+        self.viewers.add(viewer)
+        self.metrics.viewers.set(len(self.viewers))
+
+    def leave(self, viewer: ViewerSession) -> None:
+        """A socket closed."""
+        self.viewers.discard(viewer)
+        self.metrics.viewers.set(len(self.viewers))
+        self.exit(viewer)
+
+    async def enter(self, viewer: ViewerSession, sequence: str) -> Room:
+        """Put a viewer into a sequence's room; raises NotFoundError."""
+        recording = await self.read(self.workspace.recording, sequence)
+        async with self._opening:
+            room = self.rooms.get(sequence)
+            if room is None or room.recording is not recording:
+                room = Room(self.workspace, recording, self.cache, self.read)
+                old = self.rooms.get(sequence)
+                self.rooms[sequence] = room
+                await room.load()
+                if old is not None:
+                    room.viewers |= old.viewers
+        if viewer.room is not room:
+            self.exit(viewer)
+        room.viewers.add(viewer)
+        return room
+
+    def exit(self, viewer: ViewerSession) -> None:
+        """Take a viewer out of its room; the last one closes it."""
+        room = viewer.room
+        if room is None:
+            return
+        room.viewers.discard(viewer)
+        gone = self.presence.gone(viewer.id, room.id)
+        if gone is not None:
+            for other in room.viewers:
+                other.outbox.presence[viewer.id] = gone
+                other.outbox.wake.set()
+        if not room.viewers and self.rooms.get(room.id) is room:
+            del self.rooms[room.id]
+
+    # ── events ───────────────────────────────────────────────────────────────────────────
+
+    async def _dispatch_all(self) -> None:
+        while True:
+            event = await self._events.get()
+            try:
+                await self._dispatch(event)
+            except Exception:
+                # One event that cannot be told must not silence all later ones.
+                logger.exception("could not tell viewers about %s", type(event).__name__)
+
+    async def _dispatch(self, event: Event) -> None:
+        if isinstance(event, Job):
+            self.tell_job(event, self.viewers)
+            return
+        if isinstance(event, SequencesChanged):
+            await self._sequence_changed(event.sequence)
+            return
+        room = self.rooms.get(event.sequence)
+        if room is None:
+            return
+        if isinstance(event, Commit):
+            await room.committed(event)
+        elif isinstance(event, Provisional):
+            room.provisional(event)
+        elif isinstance(event, Retracted):
+            for viewer in room.viewers:
+                viewer.stale(event.frames)
+
+    def tell_job(self, job: Job, viewers: Iterable[ViewerSession]) -> None:
+        """Queue a job's state; a newer one replaces it."""
+        message = encode(
+            messages.Job(
+                id=job.id,
+                kind=job.kind,
+                sequence=job.sequence,
+                state=job.state,
+                progress=job.progress,
+                message=job.message,
+                error=job.error,
+            )
+        )
+        for viewer in viewers:
+            viewer.outbox.jobs[job.id] = message
+            viewer.outbox.wake.set()
+
+    async def _sequence_changed(self, sequence: str) -> None:
+        room = self.rooms.get(sequence)
+        if room is None:
+            return
+        for viewer in list(room.viewers):
+            await viewer.reopen()
+
+    async def _relay_presence(self) -> None:
+        while True:
+            await asyncio.sleep(self.presence.pause(len(self.viewers), PRESENCE_HZ))
+            for sequence, changed in self.presence.take().items():
+                room = self.rooms.get(sequence)
+                for viewer in room.viewers if room else ():
+                    others = {who: data for who, data in changed.items() if who != viewer.id}
+                    if others:
+                        viewer.outbox.presence.update(others)
+                        viewer.outbox.wake.set()

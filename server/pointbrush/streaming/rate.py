@@ -1,0 +1,156 @@
+"""How fast a viewer's link is, from its credits; and how many points a frame may have.
+
+The rate is estimated as BBR does it (Cardwell et al. 2016): bytes delivered between a message's
+sending and its credit, over that time.  A message sent into an idle link measures mostly the
+round trip, so such samples, with the round trip taken off, may only raise the estimate; a message
+that took far longer than expected lowers it at once.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+MEMORY = 1.0
+"""Seconds that a full link's samples count."""
+SHARE = 0.85
+"""Share of the estimated rate that frames may take."""
+QUEUE_SECONDS = 0.1
+"""Bytes in flight beyond the round trip, as time on the link: the longest wait behind them."""
+FIRST_WINDOW = 256 * 1024
+LARGEST_WINDOW = 16 * 2**20
+SLOW_FACTOR, SLOW_SECONDS = 2.0, 0.03
+RAISE = 0.3
+SHORTEST = 1e-4
+FLOOR_MEMORY = 10.0
+
+
+@dataclass(slots=True)
+class _Sent:
+    nbytes: int
+    time: float
+    delivered: int
+    delivered_time: float
+    ahead: int
+    idle: bool
+
+
+@dataclass(slots=True)
+class Link:
+    """In-flight frame messages of one viewer and the rate they leave at."""
+
+    credits: int
+    rate: float = 0.0
+    """Estimated bytes a second; 0 before the first credit."""
+    round_trip: float = 0.0
+    _flight: deque[_Sent] = field(default_factory=deque)
+    _bytes: int = 0
+    _delivered: int = 0
+    _delivered_time: float = 0.0
+    _samples: deque[tuple[float, float]] = field(default_factory=deque)
+    _floor: tuple[float, float] | None = None
+
+    @property
+    def in_flight(self) -> int:
+        """Frame messages without a credit."""
+        return len(self._flight)
+
+    @property
+    def window(self) -> int:
+        """Bytes that may be in flight; a single message always may."""
+        if not self.rate:
+            return FIRST_WINDOW
+        return min(LARGEST_WINDOW, int(self.rate * (self.round_trip + QUEUE_SECONDS)))
+
+    def has_room(self, nbytes: int) -> bool:
+        """Whether a message of this size may be sent now."""
+        if not self._flight:
+            return True
+        return len(self._flight) < self.credits and self._bytes + nbytes <= self.window
+
+    def sent(self, nbytes: int, now: float, *, idle: bool = False) -> None:
+        """Note a frame message; ``idle``: the link had nothing to carry just before."""
+        if not self._flight:
+            self._delivered_time = now
+        self._flight.append(
+            _Sent(nbytes, now, self._delivered, self._delivered_time, self._bytes, idle)
+        )
+        self._bytes += nbytes
+
+    def credited(self, frames: int, now: float) -> None:
+        """The viewer applied the oldest ``frames`` messages; more than were sent is ignored."""
+        last: _Sent | None = None
+        for _ in range(min(frames, len(self._flight))):
+            last = self._flight.popleft()
+            self._bytes -= last.nbytes
+            self._delivered += last.nbytes
+        if last is not None:
+            self._learn(last, now)
+            self._delivered_time = now
+
+    def _learn(self, sent: _Sent, now: float) -> None:
+        latency = max(now - sent.time, SHORTEST)
+        elapsed = max(now - sent.delivered_time, SHORTEST)
+        sample = (self._delivered - sent.delivered) / elapsed
+        if not self.rate:
+            self.rate = sample
+            self._samples.append((now, sample))
+            return
+        self._learn_floor(latency - (sent.ahead + sent.nbytes) / self.rate, now)
+        expected = self.round_trip + (sent.ahead + sent.nbytes) / self.rate
+        if latency > SLOW_FACTOR * expected + SLOW_SECONDS:
+            self._samples.clear()
+            self._samples.append((now, sample))
+            self.rate = sample
+        elif sent.idle:
+            carried = (sent.ahead + sent.nbytes) / max(latency - self.round_trip, SHORTEST)
+            sample = max(sample, min(carried, 2 * self.rate))
+            self.rate += RAISE * max(sample - self.rate, 0.0)
+        else:
+            self._samples.append((now, sample))
+            while self._samples[0][0] < now - MEMORY:
+                self._samples.popleft()
+            self.rate = max(value for _, value in self._samples)
+
+    def _learn_floor(self, trip: float, now: float) -> None:
+        trip = max(trip, 0.0)
+        if self._floor is None or trip <= self._floor[1] or now - self._floor[0] > FLOOR_MEMORY:
+            self._floor = (now, trip)
+        self.round_trip = self._floor[1]
+
+
+PAGE_SLOW, PAGE_FAST = 1.15, 0.9
+PAGE_CUT, PAGE_GROW = 0.8, 1.1
+PAGE_PERIOD = 0.25
+FEWEST_POINTS = 2_000
+UNLIMITED = 1 << 40
+
+
+@dataclass(slots=True)
+class PageBudget:
+    """How many points the page can draw, from its own measured frame time."""
+
+    points: int = UNLIMITED
+    asked: int = UNLIMITED
+    _changed: float = 0.0
+
+    def report(
+        self, frame_ms: float, target_ms: float, points: int | None, shown: int, now: float
+    ) -> None:
+        """Take in a credit's figures; ``shown`` points were drawn meanwhile."""
+        self.asked = UNLIMITED if points is None else max(points, 1)
+        if not frame_ms or not target_ms or now - self._changed < PAGE_PERIOD:
+            return
+        if frame_ms > PAGE_SLOW * target_ms:
+            self.points = max(FEWEST_POINTS, int(PAGE_CUT * min(self.points, max(shown, 1))))
+            self._changed = now
+        elif frame_ms < PAGE_FAST * target_ms and self.points < UNLIMITED:
+            # Past every frame's size the cap has no meaning and goes away.
+            grown = int(PAGE_GROW * self.points)
+            self.points = UNLIMITED if grown > 4 * max(shown, FEWEST_POINTS) else grown
+            self._changed = now
+
+    @property
+    def limit(self) -> int:
+        """Most points of a frame while playing."""
+        return min(self.points, self.asked)

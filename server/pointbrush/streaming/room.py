@@ -1,0 +1,238 @@
+"""One open sequence and its viewers: tables, counts and revisions that they share."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pointbrush.labels import Cell, Commit, GapError, Label
+from pointbrush.sequences import Sequence
+from pointbrush.streaming import messages
+from pointbrush.streaming.cache import MessageCache, Versioned
+from pointbrush.streaming.encoding import (
+    encode_delta,
+    encode_frame,
+    encode_provisional,
+    encode_whole,
+)
+from pointbrush.streaming.outbox import QueuedDelta
+from pointbrush.streaming.table import FrameTable
+from pointbrush.workspace import Provisional, Workspace
+
+if TYPE_CHECKING:
+    from pointbrush.streaming.session import ViewerSession
+
+T = TypeVar("T")
+TABLES = 4096
+CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
+
+
+class Room:
+    """Shared by the viewers of one sequence; lives while there is one.  Event loop only."""
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        recording: Sequence,
+        cache: MessageCache,
+        run: Callable[..., Awaitable[Any]],
+    ) -> None:
+        """``run(function, *args)`` awaits ``function`` in a worker thread."""
+        self.workspace, self.recording, self.cache, self._run = workspace, recording, cache, run
+        self.id = recording.manifest.id
+        self.viewers: set[ViewerSession] = set()
+        self.revision = 0
+        self.palette: list[Label] = []
+        self.cells: dict[tuple[int, int], Cell] = {}
+        self.tracks: dict[tuple[int, int], dict[str, Any]] = {}
+        self._touched: dict[int, int] = {}
+        self._start = 0
+        self._tables: OrderedDict[int, FrameTable] = OrderedDict()
+        self._palette_stale = self._tracks_stale = False
+
+    async def load(self) -> None:
+        """Read the state that is kept here; commits that come meanwhile only repeat it."""
+
+        def read() -> tuple[int, list[Label], Any, list[dict[str, Any]]]:
+            store = self.workspace.store
+            revision = store.revision(self.id)
+            return revision, store.palette(self.id), store.counts(self.id), store.tracks(self.id)
+
+        revision, self.palette, counts, tracks = await self._run(read)
+        self.revision = self._start = max(self.revision, revision)
+        for (frame, label), (points, painted) in counts.items():
+            self.cells.setdefault((frame, label), Cell(frame, label, points, painted))
+        self.tracks = by_cell(tracks)
+
+    # ── points ───────────────────────────────────────────────────────────────────────────
+
+    async def table(self, frame: int) -> FrameTable:
+        """The levels of a frame; raises NotFoundError."""
+        table = self._tables.get(frame)
+        if table is None:
+            table = await self._run(lambda: FrameTable.of(self.recording[frame]))
+            self._tables[frame] = table
+            if len(self._tables) > TABLES:
+                self._tables.popitem(last=False)
+        return table
+
+    async def frame_message(self, frame: int, first: int, stop: int, *, final: bool) -> bytes:
+        """Chunks [first, stop) of a frame, encoded."""
+        key = ("frame", self.id, frame, first, stop, final)
+
+        async def make() -> Versioned:
+            return 0, await self._run(
+                lambda: encode_frame(self.id, self.recording[frame], first, stop, final=final)
+            )
+
+        return (await self.cache.get(key, make))[1]
+
+    # ── values ───────────────────────────────────────────────────────────────────────────
+
+    async def values_message(self, frame: int, first: int, count: int) -> tuple[int, bytes]:
+        """The values of a run of points as they are now, and a revision they include.
+
+        Every commit up to that revision has been handed to the viewers' outboxes.
+        """
+        key = ("values", self.id, frame, first, count)
+
+        def read() -> Versioned:
+            values = self.workspace.store.values(self.id, frame, first, count)
+            return values.revision, encode_whole(self.id, frame, first, values)
+
+        revision, data = await self.cache.get(key, lambda: self._run(read))
+        for _ in range(CATCH_UP_TRIES):
+            if self.revision >= revision:
+                break
+            # The commit has been read, but its event is still on its way here.
+            await asyncio.sleep(CATCH_UP_PAUSE)
+        return revision, data
+
+    def drop_values(self, frames: Iterable[int]) -> None:
+        """Values of these frames changed."""
+        changed = set(frames)
+        self.cache.drop(
+            lambda key: key[0] == "values" and key[1] == self.id and key[2] in changed  # type: ignore[index]
+        )
+
+    # ── events ───────────────────────────────────────────────────────────────────────────
+
+    async def committed(self, commit: Commit) -> None:
+        """Hand a commit to every viewer, in the order of revisions."""
+        if commit.revision <= self.revision:
+            return
+        self.drop_values(commit.frames)
+        if commit.revision > self.revision + 1:
+            # Something in between did not come by here: what viewers hold is sent whole.
+            for viewer in self.viewers:
+                viewer.all_stale()
+            self.drop_values(range(len(self.recording)))
+            self._palette_stale = self._tracks_stale = True
+        self.revision = commit.revision
+        for frame, delta in commit.frames.items():
+            base = self._touched.get(frame, self._start)
+            self._touched[frame] = commit.revision
+            holders = [viewer for viewer in self.viewers if viewer.holds(frame)]
+            if holders and len(delta):
+                data = encode_delta(
+                    self.id, frame, commit.revision, base, delta, commit.edit_id, commit.author
+                )
+                for viewer in holders:
+                    viewer.outbox.delta(QueuedDelta(frame, commit.revision, data))
+        changed = {(cell.frame, cell.label) for cell in commit.cells}
+        self.cells.update({(cell.frame, cell.label): cell for cell in commit.cells})
+        self._palette_stale |= commit.palette_changed
+        self._tracks_stale |= commit.tracks_changed
+        for viewer in self.viewers:
+            viewer.cells_changed(changed, everything=commit.tracks_changed)
+
+    def provisional(self, event: Provisional) -> None:
+        """Show what a tracking run has just found."""
+        data = encode_provisional(self.id, event.frame, self.revision, event.numbers, event.labels)
+        for viewer in self.viewers:
+            if viewer.holds(event.frame):
+                viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data))
+
+    async def since(self, revision: int) -> list[QueuedDelta] | None:
+        """Deltas of all commits after ``revision``, or None when that is too far back."""
+        if revision == self.revision:
+            return []
+
+        def read() -> list[QueuedDelta]:
+            deltas = []
+            touched: dict[int, int] = {}
+            for commit in self.workspace.store.since(self.id, revision):
+                for frame, delta in commit.frames.items():
+                    base = touched.get(frame, revision)
+                    touched[frame] = commit.revision
+                    data = encode_delta(
+                        self.id, frame, commit.revision, base, delta, commit.edit_id, commit.author
+                    )
+                    deltas.append(QueuedDelta(frame, commit.revision, data))
+            return deltas
+
+        try:
+            found: list[QueuedDelta] = await self._run(read)
+        except GapError:
+            return None
+        return found
+
+    # ── states ───────────────────────────────────────────────────────────────────────────
+
+    async def refresh(self) -> None:
+        """Read palette and tracks again if a commit changed them."""
+        if self._palette_stale:
+            self._palette_stale = False
+            self.palette = await self._run(self.workspace.store.palette, self.id)
+        if self._tracks_stale:
+            self._tracks_stale = False
+            self.tracks = by_cell(await self._run(self.workspace.store.tracks, self.id))
+
+    async def labels(self, author: str) -> messages.Labels:
+        """The palette, its counts, and what this author can take back."""
+        undo, redo = await self._run(self.workspace.store.stacks, self.id, author)
+        return messages.Labels(
+            sequence=self.id,
+            revision=self.revision,
+            labels=[messages.Label(**asdict(label)) for label in self.palette],
+            counts=self.counts(),
+            undo=undo and undo.summary,
+            redo=redo and redo.summary,
+        )
+
+    def counts(self) -> dict[str, int]:
+        """Points of each label in all frames together."""
+        totals: dict[str, int] = {}
+        for cell in self.cells.values():
+            totals[str(cell.label)] = totals.get(str(cell.label), 0) + cell.points
+        return totals
+
+    def timeline(self, cells: Iterable[tuple[int, int]] | None) -> messages.Timeline:
+        """The given cells, or all that are not empty."""
+        chosen = self.cells.keys() | self.tracks.keys() if cells is None else cells
+        rows = [self._cell(frame, label) for frame, label in sorted(chosen)]
+        if cells is None:
+            rows = [row for row in rows if row.points or row.state]
+        return messages.Timeline(
+            sequence=self.id, revision=self.revision, whole=cells is None, cells=rows
+        )
+
+    def _cell(self, frame: int, label: int) -> messages.TimelineCell:
+        cell = self.cells.get((frame, label), Cell(frame, label, 0, 0))
+        track = self.tracks.get((frame, label))
+        return messages.TimelineCell(
+            frame=frame,
+            label=label,
+            points=cell.points,
+            painted=cell.painted,
+            confidence=None if track is None else float(track["confidence"]),
+            state="painted" if cell.painted else None if track is None else track["state"],
+        )
+
+
+def by_cell(tracks: Iterable[dict[str, Any]]) -> dict[tuple[int, int], dict[str, Any]]:
+    """Tracks by frame and label."""
+    return {(int(track["frame"]), int(track["label"])): track for track in tracks}

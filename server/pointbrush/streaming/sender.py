@@ -1,0 +1,176 @@
+"""The one task that writes to a viewer: answers first, then edits, states, and points."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from pointbrush.errors import PointbrushError
+from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.plan import Piece
+from pointbrush.streaming.room import Room
+
+if TYPE_CHECKING:
+    from pointbrush.streaming.session import ViewerSession
+
+STATES_PERIOD = 0.05
+"""Palette counts and timeline are sent at most this often, seconds."""
+VALUES_RUN = 4_000_000
+"""Points whose whole values go into one message at most."""
+LARGE_PIECE = 512 * 1024
+
+
+class Sender:
+    """Sends to one viewer until cancelled or the link breaks."""
+
+    def __init__(self, session: ViewerSession) -> None:
+        self._session = session
+        self._outbox = session.outbox
+        self._states_time = float("-inf")
+        self._idle = True
+
+    async def run(self) -> None:
+        """Send whatever there is; sleep when there is nothing."""
+        while True:
+            self._outbox.wake.clear()
+            await self._messages()
+            if not await self._points():
+                await self._rest()
+
+    async def _rest(self) -> None:
+        session = self._session
+        pauses = [session.plan.wait(session.now()), self._states_pause()]
+        known = [pause for pause in pauses if pause is not None]
+        try:
+            await asyncio.wait_for(self._outbox.wake.wait(), min(known) if known else None)
+        except TimeoutError:
+            return
+
+    # ── everything but points ────────────────────────────────────────────────────────────
+
+    async def _messages(self) -> None:
+        outbox, send = self._outbox, self._session.send
+        while outbox.replies:
+            await send(outbox.replies.popleft())
+        while outbox.jobs:
+            await send(outbox.jobs.pop(next(iter(outbox.jobs))))
+        await self._stale()
+        await self._deltas()
+        await self._states()
+        while outbox.presence:
+            await send(outbox.presence.pop(next(iter(outbox.presence))))
+
+    async def _deltas(self, up_to: int | None = None) -> None:
+        while (delta := self._outbox.next_delta(up_to)) is not None:
+            await self._session.send(delta.data)
+
+    async def _stale(self) -> None:
+        while self._outbox.stale and (room := self._session.room) is not None:
+            frame = next(iter(self._outbox.stale))
+            del self._outbox.stale[frame]
+            points = (await room.table(frame)).firsts[-1]
+            for first in range(0, max(points, 1), VALUES_RUN):
+                await self._values(room, frame, first, min(VALUES_RUN, points - first))
+
+    async def _values(self, room: Room, frame: int, first: int, count: int) -> None:
+        revision, data = await room.values_message(frame, first, count)
+        # Older deltas go first: a viewer that applies everything as it comes is always right.
+        await self._deltas(revision)
+        await self._session.send(data)
+
+    def _states_pause(self) -> float | None:
+        if not (self._outbox.labels or self._outbox.cells or self._outbox.all_cells):
+            return None
+        return max(0.0, self._states_time + STATES_PERIOD - self._session.now())
+
+    async def _states(self) -> None:
+        session, outbox = self._session, self._outbox
+        room = session.room
+        pause = self._states_pause()
+        if room is None or pause is None or pause > 0:
+            return
+        self._states_time = session.now()
+        await room.refresh()
+        if outbox.labels:
+            outbox.labels = False
+            await session.send(encode(await room.labels(session.author)))
+        cells = None if outbox.all_cells else outbox.cells
+        outbox.cells, outbox.all_cells = set(), False
+        if cells is None or cells:
+            await session.send(encode(room.timeline(cells)))
+
+    # ── points ───────────────────────────────────────────────────────────────────────────
+
+    async def _points(self) -> bool:
+        """Send one piece; False when there is none, or no room for it on the link."""
+        session = self._session
+        room, plan = session.room, session.plan
+        if room is None or plan.link.in_flight >= plan.link.credits:
+            self._idle = False
+            return False
+        try:
+            piece, nbytes = await self._next_piece(room)
+        except PointbrushError as error:
+            session.refuse(error)
+            session.room = None
+            return True
+        if piece is None:
+            self._idle = True
+            return False
+        if not plan.link.has_room(nbytes):
+            self._idle = False
+            return False
+        if session.room is room and session.plan is plan:
+            await self._send_piece(room, piece)
+        return True
+
+    async def _next_piece(self, room: Room) -> tuple[Piece | None, int]:
+        session = self._session
+        if room.recording.manifest.large:
+            return await self._next_wanted(room)
+        for frame in session.plan.candidates(session.now()):
+            table = await room.table(frame)
+            piece = session.plan.piece(frame, table, session.now())
+            if piece is not None:
+                return piece, table.size(piece.first, piece.stop)
+        return None, 0
+
+    async def _next_wanted(self, room: Room) -> tuple[Piece | None, int]:
+        """The root of the frame in view first, then runs of the chunks asked for."""
+        session = self._session
+        plan = session.plan
+        frame = plan.focus if plan.clock is None else plan.clock.due(session.now())
+        if frame not in plan.held:
+            table = await room.table(frame)
+            return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0]), 0
+        if session.wanted is None or not session.wanted[1]:
+            return None, 0
+        frame, chunks = session.wanted
+        table = await room.table(frame)
+        while chunks and chunks[0] >= table.chunks:
+            chunks.pop(0)
+        if not chunks:
+            return None, 0
+        first = chunks[0]
+        stop = first + 1
+        while stop in chunks[: stop - first + 1] and table.size(first, stop + 1) <= LARGE_PIECE:
+            stop += 1
+        return Piece(frame, first, stop, final=False), table.size(first, stop)
+
+    async def _send_piece(self, room: Room, piece: Piece) -> None:
+        session = self._session
+        plan = session.plan
+        table = await room.table(piece.frame)
+        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
+        # From here on deltas of this frame come to the outbox: nothing falls between.
+        plan.sent(piece)
+        if session.wanted is not None and session.wanted[0] == piece.frame:
+            sent = set(range(piece.first, piece.stop))
+            session.wanted[1][:] = [chunk for chunk in session.wanted[1] if chunk not in sent]
+        await self._values(room, piece.frame, first, stop - first)
+        data = await room.frame_message(piece.frame, piece.first, piece.stop, final=piece.final)
+        plan.link.sent(len(data), session.now(), idle=self._idle)
+        self._idle = False
+        session.hub.metrics.frames.inc()
+        session.hub.metrics.sent.inc(len(data))
+        await session.send(data)

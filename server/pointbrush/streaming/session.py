@@ -1,0 +1,293 @@
+"""One viewer: takes its messages, follows its clock, sends what it should see.
+
+Three tasks: the caller's feeds ``receive``; one sends, so that messages keep their order; one
+applies edits in the order they came, so that a slow commit holds up no credit.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+import uuid
+from collections.abc import Awaitable, Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from pointbrush import __version__
+from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.streaming import messages
+from pointbrush.streaming.clock import PlayClock
+from pointbrush.streaming.edits import EDITS, Editor
+from pointbrush.streaming.encoding import decode, encode
+from pointbrush.streaming.outbox import Outbox
+from pointbrush.streaming.plan import Plan
+from pointbrush.streaming.presence import color_of
+from pointbrush.streaming.rate import Link
+from pointbrush.streaming.room import Room
+from pointbrush.streaming.sender import Sender
+from pointbrush.streaming.status import status_of
+
+if TYPE_CHECKING:
+    from pointbrush.streaming.hub import Hub
+
+CREDITS = 8
+"""Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
+
+
+class ViewerSession:
+    """One viewer's state; everything runs on the event loop."""
+
+    def __init__(
+        self,
+        hub: Hub,
+        send: Callable[[bytes], Awaitable[None]],
+        *,
+        author: str,
+        role: messages.Role,
+        shared: bool,
+    ) -> None:
+        """``shared``: several people may use this token, so the name in ``hello`` is the author."""
+        self.hub, self.send = hub, send
+        self.id = uuid.uuid4().hex[:16]
+        self.author, self.role, self._shared = author, role, shared
+        self.name, self.color = author, color_of(self.id)
+        self.room: Room | None = None
+        self.outbox = Outbox()
+        self.plan = Plan(frames=1, link=Link(CREDITS))
+        self.wanted: tuple[int, list[int]] | None = None
+        self.resumed = False
+        self.closing = asyncio.Event()
+        self._handlers: dict[type, Callable[[Any], Awaitable[None]]] = {
+            messages.Hello: self._hello,
+            messages.Open: self._open,
+            messages.Play: self._play,
+            messages.Pause: self._pause,
+            messages.Seek: self._seek,
+            messages.Credit: self._credit,
+            messages.Forget: self._forget,
+            messages.Want: self._want,
+            messages.ClientPresence: self._presence,
+        }
+
+    # ── life ─────────────────────────────────────────────────────────────────────────────
+
+    async def run(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
+        """Serve until ``receive`` gives None, the link breaks, or the server closes."""
+        self.hub.join(self)
+        editor, sender = Editor(self), Sender(self)
+        self._editor = editor
+        tasks = [
+            asyncio.create_task(self._listen(receive)),
+            asyncio.create_task(editor.run()),
+            asyncio.create_task(sender.run()),
+            asyncio.create_task(self.closing.wait()),
+        ]
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await asyncio.gather(*tasks, return_exceptions=True)
+            self.hub.leave(self)
+
+    def close(self) -> None:
+        """End the session: the server stops."""
+        self.closing.set()
+
+    async def _listen(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
+        while (data := await receive()) is not None:
+            await self.receive(data)
+            while self.outbox.crowded:
+                # Who does not read its answers is not heard until it does.
+                await asyncio.sleep(0.05)
+
+    async def receive(self, data: bytes) -> None:
+        """Act on one message; anything wrong with it is answered with ``error``."""
+        about = None
+        try:
+            message = decode(data)
+            about = getattr(message, "id", None)
+            if isinstance(message, EDITS):
+                await self._editor.put(message)
+            else:
+                await self._handlers[type(message)](message)
+        except PointbrushError as error:
+            self.refuse(error, about)
+
+    def refuse(self, error: PointbrushError, about: str | None = None) -> None:
+        """Answer with an error."""
+        message = messages.Error(
+            title=error.title, detail=str(error), status=status_of(error), about=about
+        )
+        self.outbox.reply(encode(message))
+
+    def now(self) -> float:
+        """Seconds on a clock that only runs forward."""
+        return time.monotonic()
+
+    # ── what others change ───────────────────────────────────────────────────────────────
+
+    def holds(self, frame: int) -> bool:
+        """Whether the viewer must hear of changes in a frame."""
+        if frame in self.outbox.stale:
+            return False
+        return self.resumed or frame in self.plan.held
+
+    def stale(self, frames: Iterable[int]) -> None:
+        """Values of these frames must be sent whole."""
+        self.outbox.stale.update((frame, None) for frame in frames if self.holds(frame))
+        self.outbox.wake.set()
+
+    def all_stale(self) -> None:
+        """Values of everything that the viewer holds must be sent whole."""
+        self.outbox.clear_deltas()
+        self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
+
+    def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
+        """Palette, counts or timeline changed."""
+        self.outbox.labels = True
+        self.outbox.cells |= cells
+        self.outbox.all_cells |= everything
+        self.outbox.wake.set()
+
+    async def reopen(self) -> None:
+        """The sequence's manifest changed, or the sequence has gone."""
+        if self.room is None:
+            return
+        try:
+            self.room = await self.hub.enter(self, self.room.id)
+        except PointbrushError as error:
+            self.refuse(error)
+            self.hub.exit(self)
+            self.room = None
+            return
+        self.outbox.reply(encode(self._sequence_info(self.room)))
+
+    # ── messages ─────────────────────────────────────────────────────────────────────────
+
+    async def _hello(self, message: messages.Hello) -> None:
+        if message.name:
+            self.name = message.name
+            self.author = message.name if self._shared else self.author
+        self.color = message.color or self.color
+        self.outbox.reply(
+            encode(
+                messages.Welcome(
+                    viewer=self.id,
+                    author=self.author,
+                    role=self.role,
+                    version=__version__,
+                    credits=CREDITS,
+                )
+            )
+        )
+
+    async def _open(self, message: messages.Open) -> None:
+        room = await self.hub.enter(self, message.sequence)
+        again = self.room is room and message.revision is not None
+        self.room = room
+        manifest = room.recording.manifest
+        frame = min(message.frame, manifest.frames - 1)
+        if not again:
+            self.outbox.restart()
+            self.plan = Plan(frames=manifest.frames, link=self.plan.link, page=self.plan.page)
+        self.plan.focus, self.wanted = frame, None
+        self.resumed = message.revision is not None
+        self.outbox.reply(encode(self._sequence_info(room)))
+        self.outbox.labels = self.outbox.all_cells = True
+        self.outbox.presence.update(self.hub.presence.everybody(room.id))
+        for job in self.hub.workspace.jobs():
+            if job.state in ("queued", "running"):
+                self.hub.tell_job(job, [self])
+        if message.revision is not None:
+            await self._catch_up(room, message.revision)
+        self.outbox.wake.set()
+
+    async def _catch_up(self, room: Room, revision: int) -> None:
+        """Deltas since ``revision``, or the values of all frames whole when it is too far back."""
+        if revision > room.revision:
+            raise BadInputError(f"revision: expected at most {room.revision}, got {revision}")
+        deltas = await room.since(revision)
+        self.outbox.clear_deltas()
+        if deltas is None:
+            self.all_stale()
+            return
+        for delta in deltas:
+            self.outbox.delta(delta)
+
+    def _sequence_info(self, room: Room) -> messages.SequenceInfo:
+        manifest = room.recording.manifest
+        return messages.SequenceInfo(
+            id=manifest.id,
+            name=manifest.name,
+            frames=manifest.frames,
+            fps=manifest.fps,
+            points=list(manifest.points),
+            fields=list(manifest.fields),
+            shift=list(manifest.shift),
+            lo=list(manifest.lo),
+            hi=list(manifest.hi),
+            room=list(manifest.room),
+            large=manifest.large,
+            position_error=manifest.position_error,
+            revision=room.revision,
+            frame=self.plan.focus,
+        )
+
+    def require_room(self) -> Room:
+        """The open sequence's room; raises BadInputError when none is open."""
+        if self.room is None:
+            raise BadInputError("expected 'open' before this message")
+        return self.room
+
+    def _require_frame(self, frame: int) -> int:
+        room = self.require_room()
+        if frame >= len(room.recording):
+            raise BadInputError(f"frame: expected 0 to {len(room.recording) - 1}, got {frame}")
+        return frame
+
+    async def _play(self, message: messages.Play) -> None:
+        frame = self._require_frame(message.frame)
+        manifest = self.require_room().recording.manifest
+        rate = manifest.fps * message.speed
+        self.plan.play(PlayClock(frame, self.now(), rate, manifest.frames, message.loop))
+        self.outbox.wake.set()
+
+    async def _pause(self, message: messages.Pause) -> None:
+        frame = None if message.frame is None else self._require_frame(message.frame)
+        self.require_room()
+        self.plan.pause(frame, self.now())
+        self.outbox.wake.set()
+
+    async def _seek(self, message: messages.Seek) -> None:
+        self.plan.seek(self._require_frame(message.frame))
+        self.outbox.wake.set()
+
+    async def _credit(self, message: messages.Credit) -> None:
+        now = self.now()
+        self.plan.link.credited(message.frames, now)
+        self.plan.page.report(
+            message.frame_ms, message.target_ms, message.points, self.plan.shown_points, now
+        )
+        self.outbox.wake.set()
+
+    async def _forget(self, message: messages.Forget) -> None:
+        self.plan.forget(message.frames)
+        self.outbox.wake.set()
+
+    async def _want(self, message: messages.Want) -> None:
+        self.wanted = (self._require_frame(message.frame), list(message.chunks))
+        self.outbox.wake.set()
+
+    async def _presence(self, message: messages.ClientPresence) -> None:
+        room = self.require_room()
+        fields = message.model_dump(exclude={"type"})
+        self.hub.presence.put(
+            room.id,
+            messages.ServerPresence(
+                viewer=self.id, name=self.name, color=self.color, left=False, **fields
+            ),
+        )

@@ -1,0 +1,66 @@
+"""A frame's levels as running totals: what a prefix of its chunks costs and shows."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.sequences import StoredFrame
+
+
+@dataclass(frozen=True, slots=True)
+class FrameTable:
+    """``stops[l]`` chunks, ``nbytes[l]`` bytes and ``points[l]`` points up to level ``l``.
+
+    ``ends[c]`` is the end of chunk ``c`` in the wire file, ``firsts[c]`` its first point and
+    ``firsts[-1]`` the number of points.
+    """
+
+    stops: tuple[int, ...]
+    nbytes: tuple[int, ...]
+    points: tuple[int, ...]
+    ends: tuple[int, ...]
+    firsts: tuple[int, ...]
+
+    @classmethod
+    def of(cls, frame: StoredFrame) -> FrameTable:
+        """The table of a stored frame; an octree counts as its root and the rest."""
+        table = frame.chunk_table
+        ends = (table["offset"] + table["nbytes"]).astype(np.int64)
+        counts = table["count"].astype(np.int64)
+        levels = table["level"]
+        stops = np.flatnonzero(np.append(levels[1:] != levels[:-1], len(levels) > 0)) + 1
+        points = np.cumsum(counts)
+        return cls(
+            stops=tuple(stops.tolist()),
+            nbytes=tuple(ends[stops - 1].tolist()),
+            points=tuple(points[stops - 1].tolist()),
+            ends=tuple(ends.tolist()),
+            firsts=(*table["first"].astype(np.int64).tolist(), frame.count),
+        )
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return len(self.ends)
+
+    def start(self, chunk: int) -> int:
+        """Where a chunk begins in the wire file."""
+        return self.ends[chunk - 1] if chunk else 0
+
+    def size(self, first: int, stop: int) -> int:
+        """Bytes of chunks [first, stop)."""
+        return self.start(stop) - self.start(first)
+
+    def level_within(self, nbytes: float, points: float) -> int:
+        """The finest level whose prefix fits; 0 when none does."""
+        by_bytes = bisect_right(self.nbytes, nbytes)
+        by_points = bisect_right(self.points, points)
+        return max(0, min(by_bytes, by_points) - 1)
+
+    def stop_within(self, first: int, stop: int, nbytes: int) -> int:
+        """The longest run from ``first`` to at most ``stop`` of ``nbytes``; at least one chunk."""
+        fits = bisect_right(self.ends, self.start(first) + nbytes)
+        return max(first + 1, min(stop, fits)) if first < stop else stop

@@ -1,0 +1,1 @@
+"""The HTTP and WebSocket front: FastAPI app, auth, limits, and the page."""

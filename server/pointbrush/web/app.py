@@ -1,0 +1,93 @@
+"""The FastAPI app: routes by resource, one guard around them, one map of errors."""
+
+from __future__ import annotations
+
+import secrets
+import shutil
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from fastapi import APIRouter, FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from pointbrush import __version__
+from pointbrush.settings import Settings
+from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.metrics import Metrics
+from pointbrush.web import (
+    page,
+    problems,
+    routes_edits,
+    routes_export,
+    routes_frames,
+    routes_jobs,
+    routes_labels,
+    routes_meta,
+    routes_sequences,
+    routes_tracking,
+    socket,
+)
+from pointbrush.web.auth import Gate
+from pointbrush.web.middleware import Guard
+from pointbrush.workspace import Workspace
+
+PREFIX = "/api/v1"
+RESOURCES = (
+    routes_meta, routes_sequences, routes_frames, routes_labels, routes_edits, routes_tracking,
+    routes_export, routes_jobs,
+)  # fmt: skip
+
+
+def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
+    """An app that serves ``workspace``; ``app.state.token`` is the admin token of this run."""
+    token = settings.token or secrets.token_urlsafe(24)
+    app = FastAPI(
+        title="pointbrush",
+        version=__version__,
+        description="Label point cloud recordings.  Errors are RFC 9457 problem+json.",
+        openapi_url=f"{PREFIX}/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        lifespan=_lifespan,
+        redirect_slashes=False,
+    )
+    app.state.workspace, app.state.token = workspace, token
+    app.state.settings = settings
+    app.state.gate = Gate(workspace, settings, token)
+    app.state.metrics = Metrics()
+    problems.install(app)
+    api = APIRouter(prefix=PREFIX)
+    for resource in RESOURCES:
+        api.include_router(resource.router)
+    app.include_router(api)
+    app.include_router(socket.router, prefix=PREFIX)
+    app.include_router(routes_meta.open_router)
+    app.include_router(page.router)
+    app.add_middleware(Guard, settings=settings, gate=app.state.gate, metrics=app.state.metrics)
+    app.openapi = lambda: describe(app)  # type: ignore[method-assign]
+    return app
+
+
+@asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    # What an interrupted run left half-uploaded belongs to nobody.
+    shutil.rmtree(routes_sequences.uploads(app.state.settings), ignore_errors=True)
+    async with Hub(app.state.workspace, app.state.metrics).running() as hub:
+        app.state.hub = hub
+        yield
+
+
+def describe(app: FastAPI) -> dict[str, Any]:
+    """The OpenAPI, with problem+json in place of FastAPI's own validation error."""
+    if app.openapi_schema:
+        return app.openapi_schema
+    schema = get_openapi(
+        title=app.title, version=app.version, description=app.description, routes=app.routes
+    )
+    parts = schema["components"]["schemas"]
+    for unused in ("HTTPValidationError", "ValidationError"):
+        parts.pop(unused, None)
+    parts["Problem"] = problems.Problem.model_json_schema()
+    app.openapi_schema = schema
+    return schema

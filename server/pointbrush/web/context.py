@@ -1,0 +1,61 @@
+"""What handlers share: the workspace, and the parameters that many routes have."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Path, Request
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.streaming.messages import Uuid
+from pointbrush.workspace import Workspace
+
+SequenceId = Annotated[
+    str, Path(pattern=r"^[a-z0-9][a-z0-9._-]{0,63}$", max_length=64, description="sequence id")
+]
+FramePath = Annotated[int, Path(ge=0, lt=2**31, description="frame number, from 0")]
+LabelPath = Annotated[int, Path(ge=1, le=65534, description="label id")]
+JobPath = Annotated[Uuid, Path(description="job id")]
+
+
+def workspace_of(request: Request) -> Workspace:
+    """The workspace that this app serves."""
+    workspace: Workspace = request.app.state.workspace
+    return workspace
+
+
+Ws = Annotated[Workspace, Depends(workspace_of)]
+
+
+async def raw_body(request: Request) -> bytes:
+    """The whole body; the guard has bounded it."""
+    return await request.body()
+
+
+RawBody = Annotated[bytes, Depends(raw_body)]
+
+
+def etag(revision: int) -> str:
+    """A strong entity tag for a revision."""
+    return f'"{revision}"'
+
+
+def if_match(header: str | None) -> int | None:
+    """The revision that an ``If-Match`` header names; None for absent or ``*``.
+
+    Raises BadInputError for anything but one entity tag of ours.
+    """
+    if header is None or header.strip() == "*":
+        return None
+    text = header.strip()
+    digits = text[1:-1] if len(text) > 2 and text[0] == text[-1] == '"' else text
+    if not (digits.isascii() and digits.isdigit() and len(digits) < 19):
+        raise BadInputError(f'If-Match: expected "REVISION", got {header[:60]!r}')
+    return int(digits)
+
+
+def bounded(body: bytes, limit: int, what: str) -> bytes:
+    """``body``, or TooLargeError when it cannot be what was expected."""
+    if len(body) > limit:
+        raise TooLargeError(f"{what}: expected at most {limit} bytes, got {len(body)}")
+    return body

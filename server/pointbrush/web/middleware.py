@@ -1,0 +1,141 @@
+"""What every request meets before its route: Host, rate, body size; and the security headers."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from collections.abc import Mapping
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from pointbrush.errors import (
+    BadInputError,
+    PointbrushError,
+    TooLargeError,
+    TooManyRequestsError,
+)
+from pointbrush.settings import Settings
+from pointbrush.streaming.metrics import Metrics
+from pointbrush.web.auth import Gate, bearer_of
+from pointbrush.web.problems import problem_of
+
+BURST_SECONDS = 5
+"""A client may spend this many seconds' worth of requests at once."""
+KNOWN_CLIENTS = 10_000
+PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)
+BODY_PAUSE = 30.0
+"""Longest silence in the middle of a body, seconds: a slow-loris upload ends here."""
+POLICY = (
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+    "img-src 'self' data: blob:; style-src 'self'; font-src 'self'; "
+    "connect-src 'self' {sockets}; object-src 'none'; base-uri 'none'; form-action 'self'; "
+    "frame-ancestors 'none'"
+)
+HEADERS: Mapping[str, str] = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Permissions-Policy": (
+        "xr-spatial-tracking=(self), camera=(), microphone=(), geolocation=(), payment=()"
+    ),
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class RateLimit:
+    """Token buckets by client; raises TooManyRequestsError when one is empty."""
+
+    def __init__(self, per_second: float) -> None:
+        self._rate, self._burst = per_second, per_second * BURST_SECONDS
+        self._buckets: dict[str, tuple[float, float]] = {}
+
+    def spend(self, client: str, now: float | None = None) -> None:
+        """Take one token of ``client``."""
+        now = time.monotonic() if now is None else now
+        left, since = self._buckets.pop(client, (self._burst, now))
+        left = min(self._burst, left + (now - since) * self._rate)
+        # Popped and put back: the dict stays in order of use, so the first is the stalest.
+        self._buckets[client] = (max(left - 1.0, 0.0), now)
+        if len(self._buckets) > KNOWN_CLIENTS:
+            del self._buckets[next(iter(self._buckets))]
+        if left < 1.0:
+            raise TooManyRequestsError(f"expected at most {self._rate:g} requests a second")
+
+
+class Guard:
+    """Outermost ASGI layer around the app."""
+
+    def __init__(self, app: ASGIApp, *, settings: Settings, gate: Gate, metrics: Metrics) -> None:
+        self.app, self.settings, self.gate, self.metrics = app, settings, gate, metrics
+        self.rate = RateLimit(settings.requests_per_second)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Check, then hand on; sockets check themselves after their handshake's headers."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        secured = self._secured(send, scope["method"], headers.get("host", ""))
+        try:
+            self._admit(scope, headers)
+            limit = self._body_limit(scope, headers)
+        except PointbrushError as error:
+            await problem_of(error)(scope, receive, secured)
+            return
+        await self.app(scope, _Limited(receive, limit), secured)
+
+    def _admit(self, scope: Scope, headers: Headers) -> None:
+        self.gate.require_host(HTTPConnection(scope))
+        client = scope.get("client") or ("unknown", 0)
+        self.rate.spend(bearer_of(headers) or client[0])
+
+    def _body_limit(self, scope: Scope, headers: Headers) -> int:
+        multipart = headers.get("content-type", "").startswith("multipart/")
+        limit = self.settings.max_upload if multipart else self.settings.max_body
+        if scope["path"].endswith("/annotation"):
+            limit = max(limit, 4 * self.settings.max_frame_points)
+        stated = headers.get("content-length", "0")
+        if not (stated.isascii() and stated.isdigit()):
+            raise BadInputError(f"Content-Length: expected a number, got {stated[:40]!r}")
+        if int(stated) > limit:
+            raise TooLargeError(f"body: expected at most {limit} bytes, got {stated}")
+        return limit
+
+    def _secured(self, send: Send, method: str, host: str) -> Send:
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                status = str(message["status"])
+                self.metrics.requests.labels(method[:10], status).inc()
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers.setdefault(name, value)
+                sockets = f"ws://{host} wss://{host}" if PLAIN_HOST.fullmatch(host) else ""
+                headers.setdefault("Content-Security-Policy", POLICY.format(sockets=sockets))
+                headers.setdefault("Cache-Control", "no-store")
+            await send(message)
+
+        return with_headers
+
+
+class _Limited:
+    """``receive`` that counts the body and gives up on a silent sender."""
+
+    def __init__(self, receive: Receive, limit: int) -> None:
+        self._receive, self._limit = receive, limit
+        self._seen, self._complete = 0, False
+
+    async def __call__(self) -> Message:
+        if self._complete:
+            return await self._receive()
+        try:
+            message = await asyncio.wait_for(self._receive(), BODY_PAUSE)
+        except TimeoutError:
+            return {"type": "http.disconnect"}
+        self._seen += len(message.get("body", b""))
+        self._complete = not message.get("more_body", False)
+        if self._seen > self._limit:
+            raise TooLargeError(f"body: expected at most {self._limit} bytes, got more")
+        return message

@@ -1,0 +1,96 @@
+"""Errors as RFC 9457 ``application/problem+json``: one place that knows class → status."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException
+
+from pointbrush import errors
+from pointbrush.streaming.encoding import describe
+from pointbrush.streaming.status import status_of
+
+logger = logging.getLogger(__name__)
+
+MEDIA_TYPE = "application/problem+json"
+EXTRA_HEADERS = {
+    401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
+    429: {"Retry-After": "1"},
+    503: {"Retry-After": "5"},
+}
+
+
+class Problem(BaseModel):
+    """RFC 9457 problem details."""
+
+    type: str = "about:blank"
+    title: str
+    status: int = Field(ge=400, le=599)
+    detail: str
+
+
+def problem(
+    status: int, detail: str, title: str = "", headers: Mapping[str, str] | None = None
+) -> JSONResponse:
+    """A problem+json response."""
+    body = Problem(title=title or HTTPStatus(status).phrase, status=status, detail=detail)
+    return JSONResponse(
+        body.model_dump(),
+        status,
+        media_type=MEDIA_TYPE,
+        headers={**EXTRA_HEADERS.get(status, {}), **(headers or {})},
+    )
+
+
+def problem_of(error: errors.PointbrushError) -> JSONResponse:
+    """The response for one of our own errors."""
+    return problem(status_of(error), str(error), error.title)
+
+
+def install(app: FastAPI) -> None:
+    """Map every error that can leave a handler."""
+    app.add_exception_handler(errors.PointbrushError, _ours)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(Exception, _unexpected)
+
+
+async def _ours(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, errors.PointbrushError)  # noqa: S101 – registered for this class
+    return problem_of(error)
+
+
+async def _invalid(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)  # noqa: S101
+    found = error.errors()
+    malformed = any(item["type"] == "json_invalid" for item in found)
+    return problem(400 if malformed else 422, describe(found), errors.BadInputError.title)
+
+
+async def _http(_request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)  # noqa: S101
+    return problem(error.status_code, str(error.detail), headers=error.headers)
+
+
+async def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    logger.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    return problem(500, "the server failed to do this; its log says why")
+
+
+def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """OpenAPI entries for the problem responses that a route can give."""
+    common = (400, 401, 403, 405, 422, 429, 503)
+    return {
+        status: {
+            "description": HTTPStatus(status).phrase,
+            "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}},
+        }
+        for status in sorted({*common, *statuses})
+    }

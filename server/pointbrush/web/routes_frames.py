@@ -1,0 +1,161 @@
+"""A frame's points, annotation layers, and immutable wire chunks."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from typing import IO, Annotated, Literal
+
+from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi.responses import StreamingResponse
+
+from pointbrush.sequences import Chunk
+from pointbrush.streaming.messages import Uuid
+from pointbrush.web import npy
+from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.context import FramePath, RawBody, SequenceId, Ws, bounded, etag, if_match
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
+from pointbrush.work.annotations import require_layer
+
+router = APIRouter(tags=["frames"])
+Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
+HEADER_ROOM = 4096
+SPOOL = 32 << 20
+BLOCK = 1 << 20
+BINARY = {"schema": {"type": "string", "format": "binary"}}
+FOREVER = "private, max-age=31536000, immutable"
+
+
+@router.get(
+    "/sequences/{seq}/frames/{i}/points",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Points",
+            "content": {npy.MEDIA_TYPE: BINARY, "application/zip": BINARY},
+        },
+        **responses(404),
+    },
+)
+def get_points(
+    seq: SequenceId,
+    i: FramePath,
+    workspace: Ws,
+    _who: Viewer,
+    format: Annotated[Literal["npy", "npz"], Query()] = "npy",
+) -> Response:
+    """All points in the source's order and coordinates: structured ``.npy``, or ``.npz``."""
+    frame = workspace.points(seq, i)
+    if format == "npz":
+        spool = tempfile.SpooledTemporaryFile(SPOOL)  # noqa: SIM115 – closed by _drain
+        npy.write_npz(frame, spool)
+        length, pieces, kind = spool.tell(), _drain(spool), "application/zip"
+    else:
+        length, pieces = npy.stream_frame(frame)
+        kind = npy.MEDIA_TYPE
+    headers = {"Content-Length": str(length)}
+    return StreamingResponse(pieces, media_type=kind, headers=headers)
+
+
+def _drain(spool: IO[bytes]) -> Iterator[bytes]:
+    with spool:
+        spool.seek(0)
+        while piece := spool.read(BLOCK):
+            yield piece
+
+
+@router.get(
+    "/sequences/{seq}/frames/{i}/annotation",
+    response_class=Response,
+    responses={
+        200: {"description": "One value a point", "content": {npy.MEDIA_TYPE: BINARY}},
+        304: {"description": "Not modified"},
+        **responses(404),
+    },
+)
+def get_annotation(
+    seq: SequenceId,
+    i: FramePath,
+    workspace: Ws,
+    _who: Viewer,
+    layer: Layer = "label",
+    if_none_match: Annotated[str | None, Header()] = None,
+) -> Response:
+    """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted."""
+    values, revision = workspace.annotation(seq, i, layer)
+    headers = {"ETag": etag(revision), "Cache-Control": "private, no-cache"}
+    if if_none_match is not None and etag(revision) in if_none_match:
+        return Response(status_code=304, headers=headers)
+    return Response(npy.dump(values), media_type=npy.MEDIA_TYPE, headers=headers)
+
+
+@router.put(
+    "/sequences/{seq}/frames/{i}/annotation",
+    responses=responses(404, 409, 413),
+    openapi_extra={"requestBody": {"required": True, "content": {npy.MEDIA_TYPE: BINARY}}},
+)
+def put_annotation(
+    seq: SequenceId,
+    i: FramePath,
+    body: RawBody,
+    response: Response,
+    workspace: Ws,
+    who: Annotator,
+    layer: Layer = "label",
+    id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+    if_match_: Annotated[str | None, Header(alias="If-Match")] = None,
+) -> EditOut:
+    """Replace a layer, as one edit; ``If-Match`` refuses it when the revision has moved on."""
+    count = workspace.recording(seq)[i].count
+    bounded(body, count * 8 + HEADER_ROOM, "annotation")
+    commit = workspace.put_annotation(
+        seq,
+        i,
+        npy.parse(body, require_layer(layer), count),
+        author=who.author,
+        layer=layer,
+        if_match=if_match(if_match_),
+        edit=id,
+    )
+    response.headers["ETag"] = etag(commit.revision)
+    return EditOut.of(commit)
+
+
+@router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
+def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws, _who: Viewer) -> ChunkTable:
+    """Where each wire chunk is, which points it holds and how to dequantise them."""
+    frame = workspace.recording(seq)[i]
+    rows = [_row(chunk) for chunk in frame.chunks]
+    return ChunkTable(frame=i, points=frame.count, chunks=rows)
+
+
+def _row(chunk: Chunk) -> ChunkOut:
+    return ChunkOut(**{name: getattr(chunk, name) for name in ChunkOut.model_fields})
+
+
+@router.get(
+    "/sequences/{seq}/frames/{i}/chunks/{c}",
+    response_class=Response,
+    responses={
+        200: {"description": "Encoded points", "content": {"application/octet-stream": BINARY}},
+        304: {"description": "Not modified"},
+        **responses(404),
+    },
+)
+def get_chunk(
+    seq: SequenceId,
+    i: FramePath,
+    c: Annotated[int, Path(ge=0, lt=2**31, description="chunk number, from 0")],
+    request: Request,
+    workspace: Ws,
+    _who: Viewer,
+) -> Response:
+    """One chunk's bytes; they never change, so that a cache or CDN can stand in front."""
+    recording = workspace.recording(seq)
+    data = recording[i].wire(c, c + 1)
+    tag = f'"{recording.manifest.created}-{i}-{c}-{len(data)}"'
+    headers = {"ETag": tag, "Cache-Control": FOREVER}
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return Response(bytes(data), media_type="application/octet-stream", headers=headers)

@@ -1,0 +1,66 @@
+"""The palette."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from fastapi import APIRouter, Response
+
+from pointbrush.labels import Label
+from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.context import LabelPath, SequenceId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import EditOut, LabelBody, LabelOut, LabelPatch
+
+router = APIRouter(tags=["labels"])
+
+
+def _out(label: Label) -> LabelOut:
+    return LabelOut(**{name: asdict(label)[name] for name in LabelOut.model_fields})
+
+
+@router.get("/sequences/{seq}/labels", responses=responses(404))
+def list_labels(seq: SequenceId, workspace: Ws, _who: Viewer) -> list[LabelOut]:
+    """All labels of a sequence."""
+    return [_out(label) for label in workspace.palette(seq)]
+
+
+@router.post("/sequences/{seq}/labels", status_code=201, responses=responses(404, 409, 413))
+def create_label(
+    seq: SequenceId, body: LabelBody, response: Response, workspace: Ws, who: Annotator
+) -> LabelOut:
+    """Add a label."""
+    fields = body.model_dump(exclude={"locked", "visible"})
+    label = workspace.create_label(seq, who.author, **fields)
+    if body.locked or not body.visible:
+        shown = body.model_dump(include={"locked", "visible"})
+        label = workspace.update_label(seq, who.author, label.id, **shown)
+    response.headers["Location"] = f"/api/v1/sequences/{seq}/labels/{label.id}"
+    return _out(label)
+
+
+@router.get("/sequences/{seq}/labels/{id}", responses=responses(404))
+def get_label(seq: SequenceId, id: LabelPath, workspace: Ws, _who: Viewer) -> LabelOut:
+    """One label."""
+    return _out(workspace.label(seq, id))
+
+
+@router.patch("/sequences/{seq}/labels/{id}", responses=responses(404, 409, 413))
+def update_label(
+    seq: SequenceId,
+    id: LabelPath,
+    body: LabelPatch,
+    workspace: Ws,
+    who: Annotator,
+) -> LabelOut:
+    """Rename, recolour, recategorise, lock or hide a label."""
+    fields = {name: value for name, value in body.model_dump().items() if value is not None}
+    if not fields:
+        return _out(workspace.label(seq, id))
+    return _out(workspace.update_label(seq, who.author, id, **fields))
+
+
+@router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))
+def delete_label(seq: SequenceId, id: LabelPath, workspace: Ws, who: Annotator) -> EditOut:
+    """Remove a label; its points become unlabeled in the same edit."""
+    return EditOut.of(workspace.delete_label(seq, who.author, id))

@@ -1,0 +1,95 @@
+"""Health, metrics, sign-in, and the API's own description."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import FileResponse, HTMLResponse
+from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
+
+from pointbrush import __version__
+from pointbrush.streaming.metrics import Metrics
+from pointbrush.streaming.schema import schema_hash
+from pointbrush.web import auth
+from pointbrush.web.auth import Gate, Principal, Viewer
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Health, MeOut, SessionBody, SessionOut
+
+router = APIRouter(tags=["server"])
+open_router = APIRouter(include_in_schema=False)
+DOCS = Path(__file__).parent / "docs"
+DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
+
+
+def set_cookie(request: Request, response: Response, secret: str) -> None:
+    """Keep the token where no script can read it."""
+    response.set_cookie(
+        auth.cookie_name(request),
+        secret,
+        max_age=auth.COOKIE_DAYS * 86_400,
+        httponly=True,
+        samesite="strict",
+        secure=request.url.scheme == "https",
+    )
+
+
+def _out(principal: Principal) -> SessionOut:
+    return SessionOut(author=principal.author, role=principal.role)
+
+
+@router.post("/session", responses=responses(413))
+def sign_in(body: SessionBody, request: Request, response: Response) -> SessionOut:
+    """Exchange a token for the page's cookie."""
+    auth.require_same_origin(request)
+    gate: Gate = request.app.state.gate
+    principal = gate.check(body.token)
+    set_cookie(request, response, body.token)
+    return _out(principal)
+
+
+@router.get("/session", responses=responses())
+def who_am_i(who: Viewer) -> SessionOut:
+    """Who the caller is."""
+    return _out(who)
+
+
+@router.get("/me", responses=responses())
+def me(who: Viewer) -> MeOut:
+    """Who the caller is, and which message schema the socket speaks."""
+    return MeOut(author=who.author, role=who.role, schema_=schema_hash(), version=__version__)
+
+
+@router.delete("/session", status_code=204, responses=responses())
+def sign_out(request: Request, response: Response, _who: Viewer) -> None:
+    """Forget the page's cookie."""
+    response.delete_cookie(auth.cookie_name(request), httponly=True, samesite="strict")
+
+
+@open_router.get("/healthz")
+@open_router.get("/api/v1/healthz")
+def healthz() -> Health:
+    """Answers while the server is up; needs no token."""
+    return Health(version=__version__)
+
+
+@open_router.get("/metrics")
+@open_router.get("/api/v1/metrics")
+def metrics(request: Request, _who: Viewer) -> Response:
+    """Prometheus text."""
+    counters: Metrics = request.app.state.metrics
+    return Response(generate_latest(counters.registry), media_type=CONTENT_TYPE_LATEST)
+
+
+@open_router.get("/api/v1/docs", response_class=HTMLResponse)
+def docs() -> FileResponse:
+    """The API's description, rendered without anything from elsewhere."""
+    return FileResponse(DOCS / "docs.html", media_type="text/html")
+
+
+@open_router.get("/api/v1/docs/{name}")
+def docs_file(name: str) -> Response:
+    """The description page's script and style."""
+    if name not in DOCS_FILES:
+        return Response(status_code=404)
+    return FileResponse(DOCS / name, media_type=DOCS_FILES[name])

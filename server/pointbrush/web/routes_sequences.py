@@ -1,0 +1,216 @@
+"""Recordings: list, manifest, change, delete, import."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fastapi import APIRouter, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from pydantic import TypeAdapter, ValidationError
+from starlette.datastructures import FormData, UploadFile
+
+from pointbrush.errors import BadInputError
+from pointbrush.jobs import Job
+from pointbrush.settings import Settings
+from pointbrush.streaming.encoding import describe
+from pointbrush.streaming.status import MalformedError
+from pointbrush.web.auth import Admin, Annotator, Viewer
+from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import ImportBody, JobOut, Name, SequenceOut, SequencePatch
+from pointbrush.workspace import Workspace
+
+router = APIRouter(tags=["sequences"])
+MAX_FILES = 20_000
+MAX_FIELD = 64 * 1024
+COPY_BLOCK = 1 << 20
+
+
+def _out(workspace: Workspace, sequence: str) -> SequenceOut:
+    manifest = workspace.recording(sequence).manifest
+    return SequenceOut.of(manifest, workspace.store.revision(sequence))
+
+
+@router.get("/sequences", responses=responses())
+def list_sequences(workspace: Ws, _who: Viewer) -> list[SequenceOut]:
+    """All recordings, by name."""
+    return [
+        SequenceOut.of(manifest, workspace.store.revision(manifest.id))
+        for manifest in workspace.sequences()
+    ]
+
+
+@router.get("/sequences/{seq}", responses=responses(404))
+def get_sequence(seq: SequenceId, workspace: Ws, _who: Viewer) -> SequenceOut:
+    """One recording's manifest."""
+    return _out(workspace, seq)
+
+
+@router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
+def patch_sequence(
+    seq: SequenceId, patch: SequencePatch, workspace: Ws, _who: Admin
+) -> SequenceOut:
+    """Change a recording's name, rate or the transform that stands it on the floor."""
+    fields = {name: value for name, value in patch.model_dump().items() if value is not None}
+    if patch.room is not None:
+        fields["room"] = np.array(patch.room).reshape(4, 4)
+    if fields:
+        workspace.update_sequence(seq, **fields)
+    return _out(workspace, seq)
+
+
+@router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
+def delete_sequence(seq: SequenceId, workspace: Ws, _who: Admin) -> None:
+    """Remove a recording and everything painted on it."""
+    workspace.delete_sequence(seq)
+
+
+IMPORT_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {"schema": ImportBody.model_json_schema()},
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["files"],
+                    "properties": {
+                        "files": {
+                            "type": "array",
+                            "minItems": 1,
+                            "items": {"type": "string", "format": "binary"},
+                        },
+                        "name": {"type": "string"},
+                        "fps": {"type": "string"},
+                        "format": {"type": "string"},
+                    },
+                }
+            },
+        },
+    }
+}
+
+
+@router.post(
+    "/sequences",
+    status_code=202,
+    responses=responses(404, 409, 413, 415),
+    openapi_extra=IMPORT_BODY,
+)
+async def import_sequence(
+    request: Request, response: Response, workspace: Ws, _who: Annotator
+) -> JobOut:
+    """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind == "multipart/form-data":
+        job = await _import_upload(request, workspace)
+    else:
+        body = _parse(ImportBody, await request.body())
+        job = await run_in_threadpool(_import_path, workspace, body)
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return JobOut.of(job)
+
+
+def _parse(model: type[ImportBody], body: bytes) -> ImportBody:
+    try:
+        return model.model_validate_json(body)
+    except ValidationError as error:
+        found = error.errors()
+        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
+        raise kind(describe(found)) from None
+
+
+def _import_path(workspace: Workspace, body: ImportBody) -> Job:
+    path = workspace.allowed_path(body.path)
+    return workspace.import_paths(
+        [path],
+        name=body.name,
+        fps=body.fps,
+        file_format=body.format,
+        drop_invalid=body.drop_invalid,
+    )
+
+
+def uploads(settings: Settings) -> Path:
+    """Where uploads wait for their import, on the workspace's own disk."""
+    return settings.workspace.absolute() / "uploads"
+
+
+async def _import_upload(request: Request, workspace: Workspace) -> Job:
+    folder = uploads(workspace.settings) / uuid.uuid4().hex
+    try:
+        async with request.form(
+            max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
+        ) as form:
+            paths = await run_in_threadpool(_save, form, folder)
+            fields = _fields(form)
+        return await run_in_threadpool(
+            lambda: workspace.import_paths(paths, cleanup=folder, **fields)
+        )
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _save(form: FormData, folder: Path) -> list[Path]:
+    uploads = [value for value in form.getlist("files") if isinstance(value, UploadFile)]
+    if not uploads:
+        raise BadInputError("files: expected at least one file in the field 'files', got none")
+    folder.mkdir(parents=True)
+    paths = []
+    for upload in uploads:
+        path = folder / file_name(upload.filename or "")
+        if path.exists():
+            raise BadInputError(f"files: expected different names, got {path.name!r} twice")
+        with path.open("xb") as target:
+            shutil.copyfileobj(upload.file, target, COPY_BLOCK)
+        paths.append(path)
+    return paths
+
+
+def file_name(given: str) -> str:
+    """The last part of an uploaded file's name; raises BadInputError when it is no plain name."""
+    name = given.replace("\\", "/").rpartition("/")[2]
+    if not name or name.startswith(".") or len(name.encode()) > 200 or not name.isprintable():
+        raise BadInputError(f"files: expected a plain file name, got {given[:80]!r}")
+    return name
+
+
+_NAME: TypeAdapter[str] = TypeAdapter(Name)
+
+
+def _fields(form: FormData) -> dict[str, Any]:
+    fields: dict[str, Any] = {}
+    for name, key in (("name", "name"), ("fps", "fps"), ("format", "file_format")):
+        value = form.get(name)
+        if isinstance(value, str) and value:
+            fields[key] = value
+    with contextlib.suppress(KeyError):
+        fields["name"] = _plain_name(fields["name"])
+    with contextlib.suppress(KeyError):
+        fields["fps"] = _rate(fields["fps"])
+    return fields
+
+
+def _plain_name(text: str) -> str:
+    try:
+        return _NAME.validate_python(text)
+    except ValidationError:
+        raise BadInputError(
+            f"name: expected 1 to 200 printable characters, got {text[:80]!r}"
+        ) from None
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not 0 < rate <= 1000:
+        raise BadInputError(f"fps: expected a number above 0 and up to 1000, got {text[:40]!r}")
+    return rate

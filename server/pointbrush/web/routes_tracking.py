@@ -1,0 +1,40 @@
+"""Tracking runs and their tracks."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Response
+
+from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import JobOut, TrackingBody, TrackOut
+
+router = APIRouter(tags=["tracking"])
+
+
+@router.post("/sequences/{seq}/tracking", status_code=202, responses=responses(404, 409, 413))
+def start_tracking(
+    seq: SequenceId, body: TrackingBody, response: Response, workspace: Ws, who: Annotator
+) -> JobOut:
+    """Carry labels from frame ``start`` to ``stop`` in a job; the run is one edit."""
+    job = workspace.track(
+        seq,
+        start=body.start,
+        stop=body.stop,
+        author=who.author,
+        labels=body.labels,
+        method=body.method,
+        overwrite=body.overwrite,
+        edit=body.id,
+    )
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return JobOut.of(job)
+
+
+@router.get("/sequences/{seq}/tracks", responses=responses(404))
+def list_tracks(seq: SequenceId, workspace: Ws, _who: Viewer) -> list[TrackOut]:
+    """Pose, confidence and state of every tracked label in every frame."""
+    return [
+        TrackOut(**{name: track[name] for name in TrackOut.model_fields})
+        for track in workspace.tracks(seq)
+    ]

@@ -1,0 +1,275 @@
+"""The JSON shapes of REST; names are the contract's."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from pointbrush.jobs import Job
+from pointbrush.labels import Commit, EditInfo
+from pointbrush.sequences import Manifest
+from pointbrush.streaming.messages import (
+    Brush,
+    Color,
+    FrameIndex,
+    LabelId,
+    Matrix4,
+    Sample,
+    Uuid,
+    Vec3,
+)
+
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+PaintId = Annotated[int, Field(ge=1, le=65534)]
+
+
+class Body(BaseModel):
+    """Base of request bodies: unknown fields are refused, types are not coerced."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class Bounds(BaseModel):
+    """Axis-aligned bounds over all frames, source coordinates, metres."""
+
+    lo: Vec3
+    hi: Vec3
+
+
+class SequenceOut(BaseModel):
+    """A sequence's manifest."""
+
+    id: str
+    name: str
+    frames: int
+    fps: float
+    points: list[int]
+    bounds: Bounds
+    fields: list[str]
+    revision: int
+    shift: Vec3
+    room: Matrix4
+    position_error: float
+    dropped: list[int]
+    large: bool
+    source: str
+
+    @classmethod
+    def of(cls, manifest: Manifest, revision: int) -> SequenceOut:
+        """From the stored manifest, whose bounds are local."""
+        shift = [float(x) for x in manifest.shift]
+        lo, hi = (
+            [float(x) + s for x, s in zip(corner, shift, strict=True)]
+            for corner in (manifest.lo, manifest.hi)
+        )
+        return cls(
+            bounds=Bounds(lo=lo, hi=hi), revision=revision, shift=shift, room=manifest.room,
+            id=manifest.id, name=manifest.name, frames=manifest.frames, fps=manifest.fps,
+            points=list(manifest.points), fields=list(manifest.fields),
+            position_error=manifest.position_error, dropped=list(manifest.dropped),
+            large=manifest.large, source=manifest.source,
+        )  # fmt: skip
+
+
+class SequencePatch(Body):
+    """What may be changed of an imported sequence."""
+
+    name: Name | None = None
+    fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+    room: Matrix4 | None = None
+
+
+class ImportBody(Body):
+    """Import files that the server can already read."""
+
+    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
+    name: Name | None = None
+    fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+    format: Annotated[str, Field(min_length=1, max_length=32)] | None = None
+    drop_invalid: bool = False
+
+
+class LabelOut(BaseModel):
+    """An entry of the palette."""
+
+    id: int
+    name: str
+    category: str
+    color: Color
+    locked: bool
+    visible: bool
+
+
+class LabelBody(Body):
+    """A new label; ``id`` and ``color`` are chosen when absent."""
+
+    name: Name
+    category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    color: Color | None = None
+    id: PaintId | None = None
+    locked: bool = False
+    visible: bool = True
+
+
+class LabelPatch(Body):
+    """What may be changed of a label; absent fields stay."""
+
+    name: Name | None = None
+    category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] | None = None
+    color: Color | None = None
+    locked: bool | None = None
+    visible: bool | None = None
+
+
+class StrokeBody(Brush):
+    """A whole stroke; see the contract.  The same ``id`` sent twice is applied once."""
+
+    id: Uuid | None = None
+    samples: Annotated[list[Sample], Field(max_length=65536, default_factory=list)]
+
+
+class EditOut(BaseModel):
+    """What an edit did; it is durable."""
+
+    edit: str
+    changed: int
+    revision: int
+
+    @classmethod
+    def of(cls, commit: Commit) -> EditOut:
+        """From the store's commit."""
+        return cls(edit=commit.edit_id, changed=commit.changed, revision=commit.revision)
+
+
+class UndoBody(Body):
+    """``id``: a UUID for the undo itself, so that sending it again takes back nothing more."""
+
+    id: Uuid | None = None
+
+
+class EditInfoOut(BaseModel):
+    """One line of the history."""
+
+    id: str
+    revision: int
+    author: str
+    time: datetime
+    kind: str
+    summary: str
+    points: int
+    frames: list[int]
+    undone: bool
+
+    @classmethod
+    def of(cls, edit: EditInfo) -> EditInfoOut:
+        """From the store's record."""
+        return cls(
+            id=edit.id, revision=edit.revision, author=edit.author,
+            time=datetime.fromtimestamp(edit.time, UTC),
+            kind=edit.kind, summary=edit.summary, points=edit.points,
+            frames=list(edit.frames), undone=edit.undone,
+        )  # fmt: skip
+
+
+class TrackingBody(Body):
+    """A tracking run; ``stop`` below ``start`` tracks backward."""
+
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
+    start: FrameIndex
+    stop: FrameIndex
+    method: Annotated[str, Field(min_length=1, max_length=64)] = "auto"
+    overwrite: Literal["never", "tracked", "all"] = "tracked"
+    id: Uuid | None = None
+
+
+class TrackOut(BaseModel):
+    """A label's track in one frame."""
+
+    label: LabelId
+    frame: FrameIndex
+    pose: Matrix4
+    rmse: float | None
+    inliers: float
+    confidence: float
+    points: int
+    state: Literal["tracked", "occluded", "lost", "painted"]
+
+
+class JobOut(BaseModel):
+    """Long work and how far it is."""
+
+    id: str
+    kind: Literal["import", "tracking", "export"]
+    sequence: str | None
+    state: Literal["queued", "running", "done", "failed", "cancelled"]
+    progress: float
+    message: str
+    result: dict[str, Any] | None
+    error: str | None
+
+    @classmethod
+    def of(cls, job: Job) -> JobOut:
+        """From the runner's record."""
+        return cls(
+            id=job.id, kind=job.kind, sequence=job.sequence, state=job.state,
+            progress=job.progress, message=job.message, result=job.result, error=job.error,
+        )  # fmt: skip
+
+
+class ChunkOut(BaseModel):
+    """One row of a frame's chunk table; ``offset`` is into the frame's wire bytes.
+
+    Position = ``origin + q * scale``, local metres; ``parent`` is the chunk above in an octree,
+    -1 elsewhere.
+    """
+
+    index: int
+    level: int
+    first: int
+    count: int
+    offset: int
+    nbytes: int
+    origin: Vec3
+    scale: Vec3
+    lo: Vec3
+    hi: Vec3
+    parent: int
+
+
+class ChunkTable(BaseModel):
+    """All chunks of a frame."""
+
+    frame: int
+    points: int
+    chunks: list[ChunkOut]
+
+
+class SessionBody(Body):
+    """Sign in with a token."""
+
+    token: Annotated[str, Field(min_length=1, max_length=512)]
+
+
+class SessionOut(BaseModel):
+    """Who is signed in."""
+
+    author: str
+    role: Literal["viewer", "annotator", "reviewer", "admin"]
+
+
+class MeOut(SessionOut):
+    """Who calls, and what the server speaks."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    schema_: Annotated[str, Field(alias="schema", description="hash of the socket's messages")]
+    version: str
+
+
+class Health(BaseModel):
+    """The server is up."""
+
+    status: Literal["ok"] = "ok"
+    version: str

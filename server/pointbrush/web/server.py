@@ -1,0 +1,132 @@
+"""Runs the app: one uvicorn server, one line when it is ready, an orderly end."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+import sys
+
+import segno
+import uvicorn
+
+from pointbrush.errors import BadInputError
+from pointbrush.settings import Settings
+from pointbrush.web.app import create_app
+from pointbrush.web.tls import Certificate, certificate
+from pointbrush.workspace import Workspace
+
+DRAIN_SECONDS = 5
+BACKLOG = 512
+
+
+def run(workspace: Workspace, settings: Settings) -> None:
+    """Serve until interrupted.
+
+    Prints ``pointbrush ready at URL`` once it listens, and off this machine also a QR code of it.
+    Raises BadInputError when the address cannot be listened on, or must not be.
+    """
+    app = create_app(workspace, settings)
+    tls = certificate(settings)
+    require_safe(settings, tls)
+    listener = listen(settings.host, settings.port)
+    url = page_url(settings, listener.getsockname()[1], app.state.token, secure=tls is not None)
+    app.state.ready = lambda: announce(url, code=tls is not None or not is_loopback(settings.host))
+    try:
+        Server(config(app, settings, tls)).run([listener])
+    finally:
+        listener.close()
+
+
+class Server(uvicorn.Server):
+    """Says when it listens."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, then announce the URL."""
+        await super().startup(sockets)
+        ready = getattr(self.config.app, "state", None)
+        if self.started and ready is not None and hasattr(ready, "ready"):
+            ready.ready()
+
+
+def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.Config:
+    """uvicorn's options, with the reasons in docs/streaming.md."""
+    return uvicorn.Config(
+        app,  # type: ignore[arg-type]
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        ws_max_size=settings.max_message,
+        ws_ping_interval=20,
+        ws_ping_timeout=20,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        backlog=BACKLOG,
+        timeout_keep_alive=30,
+        timeout_graceful_shutdown=DRAIN_SECONDS,
+        ssl_certfile=None if tls is None else str(tls.certfile),
+        ssl_keyfile=None if tls is None else str(tls.keyfile),
+    )
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket; raises BadInputError when the address is taken or none of ours."""
+    try:
+        family, kind, proto, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listener = socket.socket(family, kind, proto)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+    except OSError as error:
+        raise BadInputError(
+            f"expected a free address to listen on, got {host}:{port}: {error.strerror or error}"
+        ) from None
+    return listener
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach ``host``."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def require_safe(settings: Settings, tls: Certificate | None) -> None:
+    """Refuse to serve plain HTTP to a network unless told so."""
+    if is_loopback(settings.host) or tls is not None or settings.insecure:
+        return
+    raise BadInputError(
+        f"host: expected a loopback address, or --tls, or --insecure; got {settings.host} with "
+        "neither: tokens and labels would cross the network in the clear"
+    )
+
+
+def page_url(settings: Settings, port: int, token: str, *, secure: bool) -> str:
+    """The URL a person opens, with the token."""
+    host = settings.host
+    if host in ("0.0.0.0", "::"):  # noqa: S104 – compared, not bound
+        host = lan_address()
+    if ":" in host:
+        host = f"[{host}]"
+    return f"{'https' if secure else 'http'}://{host}:{port}/?token={token}"
+
+
+def lan_address() -> str:
+    """This machine's address on its network; no packet is sent to find it."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))
+        except OSError:
+            return socket.gethostname()
+        address: str = probe.getsockname()[0]
+        return address
+
+
+def announce(url: str, *, code: bool) -> None:
+    """Print the one line, and a QR code for the headset's or phone's camera."""
+    print(f"pointbrush ready at {url}", flush=True)
+    if code:
+        segno.make(url, micro=False).terminal(out=sys.stdout, compact=True)
+        sys.stdout.flush()

@@ -1,0 +1,87 @@
+"""A real server on a free port, and small recordings to serve: for tests and benchmarks."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import import_frames
+from pointbrush.settings import Settings
+from pointbrush.web.app import create_app
+from pointbrush.web.server import Server, config, listen
+from pointbrush.workspace import Workspace
+
+TOKEN = "test-token-of-the-owner"
+
+
+@dataclass
+class Served:
+    """A running server."""
+
+    url: str
+    token: str
+    workspace: Workspace
+
+    @property
+    def headers(self) -> dict[str, str]:
+        return {"Authorization": f"Bearer {self.token}"}
+
+
+def surface(count: int, seed: int, *, offset: float = 0.0) -> PointFrame:
+    """A noisy wall with colours, seen by a sensor at the origin: what a depth camera sees."""
+    random = np.random.default_rng(seed)
+    uv = random.uniform(-1, 1, (count, 2))
+    depth = 3 + 0.3 * np.sin(3 * uv[:, 0] + seed * 0.1) + random.normal(0, 0.002, count)
+    xyz = np.column_stack([uv[:, 0] * depth, uv[:, 1] * depth, depth]) + offset
+    rgb = random.integers(0, 256, (count, 3), dtype=np.uint8)
+    return PointFrame(xyz=xyz.astype(np.float32), rgb=rgb)
+
+
+def add_sequence(
+    settings: Settings, name: str, *, frames: int = 6, points: int = 20_000, fps: float = 30.0
+) -> None:
+    """Import a recording of ``surface`` frames directly into a workspace folder."""
+    import_frames(
+        (surface(points + 10 * i, i) for i in range(frames)),
+        settings.workspace / "sequences" / name,
+        sequence_id=name,
+        name=name,
+        fps=fps,
+    )
+
+
+def settings_in(folder: Path, **options: object) -> Settings:
+    """Settings of a test's own workspace."""
+    base = Settings(workspace=folder / "workspace", port=0, token=TOKEN, workers=1)
+    return replace(base, **options)  # type: ignore[arg-type]
+
+
+@contextmanager
+def serving(settings: Settings) -> Iterator[Served]:
+    """Run uvicorn in a thread until the context ends."""
+    workspace = Workspace(settings)
+    app = create_app(workspace, settings)
+    listener = listen("127.0.0.1", 0)
+    server = Server(config(app, settings, None))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    try:
+        deadline = time.monotonic() + 10
+        while not server.started:
+            assert time.monotonic() < deadline, "the server did not start"
+            assert thread.is_alive(), "the server stopped at its start"
+            time.sleep(0.01)
+        yield Served(f"http://127.0.0.1:{listener.getsockname()[1]}", app.state.token, workspace)
+    finally:
+        server.should_exit = True
+        thread.join(15)
+        listener.close()
+        workspace.close()
+        assert not thread.is_alive(), "the server did not stop"
