@@ -6,6 +6,7 @@ import argparse
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -253,7 +254,8 @@ def token(given: argparse.Namespace, settings: Settings) -> None:
         tokens = workspace.store.tokens
         if given.action == "list":
             for entry in tokens.list():
-                print(f"{entry.id}\t{entry.role}\t{entry.name}\t{entry.status}")
+                status = "valid" if entry.valid else "revoked" if entry.revoked else "expired"
+                print(f"{entry.id}\t{entry.role}\t{entry.name}\t{status}")
             return
         if not given.name:
             raise BadInputError(f"token {given.action}: expected a name, got none")
@@ -261,9 +263,8 @@ def token(given: argparse.Namespace, settings: Settings) -> None:
             tokens.revoke(given.name)
             print(f"revoked {given.name}")
         else:
-            days = given.days
-            secret = tokens.add(given.role, given.name, None if days is None else days * 86_400)
-            print(secret)
+            expires = None if given.days is None else time.time() + given.days * 86_400
+            print(tokens.add(given.role, given.name, expires))
 
 
 def review(given: argparse.Namespace, settings: Settings) -> None:

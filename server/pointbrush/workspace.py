@@ -28,7 +28,7 @@ from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import annotations, exporting, importing, tracking
+from pointbrush.work import exporting, importing, layers, tracking
 from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
 from pointbrush.work.library import Library
@@ -189,7 +189,7 @@ class Workspace:
         self, sequence: str, frame: int, layer: str = "label"
     ) -> tuple[NDArray[Any], int]:
         """A layer of a frame's annotation (N,), and the sequence's revision it is of."""
-        return annotations.get_layer(self.store, self.recording(sequence), frame, layer)
+        return layers.get_layer(self.store, self.recording(sequence), frame, layer)
 
     def put_annotation(
         self,
@@ -206,7 +206,7 @@ class Workspace:
 
         Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
         """
-        write = annotations.replacement(self.store, self.recording(sequence), frame, layer, array)
+        write = layers.replacement(self.store, self.recording(sequence), frame, layer, array)
         return self.store.apply(
             sequence,
             edit_id=edit_id(edit),

@@ -16,7 +16,7 @@ from pointbrush.web.auth import Annotator, Viewer
 from pointbrush.web.context import FramePath, RawBody, SequenceId, Ws, bounded, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
-from pointbrush.work.annotations import require_layer
+from pointbrush.work.layers import require_layer
 
 router = APIRouter(tags=["frames"])
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from pointbrush.errors import BadInputError
 from pointbrush.formats import LabeledFrame
 from pointbrush.frame import PointFrame
@@ -16,12 +18,15 @@ def source_frame(recording: Sequence, index: int) -> PointFrame:
     """A stored frame as it was in its file: source order, source coordinates, exact."""
     stored: StoredFrame = recording[index]
     manifest = recording.manifest
+    pose, shift = manifest.poses[index], np.asarray(manifest.shift)
     return PointFrame(
         xyz=stored.source_xyz(),
         rgb=None if stored.rgb is None else stored.to_source(stored.rgb),
         intensity=None if stored.intensity is None else stored.to_source(stored.intensity),
-        pose=None if manifest.poses is None else manifest.poses[index],
-        timestamp=None if manifest.timestamps is None else manifest.timestamps[index],
+        instance=None if stored.instance is None else stored.to_source(stored.instance),
+        pose=None if pose is None else np.array(pose).reshape(4, 4),
+        viewpoint=None if stored.viewpoint is None else stored.viewpoint + shift,
+        timestamp=manifest.timestamps[index],
     )
 
 
@@ -41,6 +46,7 @@ def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Ite
             provenance=stored.to_source(values.provenance),
             deleted=stored.to_source(values.deleted),
             tracks=tracks.get(index, []),
+            up=recording.manifest.T_room_local[1, :3],
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels.types import Only
 from pointbrush.selection import Points, Selector, Stroke
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
@@ -119,7 +120,7 @@ class LiveStroke:
 
 
 def _write(brush: Stroke, numbers: NDArray[np.int64], living: NDArray[np.bool_]) -> Write:
-    only = "unlabeled" if brush.only_unlabeled else "any"
+    only: Only = "unlabeled" if brush.only_unlabeled else "any"
     match brush.tool:
         case "paint":
             return Write(numbers[living], label=brush.label, provenance=PAINTED, only=only)

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.jobs import Channel
 from pointbrush.labels import LabelStore, Write
+from pointbrush.labels.types import Only
 from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
 
 TRACKED = 2
 NOTHING = {"edit": None, "changed": 0, "frames": 0}
 """What a run reports that found nothing, or was told to drop it."""
-OVERWRITE = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
+OVERWRITE: dict[str, Only] = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
 
 
 @dataclass(frozen=True)
