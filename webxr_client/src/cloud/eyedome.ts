@@ -27,7 +27,7 @@ export class EyeDome {
         depths: { value: this.target.depthTexture },
         texel: { value: new Vector2() },
         clip: { value: new Vector2() },
-        strength: { value: 6 },
+        strength: { value: 4 },
       },
     });
     this.quad = new Mesh(triangle, material);

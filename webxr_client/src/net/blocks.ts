@@ -2,9 +2,20 @@
 import { BLOCK, BLOCK_VALUES, sizeCode, SIZE_CODES } from './segment';
 
 /** Points whose common extent gives the local spacing. */
-const RUN = 32;
+const RUN = 16;
 const RUNS_PER_BLOCK = BLOCK / RUN;
-const scratch = new Float64Array(65536 / RUN + 1);
+const RUNS = 65536 / RUN;
+const spacings = new Float32Array(RUNS);
+const distances = new Float32Array(RUNS);
+/** Runs looked at to find the rule that spacings follow. */
+const SAMPLES = 128;
+const samples = new Float32Array(SAMPLES);
+/** A rule holds when half the runs are this near to it, relatively. */
+const TIGHT = 1;
+/** A run's box is larger than the patch in it: measured on patches of known spacing. */
+const BOX_EXCESS = 0.7;
+
+export type Vector = readonly [number, number, number];
 
 export function blockCount(points: number): number {
   return Math.ceil(points / BLOCK);
@@ -14,37 +25,74 @@ export function blockCount(points: number): number {
  * Fill the blocks' bounds and stamp each vertex with its chunk and size code.
  *
  * Neighbours in Morton order are neighbours in space, so a run of them covers a patch of surface
- * whose area says how far its points lie apart.  `vertices` is a view of the chunk's points,
- * 6 uint16 each; `blocks` starts at the chunk's first block.
+ * whose area says how far its points lie apart.  A run across an edge measures the gap instead;
+ * it is put right by the rule that most runs follow: spacing grows with the distance from the
+ * sensor (cameras, lidars), or is the same everywhere (merged scans).
+ * `vertices` is a view of the chunk's points, 6 uint16 each; `blocks` starts at its first block.
  */
 export function finishChunk(
   vertices: Uint16Array,
   count: number,
-  scale: readonly [number, number, number],
+  origin: Vector,
+  scale: Vector,
   chunk: number,
   blocks: Uint16Array,
 ): void {
-  const runs = Math.ceil(count / RUN);
-  const spacings = runs <= scratch.length ? scratch : new Float64Array(runs);
-  measureRuns(vertices, count, scale, blocks, spacings);
+  const runs = Math.min(RUNS, Math.ceil(count / RUN));
+  measureRuns(vertices, count, origin, scale, blocks);
+  const rule = findRule(runs);
   for (let run = 0; run < runs; run++) {
-    const here = spacings[run]!;
-    const before = run > 0 ? spacings[run - 1]! : here;
-    const after = run + 1 < runs ? spacings[run + 1]! : here;
-    // A run that jumps across a gap measures the gap; its neighbours know better.
-    const spacing = Math.min(here, 1.5 * Math.min(before, after));
+    const usual = rule.grows ? rule.factor * distances[run]! : rule.factor;
+    const spacing = Math.min(rule.most * usual, Math.max(rule.least * usual, spacings[run]!));
     const stamp = chunk * SIZE_CODES + sizeCode(spacing);
     const stop = Math.min(count, (run + 1) * RUN) * 6;
     for (let i = run * RUN * 6 + 5; i < stop; i += 6) vertices[i] = stamp;
   }
 }
 
+interface Rule {
+  /** Spacing grows with the distance from the sensor. */
+  readonly grows: boolean;
+  readonly factor: number;
+  /** How far a run may depart from the rule. */
+  readonly least: number;
+  readonly most: number;
+}
+
+function findRule(runs: number): Rule {
+  const same = middle(runs, false);
+  const grows = middle(runs, true);
+  const best = grows.spread < same.spread ? grows : same;
+  const holds = best.spread < TIGHT;
+  return {
+    grows: best === grows,
+    factor: best.median,
+    least: holds ? 0.75 : 0.2,
+    most: holds ? 1.4 : 3,
+  };
+}
+
+/** Median of the runs' spacings (over their distance), and how far apart they are around it. */
+function middle(runs: number, perDistance: boolean): { median: number; spread: number } {
+  const step = Math.max(1, Math.floor(runs / SAMPLES));
+  let n = 0;
+  for (let run = 0; run < runs && n < SAMPLES; run += step) {
+    samples[n++] = perDistance ? spacings[run]! / distances[run]! : spacings[run]!;
+  }
+  const sorted = samples.subarray(0, n).sort();
+  // Edges only ever enlarge a run: the usual one lies below the median.
+  const median = sorted[Math.floor(n * 0.4)] ?? 1e-3;
+  const spread =
+    ((sorted[Math.floor(n * 0.65)] ?? 0) - (sorted[Math.floor(n * 0.15)] ?? 0)) / median;
+  return { median, spread };
+}
+
 function measureRuns(
   vertices: Uint16Array,
   count: number,
-  scale: readonly [number, number, number],
+  origin: Vector,
+  scale: Vector,
   blocks: Uint16Array,
-  spacings: Float64Array,
 ): void {
   const [scaleX, scaleY, scaleZ] = scale;
   for (let run = 0, first = 0; first < count; run++, first += RUN) {
@@ -71,6 +119,14 @@ function measureRuns(
     if (fresh || hiZ > blocks[block + 5]!) blocks[block + 5] = hiZ;
     const n = stop - first;
     spacings[run] = spacing((hiX - loX) * scaleX, (hiY - loY) * scaleY, (hiZ - loZ) * scaleZ, n);
+    distances[run] = Math.max(
+      1e-6,
+      Math.hypot(
+        origin[0] + ((loX + hiX) / 2) * scaleX,
+        origin[1] + ((loY + hiY) / 2) * scaleY,
+        origin[2] + ((loZ + hiZ) / 2) * scaleZ,
+      ),
+    );
   }
 }
 
@@ -79,5 +135,5 @@ function spacing(a: number, b: number, c: number, n: number): number {
   const longest = Math.max(a, b, c);
   const shortest = Math.min(a, b, c);
   const middle = a + b + c - longest - shortest;
-  return Math.max(Math.sqrt((longest * middle) / n), longest / n, 1e-6);
+  return Math.max(BOX_EXCESS * Math.sqrt((longest * middle) / n), longest / n, 1e-6);
 }

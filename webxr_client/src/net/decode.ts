@@ -30,6 +30,7 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     finishChunk(
       new Uint16Array(vertices, start * STRIDE, count * 6),
       count,
+      chunk.origin,
       chunk.scale,
       chunk.index % MAX_CHUNKS,
       blocks.subarray(block * BLOCK_VALUES),
