@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -43,7 +44,7 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
     _require_labels(write, label, palette)
     blocks = indices // BLOCK
     starts = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
-    for start, stop in zip(starts, [*starts[1:], len(indices)], strict=True):
+    for start, stop in itertools.pairwise([*starts, len(indices)]):
         block = int(blocks[start])
         yield BlockWrite(
             block,

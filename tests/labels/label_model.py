@@ -1,0 +1,198 @@
+"""The label store as its documentation describes it: slow, in memory, obvious.
+
+The state is never kept: every question replays the edits that are in force, in order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from pointbrush.errors import ConflictError, LockedLabelError, NotFoundError
+
+ACTIVE, UNDONE, DROPPED, KEPT, INERT = range(5)
+Point = tuple[int, int]
+
+
+class Mark(NamedTuple):
+    label: int
+    provenance: int
+
+
+@dataclass
+class Edit:
+    author: str
+    state: int = ACTIVE
+    marks: dict[Point, Mark] = field(default_factory=dict)
+    deleted: dict[Point, bool] = field(default_factory=dict)
+    labels: dict[int, dict[str, Any]] = field(default_factory=dict)
+    tracks: dict[tuple[int, int], Any] = field(default_factory=dict)
+
+    @property
+    def in_force(self) -> bool:
+        return self.state in (ACTIVE, KEPT)
+
+
+class Model:
+    def __init__(self) -> None:
+        self.edits: list[Edit] = []
+        self.highest = 0
+
+    # ── what a replay gives ──
+
+    def top(self, layer: str) -> dict[Point, tuple[Any, Edit]]:
+        return {
+            point: (value, edit)
+            for edit in self.edits
+            if edit.in_force
+            for point, value in getattr(edit, layer).items()
+        }
+
+    def palette(self) -> dict[int, dict[str, Any]]:
+        merged: dict[int, dict[str, Any]] = {}
+        for edit in self.edits:
+            if edit.in_force:
+                for label, fields in edit.labels.items():
+                    merged.setdefault(label, {}).update(fields)
+        return {n: f for n, f in merged.items() if f.get("exists") and "name" in f}
+
+    def tracks(self) -> dict[tuple[int, int], Any]:
+        palette = self.palette()
+        found = {place: v for e in self.edits if e.in_force for place, v in e.tracks.items()}
+        return {place: value for place, value in found.items() if place[1] in palette}
+
+    def raw(self) -> dict[Point, Mark]:
+        return {point: mark for point, (mark, _) in self.top("marks").items()}
+
+    def visible(self, known: Any = None) -> dict[Point, tuple[int, int, bool]]:
+        known = self.palette() if known is None else known
+        deleted = {point: flag for point, (flag, _) in self.top("deleted").items()}
+        shown: dict[Point, tuple[int, int, bool]] = {}
+        raw = self.raw()
+        for point in raw.keys() | deleted.keys():
+            mark = raw.get(point, Mark(0, 0))
+            if mark.label and mark.label not in known:
+                mark = Mark(0, 0)
+            if (*mark, deleted.get(point, False)) != (0, 0, False):
+                shown[point] = (*mark, deleted.get(point, False))
+        return shown
+
+    def counts(self) -> dict[tuple[int, int], tuple[int, int]]:
+        found: dict[tuple[int, int], tuple[int, int]] = {}
+        for (frame, _), (label, provenance, deleted) in self.visible().items():
+            if label and not deleted:
+                points, painted = found.get((frame, label), (0, 0))
+                found[frame, label] = (points + 1, painted + (provenance == 1))
+        return found
+
+    # ── edits ──
+
+    def commit(self, edit: Edit) -> None:
+        before = self.visible()
+        self.edits.append(edit)
+        if self.visible() == before and not edit.labels and not edit.tracks:
+            edit.state = INERT
+            tops = (self.top("marks"), self.top("deleted"))
+            mine = [(edit.marks, tops[0]), (edit.deleted, tops[1])]
+            owners = {top[p][1].author for points, top in mine for p in points if p in top}
+            if owners - {edit.author}:
+                edit.state = ACTIVE
+        if edit.state == ACTIVE:
+            for other in self.edits:
+                if other.author == edit.author and other.state == UNDONE:
+                    other.state = DROPPED
+
+    def write(
+        self,
+        author: str,
+        points: list[Point],
+        label: int | None,
+        provenance: int | None,
+        deleted: bool | None,
+        only: str = "any",
+        tracks: dict[tuple[int, int], Any] | None = None,
+    ) -> None:
+        palette = self.palette()
+        if label and label not in palette:
+            raise NotFoundError
+        if label and palette[label]["locked"]:
+            raise LockedLabelError
+        if any(n not in palette for _, n in tracks or {}):
+            raise NotFoundError
+        shown, raw = self.visible(), self.raw()
+        edit = Edit(author, tracks=dict(tracks or {}))
+        for point in points:
+            now = shown.get(point, (0, 0, False))
+            if now[0] and palette[now[0]]["locked"]:
+                continue
+            if (only == "unlabeled" and now[0]) or (only == "not_painted" and now[1] == 1):
+                continue
+            mark = raw.get(point, Mark(0, 0))
+            if label is not None or provenance is not None:
+                edit.marks[point] = Mark(
+                    mark.label if label is None else label,
+                    mark.provenance if provenance is None else provenance,
+                )
+            if deleted is not None:
+                edit.deleted[point] = deleted
+        self.commit(edit)
+
+    def create(self, author: str, name: str, label: int | None) -> int:
+        number = self.highest + 1 if label is None else label
+        if number in self.palette():
+            raise ConflictError
+        fields = {"exists": True, "name": name, "locked": False}
+        marks = {point: Mark(0, 0) for point, mark in self.raw().items() if mark.label == number}
+        self.commit(Edit(author, marks=marks, labels={number: fields}))
+        self.highest = max(self.highest, number)
+        return number
+
+    def change(self, author: str, label: int, **fields: Any) -> None:
+        palette = self.palette()
+        if label not in palette:
+            raise NotFoundError
+        news = {k: v for k, v in fields.items() if palette[label][k] != v}
+        self.commit(Edit(author, labels={label: news} if news else {}))
+
+    def delete(self, author: str, label: int) -> None:
+        palette = self.palette()
+        if label not in palette:
+            raise NotFoundError
+        if palette[label]["locked"]:
+            raise LockedLabelError
+        marks = {point: Mark(0, 0) for point, mark in self.raw().items() if mark.label == label}
+        self.commit(Edit(author, marks=marks, labels={label: {"exists": False}}))
+
+    # ── undo and redo ──
+
+    def undo(self, author: str) -> None:
+        mine = [e for e in self.edits if e.author == author and e.state == ACTIVE]
+        if not mine:
+            raise ConflictError
+        palette = self.palette()
+        self._turn(mine[-1], UNDONE)
+        used = {mark.label for mark in self.raw().values()}
+        kept = {
+            n: {"exists": True, **fields}
+            for n, fields in palette.items()
+            if n in used and n not in self.palette()
+        }
+        self.edits.append(Edit(author, KEPT, labels=kept))
+
+    def redo(self, author: str) -> None:
+        mine = [e for e in self.edits if e.author == author and e.state == UNDONE]
+        if not mine:
+            raise ConflictError
+        self._turn(mine[0], ACTIVE)
+
+    def _turn(self, edit: Edit, state: int) -> None:
+        palette = self.palette()
+        before, was = self.visible(palette), edit.state
+        edit.state = state
+        after = self.visible(palette)
+        for point in before.keys() | after.keys():
+            pair = before.get(point, (0, 0, False)), after.get(point, (0, 0, False))
+            labels = {pair[0][0], pair[1][0]} - {0}
+            if pair[0] != pair[1] and any(palette[n]["locked"] for n in labels):
+                edit.state = was
+                raise LockedLabelError

@@ -1,0 +1,210 @@
+"""Random interleavings of several people's edits, against a model that only replays."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from label_model import Model
+
+from pointbrush.errors import PointbrushError
+from pointbrush.labels import Commit, LabelStore, Write, sessions
+
+# Points on both sides of the border between two blocks.
+PLACES = [0, 1, 2, 3, 65_534, 65_535, 65_536, 65_537]
+SIZE = 65_540
+FRAMES = 2
+AUTHORS = ["ann", "bob", "cat"]
+
+author = st.sampled_from(AUTHORS)
+label = st.integers(1, 4)
+points = st.lists(
+    st.tuples(st.integers(0, FRAMES - 1), st.sampled_from(PLACES)), unique=True, max_size=8
+)
+OPERATIONS = st.one_of(
+    st.tuples(
+        st.just("write"),
+        author,
+        points,
+        st.none() | st.integers(0, 4),
+        st.none() | st.integers(0, 3),
+        st.sampled_from([None, None, None, True, False]),
+        st.sampled_from(["any", "any", "unlabeled", "not_painted"]),
+        st.sets(st.tuples(st.integers(0, FRAMES - 1), label), max_size=2),
+    ),
+    st.tuples(st.just("paint"), author, points, st.integers(0, 4)),
+    st.tuples(st.just("undo"), author),
+    st.tuples(st.just("undo"), author),
+    st.tuples(st.just("redo"), author),
+    st.tuples(st.just("create"), author, st.none() | label),
+    st.tuples(st.just("change"), author, label, st.sampled_from(["x", "y"]), st.none()),
+    st.tuples(st.just("change"), author, label, st.none(), st.booleans()),
+    st.tuples(st.just("delete"), author, label),
+)
+
+
+class Pair:
+    """The store, through two connections to it as of two servers, and the model."""
+
+    def __init__(self, stores: list[LabelStore], sequence: str) -> None:
+        self.stores, self.sequence, self.model = stores, sequence, Model()
+        stores[0].register(sequence, [SIZE] * FRAMES)
+        self.copies = [np.zeros((FRAMES, SIZE, 3), np.int64) for _ in stores]
+
+    def run(self, which: int, operation: tuple[Any, ...]) -> None:
+        name, who, *rest = operation
+        expected, got = (
+            _outcome(lambda: getattr(self, f"model_{name}")(who, *rest)),
+            _outcome(lambda: getattr(self, f"store_{name}")(self.stores[which], who, *rest)),
+        )
+        assert got == expected, operation
+
+    def model_write(self, who: str, where: Any, *rest: Any) -> None:
+        *values, tracks = rest
+        self.model.write(who, where, *values, tracks={place: who for place in sorted(tracks)})
+
+    def model_paint(self, who: str, where: Any, number: int) -> None:
+        self.model.write(who, where, number, 1, None)
+
+    def model_undo(self, who: str) -> None:
+        self.model.undo(who)
+
+    def model_redo(self, who: str) -> None:
+        self.model.redo(who)
+
+    def model_create(self, who: str, number: int | None) -> None:
+        self.model.create(who, "new", number)
+
+    def model_change(self, who: str, number: int, name: str | None, locked: bool | None) -> None:
+        given = {"name": name, "locked": locked}
+        self.model.change(who, number, **{k: v for k, v in given.items() if v is not None})
+
+    def model_delete(self, who: str, number: int) -> None:
+        self.model.delete(who, number)
+
+    def store_write(self, store: LabelStore, who: str, where: Any, *rest: Any) -> None:
+        number, provenance, deleted, only, tracks = rest
+        writes = [
+            (
+                frame,
+                Write(
+                    np.array(sorted(p for f, p in where if f == frame), np.int64),
+                    number,
+                    provenance,
+                    deleted,
+                    only,
+                ),
+            )
+            for frame in range(FRAMES)
+        ]
+        store.apply(
+            self.sequence,
+            edit_id=None,
+            author=who,
+            kind="paint",
+            writes=writes,
+            summary="",
+            tracks=[{"frame": f, "label": n, "by": who} for f, n in sorted(tracks)],
+        )
+
+    def store_paint(self, store: LabelStore, who: str, where: Any, number: int) -> None:
+        self.store_write(store, who, where, number, 1, None, "any", ())
+
+    def store_undo(self, store: LabelStore, who: str) -> None:
+        store.undo(self.sequence, who)
+
+    def store_redo(self, store: LabelStore, who: str) -> None:
+        store.redo(self.sequence, who)
+
+    def store_create(self, store: LabelStore, who: str, number: int | None) -> None:
+        store.create_label(self.sequence, who, name="new", id=number)
+
+    def store_change(
+        self, store: LabelStore, who: str, number: int, name: str | None, locked: bool | None
+    ) -> None:
+        store.update_label(self.sequence, who, number, name=name, locked=locked)
+
+    def store_delete(self, store: LabelStore, who: str, number: int) -> None:
+        store.delete_label(self.sequence, who, number)
+
+    def compare(self) -> None:
+        palette = self.model.palette()
+        for store, copy in zip(self.stores, self.copies, strict=True):
+            seen = np.stack([self._values(store, frame) for frame in range(FRAMES)])
+            found = {
+                (frame, point): (seen[frame, point, 0], seen[frame, point, 1], bool(flag))
+                for frame, point in itertools.product(range(FRAMES), PLACES)
+                for flag in [seen[frame, point, 2]]
+                if seen[frame, point].any()
+            }
+            assert found == self.model.visible()
+            assert int(np.count_nonzero(seen.any(axis=2))) == len(found)
+            assert (copy == seen).all(), "the deltas do not add up to the state"
+            shown = {one.id: (one.name, one.locked) for one in store.palette(self.sequence)}
+            assert shown == {n: (f["name"], f["locked"]) for n, f in palette.items()}
+            assert store.counts(self.sequence) == self.model.counts()
+            tracks = {(t["frame"], t["label"]): t["by"] for t in store.tracks(self.sequence)}
+            assert tracks == self.model.tracks()
+
+    def _values(self, store: LabelStore, frame: int) -> np.ndarray[Any, Any]:
+        values = store.values(self.sequence, frame)
+        return np.stack([values.label, values.provenance, values.deleted], axis=1).astype(np.int64)
+
+    def hear(self, which: int) -> Callable[[Commit], None]:
+        def heard(commit: Commit) -> None:
+            if commit.sequence != self.sequence:
+                return
+            for frame, delta in commit.frames.items():
+                values = np.stack([delta.label, delta.provenance, delta.deleted], axis=1)
+                self.copies[which][frame][delta.indices] = values
+
+        return heard
+
+
+def _outcome(work: Callable[[], object]) -> type[Exception] | None:
+    try:
+        work()
+    except PointbrushError as error:
+        return type(error)
+    return None
+
+
+@pytest.fixture
+def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[LabelStore]]:
+    # Snapshots all the time, and one of the two can keep but a single block in memory.
+    monkeypatch.setattr(sessions, "SNAPSHOT_EVERY", 3)
+    opened = [LabelStore(url), LabelStore(url, cache_bytes=1)]
+    yield opened
+    for store in opened:
+        store.close()
+
+
+@settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+@given(st.lists(st.tuples(st.integers(0, 1), OPERATIONS), min_size=4, max_size=40))
+def test_any_interleaving_is_a_replay_without_what_was_undone(
+    stores: list[LabelStore], operations: list[tuple[int, tuple[Any, ...]]]
+) -> None:
+    pair = Pair(stores, f"s{next(NUMBERS)}")
+    unsubscribe = [store.subscribe(pair.hear(n)) for n, store in enumerate(stores)]
+    for name in ("one", "two", "three"):
+        pair.model.create("ann", name, None)
+        stores[0].create_label(pair.sequence, "ann", name=name)
+    for step, (which, operation) in enumerate(operations):
+        pair.run(which, operation)
+        if step % 5 == 4:
+            pair.compare()
+    pair.compare()
+    for stop in unsubscribe:
+        stop()
+
+
+NUMBERS = itertools.count()
