@@ -126,7 +126,7 @@ def colors_of(name: str, values: Array) -> NDArray[np.uint8]:
     Raises BadInputError for negative, NaN or larger values.
     """
     if values.dtype == np.uint8:
-        return values
+        return np.asarray(values, np.uint8)
     if values.dtype == np.int8:
         return values.astype(np.uint8)
     if len(values) == 0:
@@ -139,9 +139,9 @@ def colors_of(name: str, values: Array) -> NDArray[np.uint8]:
             return ((values.astype(np.uint32) * 255 + 32767) // 65535).astype(np.uint8)
         raise BadInputError(f"{name}: expected colours 0 to 65535, got {low} to {high}")
     if low >= 0 and high <= 1:
-        return np.rint(values * 255).astype(np.uint8)
+        return np.asarray(np.rint(values * 255), np.uint8)
     if low >= 0 and high <= 255:
-        return np.rint(values).astype(np.uint8)
+        return np.asarray(np.rint(values), np.uint8)
     if low >= 0 and high <= 65535 and not np.any(values % 1):
         return colors_of(name, values.astype(np.uint32))
     raise BadInputError(f"{name}: expected colours 0 to 1 or 0 to 255, got {low:g} to {high:g}")

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.kitti import read_bin, read_kitti
+from pointbrush.formats.las import read_las
 from pointbrush.formats.npy import read_npy, read_npz
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pcd import read_pcd
@@ -48,6 +49,7 @@ class Format:
 BUILT_IN = (
     Format("ply", (".ply",), read_ply, "PLY", (b"ply\n", b"ply\r")),
     Format("pcd", (".pcd",), read_pcd, "PCD", (b"# .PCD", b"VERSION ")),
+    Format("las", (".las", ".laz"), read_las, "LAS, LAZ and COPC", (b"LASF",)),
     Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records"),
@@ -58,6 +60,7 @@ BUILT_IN = (
     ),
 )
 ALIASES = {
+    **dict.fromkeys(("laz", "copc"), "las"),
     **dict.fromkeys(("xyz", "txt", "pts", "csv", "asc"), "text"),
     **dict.fromkeys(("semantickitti", "velodyne"), "kitti"),
 }

@@ -1,0 +1,108 @@
+"""LAS, LAZ and COPC: whole files as one frame, or by chunks for files larger than memory.
+
+Coordinates are float64, the stored integers times scale plus offset.  Compressed points are
+decoded in a child process (``laz_child.py``), since native decoders can crash on bad files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.las_header import LasHeader, read_header
+from pointbrush.formats.laz import decoded_records
+from pointbrush.formats.options import ReadOptions
+from pointbrush.frame import PointFrame
+
+Array = NDArray[Any]
+COLORS = ("red", "green", "blue")
+# Enough of a file to see whether its 16-bit colours go beyond 255.
+SAMPLE_BLOCKS, SAMPLE_POINTS = 64, 4096
+
+
+def read_las(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """One LAS, LAZ or COPC file as one frame.
+
+    Extra dimensions ``label`` and ``instance`` are read as such; the classification is not.
+    Raises BadInputError for a damaged or truncated file, TooLargeError beyond the limits.
+    """
+    header = read_header(path, options.limits)
+    records = list(_records(path, header, max(header.count, 1), options))
+    rows = records[0] if len(records) == 1 else np.concatenate([_empty(header), *records])
+    yield _frame(path.name, header, rows, _is_8_bit(rows), options)
+
+
+def read_chunks(
+    path: Path, points_per_chunk: int, options: ReadOptions | None = None
+) -> Iterator[PointFrame]:
+    """The points of a file in order, as frames of ``points_per_chunk`` (the last is smaller).
+
+    Memory is that of one chunk.  Raises as ``read_las``; ``read_header`` tells count and bounds.
+    """
+    if points_per_chunk < 1:
+        raise BadInputError(f"points_per_chunk: expected 1 or more, got {points_per_chunk}")
+    options = options or ReadOptions()
+    header = read_header(path, options.limits)
+    eight_bit: bool | None = None
+    for rows in _records(path, header, points_per_chunk, options):
+        if eight_bit is None:
+            eight_bit = _is_8_bit(rows if header.laszip else _sample(path, header))
+        yield _frame(path.name, header, rows, eight_bit, options)
+
+
+def _records(
+    path: Path, header: LasHeader, chunk: int, options: ReadOptions
+) -> Iterator[NDArray[Any]]:
+    """Point records in blocks of ``chunk``; views of the file where it is not compressed."""
+    if header.count == 0:
+        yield _empty(header)
+        return
+    if header.laszip is None:
+        rows = _mapped(path, header)
+        for first in range(0, header.count, chunk):
+            yield rows[first : first + chunk]
+        return
+    for block in decoded_records(path, header, chunk, options.limits):
+        yield np.frombuffer(block, header.dtype)
+
+
+def _mapped(path: Path, header: LasHeader) -> NDArray[Any]:
+    return np.memmap(path, header.dtype, "r", header.offset, (header.count,))
+
+
+def _empty(header: LasHeader) -> NDArray[Any]:
+    return np.empty(0, header.dtype)
+
+
+def _sample(path: Path, header: LasHeader) -> NDArray[Any]:
+    rows = _mapped(path, header)
+    starts = np.linspace(0, max(header.count - SAMPLE_POINTS, 0), SAMPLE_BLOCKS).astype(np.int64)
+    return np.concatenate([rows[start : start + SAMPLE_POINTS] for start in np.unique(starts)])
+
+
+def _is_8_bit(rows: NDArray[Any]) -> bool:
+    """Whether 16-bit colours hold 8-bit values, as many writers leave them."""
+    names = rows.dtype.names or ()
+    return "red" in names and all(int(rows[c].max(initial=0)) <= 255 for c in COLORS)
+
+
+def _frame(
+    name: str, header: LasHeader, rows: NDArray[Any], eight_bit: bool, options: ReadOptions
+) -> PointFrame:
+    columns: dict[str, Array] = {
+        axis: rows[axis] * header.scales[i] + header.offsets[i] for i, axis in enumerate("xyz")
+    }
+    columns["intensity"] = rows["intensity"]
+    columns |= {extra: rows[extra] for extra in ("label", "instance") if extra in header.extra}
+    if "red" in (rows.dtype.names or ()):
+        rgb = np.stack([rows[color] for color in COLORS], axis=1)
+        # 65535 becomes 255, and each 8-bit value times 257 becomes itself.
+        scaled = np.minimum(rgb, 255) if eight_bit else (rgb.astype(np.uint32) + 128) // 257
+        columns["rgb"] = scaled.astype(np.uint8)
+    return frame_from_columns(name, columns, options)

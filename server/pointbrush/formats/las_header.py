@@ -1,0 +1,174 @@
+"""The header of LAS 1.0 to 1.5 and LAZ, every count and offset checked against the file.
+
+The numbers come from untrusted files: nothing is allocated by them and no list of records is
+walked by their claimed length.  Layout: ASPRS LAS Specification 1.4 R15.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.options import Limits, require_count
+
+# Bytes of a point, and where its colour is, by point format.
+RECORD = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
+COLOR = {2: 20, 3: 28, 5: 28, 7: 30, 8: 30, 10: 30}
+EXTRA_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
+COMPRESSED = 0x80
+
+
+@dataclass(frozen=True, slots=True)
+class LasHeader:
+    """What is needed to read the points.
+
+    ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
+    ``extra`` name → (byte in the record, NumPy type); ``laszip`` is the compressor's record, None
+    for uncompressed points.
+    """
+
+    version: tuple[int, int]
+    point_format: int
+    record: int
+    offset: int
+    count: int
+    scales: NDArray[np.float64]
+    offsets: NDArray[np.float64]
+    lo: NDArray[np.float64]
+    hi: NDArray[np.float64]
+    extra: dict[str, tuple[int, str]]
+    laszip: bytes | None
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The fields of a point record that pointbrush reads."""
+        fields: dict[str, tuple[str, int]] = {
+            "x": ("<i4", 0),
+            "y": ("<i4", 4),
+            "z": ("<i4", 8),
+            "intensity": ("<u2", 12),
+        }
+        if self.point_format in COLOR:
+            at = COLOR[self.point_format]
+            fields |= {c: ("<u2", at + 2 * i) for i, c in enumerate(("red", "green", "blue"))}
+        for name, (at, kind) in self.extra.items():
+            fields.setdefault(name, ("<" + kind, at))
+        return np.dtype(
+            {
+                "names": list(fields),
+                "formats": [kind for kind, _ in fields.values()],
+                "offsets": [at for _, at in fields.values()],
+                "itemsize": self.record,
+            }
+        )
+
+
+def read_header(path: Path, limits: Limits) -> LasHeader:
+    """The header of a LAS or LAZ file.
+
+    Raises NotFoundError, BadInputError for a damaged header or a file shorter than its points,
+    TooLargeError beyond the limits.
+    """
+    name = path.name
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            start = file.read(375)
+            header = _parse(name, start, size)
+            header_size = struct.unpack_from("<H", start, 94)[0]
+            file.seek(header_size)
+            # Records of variable length fill what is between header and points, however many
+            # the header claims.  64 MiB is far above real ones.
+            between = file.read(min(header.offset - header_size, 1 << 26))
+    except FileNotFoundError:
+        raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+    require_count(name, header.count, limits)
+    return _with_records(name, header, between, size, start[104])
+
+
+def _parse(name: str, start: bytes, size: int) -> LasHeader:
+    if not start:
+        raise BadInputError(f"{name}: expected points, got an empty file (0 bytes)")
+    if start[:4] != b"LASF":
+        raise BadInputError(f"{name}: expected a LAS file starting with 'LASF', got {start[:4]!r}")
+    if len(start) < 227:
+        raise BadInputError(f"{name}: expected a header of 227 bytes or more, got {len(start)}")
+    version = (start[24], start[25])
+    if version[0] != 1 or version[1] > 5:
+        raise BadInputError(f"{name}: expected LAS 1.0 to 1.5, got {version[0]}.{version[1]}")
+    header_size, offset = struct.unpack_from("<HI", start, 94)
+    form, record, count = struct.unpack_from("<BHI", start, 104)
+    # Compressors mark the format in its two upper bits.
+    form &= 0x3F
+    if form >= len(RECORD):
+        raise BadInputError(f"{name}: expected a point format 0 to 10, got {form}")
+    if record < RECORD[form]:
+        raise BadInputError(
+            f"{name}: expected {RECORD[form]} bytes or more for a point of format {form}, got "
+            f"{record}"
+        )
+    if version >= (1, 4) and len(start) >= 255:
+        count = struct.unpack_from("<Q", start, 247)[0] or count
+    if not 227 <= header_size <= offset <= size:
+        raise BadInputError(
+            f"{name}: expected points after a header of 227 bytes or more and within {size} bytes, "
+            f"got a header of {header_size} and points at {offset}"
+        )
+    numbers = np.frombuffer(start, "<f8", 12, 131)
+    scales, offsets = numbers[:3], numbers[3:6]
+    if not np.isfinite(numbers[:6]).all() or not scales.all():
+        raise BadInputError(
+            f"{name}: expected finite scales and offsets, got {scales.tolist()} and "
+            f"{offsets.tolist()}"
+        )
+    hi, lo = numbers[6::2], numbers[7::2]
+    return LasHeader(version, form, record, offset, count, scales, offsets, lo, hi, {}, None)
+
+
+def _with_records(
+    name: str, header: LasHeader, between: bytes, size: int, raw_format: int
+) -> LasHeader:
+    """Add extra fields and the compressor's record; check the points fit the file."""
+    extra: dict[str, tuple[int, str]] = {}
+    laszip: bytes | None = None
+    at = 0
+    while at + 54 <= len(between):
+        user, number, length = struct.unpack_from("<16sHH", between, at + 2)
+        data = between[at + 54 : at + 54 + length]
+        at += 54 + length
+        user = user.split(b"\0")[0]
+        if len(data) == length and (user, number) == (b"laszip encoded", 22204):
+            laszip = data
+        elif (user, number) == (b"LASF_Spec", 4):
+            extra = _extra_fields(data, RECORD[header.point_format], header.record)
+    if raw_format & COMPRESSED and laszip is None:
+        raise BadInputError(f"{name}: expected the record of the LAZ compressor, got none")
+    needed = header.count * header.record
+    if laszip is None and header.offset + needed > size:
+        raise BadInputError(
+            f"{name}: expected {header.count} points of {header.record} bytes from byte "
+            f"{header.offset}, got {size - header.offset} bytes; the file is cut off"
+        )
+    return replace(header, extra=extra, laszip=laszip)
+
+
+def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str]]:
+    """Extra bytes by name (LAS 1.4, table 25); undocumented bytes and tuples are passed over."""
+    fields: dict[str, tuple[int, str]] = {}
+    for start in range(0, len(data) - 191, 192):
+        kind, options = data[start + 2], data[start + 3]
+        name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1").lower()
+        scalar = EXTRA_TYPES[(kind - 1) % 10] if 1 <= kind <= 30 else ""
+        width = np.dtype(scalar).itemsize * ((kind - 1) // 10 + 1) if scalar else options
+        if at + width > record:
+            break
+        if 1 <= kind <= 10:
+            fields[name] = (at, scalar)
+        at += width
+    return fields
