@@ -27,12 +27,15 @@ def workspace_of(request: Request) -> Workspace:
 Ws = Annotated[Workspace, Depends(workspace_of)]
 
 
-async def raw_body(request: Request) -> bytes:
-    """The whole body; the guard has bounded it."""
-    return await request.body()
-
-
-RawBody = Annotated[bytes, Depends(raw_body)]
+async def body_within(request: Request, limit: int, what: str) -> bytes:
+    """The whole body; raises TooLargeError as soon as it is longer than ``limit`` bytes."""
+    pieces, length = [], 0
+    async for piece in request.stream():
+        length += len(piece)
+        if length > limit:
+            raise TooLargeError(f"{what}: expected at most {limit} bytes, got more")
+        pieces.append(piece)
+    return b"".join(pieces)
 
 
 def etag(revision: int) -> str:
@@ -52,10 +55,3 @@ def if_match(header: str | None) -> int | None:
     if not (digits.isascii() and digits.isdigit() and len(digits) < 19):
         raise BadInputError(f'If-Match: expected "REVISION", got {header[:60]!r}')
     return int(digits)
-
-
-def bounded(body: bytes, limit: int, what: str) -> bytes:
-    """``body``, or TooLargeError when it cannot be what was expected."""
-    if len(body) > limit:
-        raise TooLargeError(f"{what}: expected at most {limit} bytes, got {len(body)}")
-    return body

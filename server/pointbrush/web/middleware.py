@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -137,5 +138,6 @@ class _Limited:
         self._seen += len(message.get("body", b""))
         self._complete = not message.get("more_body", False)
         if self._seen > self._limit:
-            raise TooLargeError(f"body: expected at most {self._limit} bytes, got more")
+            # Of FastAPI's own kind: it hides any other error while it reads a body.
+            raise HTTPException(413, f"body: expected at most {self._limit} bytes, got more")
         return message

@@ -6,14 +6,15 @@ import tempfile
 from collections.abc import Iterator
 from typing import IO, Annotated, Literal
 
-from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi import APIRouter, Depends, Header, Path, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 
 from pointbrush.sequences import Chunk
 from pointbrush.streaming.messages import Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Annotator, Viewer
-from pointbrush.web.context import FramePath, RawBody, SequenceId, Ws, bounded, etag, if_match
+from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
 from pointbrush.work.layers import require_layer
@@ -21,6 +22,8 @@ from pointbrush.work.layers import require_layer
 router = APIRouter(tags=["frames"])
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
 HEADER_ROOM = 4096
+WIDEST = 8
+"""Bytes a value of the widest type that is read, to say that the type is wrong."""
 SPOOL = 32 << 20
 BLOCK = 1 << 20
 BINARY = {"schema": {"type": "string", "format": "binary"}}
@@ -90,6 +93,17 @@ def get_annotation(
     return Response(npy.dump(values), media_type=npy.MEDIA_TYPE, headers=headers)
 
 
+async def annotation_body(
+    request: Request, seq: SequenceId, i: FramePath, workspace: Ws, _who: Annotator
+) -> bytes:
+    """The body, if it can be an array of this frame's values."""
+    frame = await run_in_threadpool(lambda: workspace.recording(seq)[i])
+    return await body_within(request, frame.count * WIDEST + HEADER_ROOM, "annotation")
+
+
+AnnotationBody = Annotated[bytes, Depends(annotation_body)]
+
+
 @router.put(
     "/sequences/{seq}/frames/{i}/annotation",
     responses=responses(404, 409, 413),
@@ -98,7 +112,7 @@ def get_annotation(
 def put_annotation(
     seq: SequenceId,
     i: FramePath,
-    body: RawBody,
+    body: AnnotationBody,
     response: Response,
     workspace: Ws,
     who: Annotator,
@@ -108,7 +122,6 @@ def put_annotation(
 ) -> EditOut:
     """Replace a layer, as one edit; ``If-Match`` refuses it when the revision has moved on."""
     count = workspace.recording(seq)[i].count
-    bounded(body, count * 8 + HEADER_ROOM, "annotation")
     commit = workspace.put_annotation(
         seq,
         i,

@@ -13,6 +13,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import FormData, UploadFile
+from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
 from pointbrush.jobs import Job
@@ -109,6 +110,8 @@ async def import_sequence(
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == "multipart/form-data":
         job = await _import_upload(request, workspace)
+    elif kind not in ("", "application/json"):
+        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
         body = _parse(ImportBody, await request.body())
         job = await run_in_threadpool(_import_path, workspace, body)

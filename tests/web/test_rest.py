@@ -1,0 +1,475 @@
+"""The contract's REST calls, over a real server."""
+
+from __future__ import annotations
+
+import io
+import socket
+import time
+import uuid
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from plyfile import PlyData, PlyElement
+
+from tests.serving import Served, surface
+from tests.web.test_auth import problem
+
+
+def load(response: httpx.Response) -> Any:
+    assert response.status_code == 200, response.text
+    return np.load(io.BytesIO(response.content), allow_pickle=False)
+
+
+def npy(array: np.ndarray[Any, Any]) -> bytes:
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+def new_label(api: httpx.Client, name: str = "pin", **fields: Any) -> int:
+    response = api.post("/sequences/wall/labels", json={"name": name, **fields})
+    assert response.status_code == 201, response.text
+    assert response.headers["location"].endswith(f"/labels/{response.json()['id']}")
+    return int(response.json()["id"])
+
+
+def stroke(label: int, **fields: Any) -> dict[str, Any]:
+    return {
+        "label": label,
+        "shape": "sphere",
+        "radius": 0.4,
+        "samples": [{"origin": [0.2, 0.1, 3.0]}],
+        **fields,
+    }
+
+
+def wait(api: httpx.Client, job: dict[str, Any]) -> dict[str, Any]:
+    for _ in range(600):
+        found: dict[str, Any] = api.get(f"/jobs/{job['id']}").json()
+        if found["state"] in ("done", "failed", "cancelled"):
+            return found
+        time.sleep(0.05)
+    raise AssertionError("the job did not end")
+
+
+def test_manifest(api: httpx.Client) -> None:
+    manifest = api.get("/sequences/wall").json()
+    assert [entry["id"] for entry in api.get("/sequences").json()] == ["wall"]
+    assert manifest["frames"] == 4
+    assert manifest["points"] == [3000, 3010, 3020, 3030]
+    assert set(manifest["fields"]) >= {"xyz", "rgb"}
+    lo, hi = np.array(manifest["bounds"]["lo"]), np.array(manifest["bounds"]["hi"])
+    xyz = surface(3000, 0).xyz
+    assert (lo <= xyz.min(axis=0) + 1e-6).all()
+    assert (hi >= xyz.max(axis=0) - 1e-6).all()
+
+
+def test_points_are_the_sources_own(api: httpx.Client) -> None:
+    given = surface(3010, 1)
+    points = load(api.get("/sequences/wall/frames/1/points"))
+    np.testing.assert_array_equal(points["xyz"], given.xyz)
+    np.testing.assert_array_equal(points["rgb"], given.rgb)
+    archive = load(api.get("/sequences/wall/frames/1/points?format=npz"))
+    np.testing.assert_array_equal(archive["xyz"], given.xyz)
+    np.testing.assert_array_equal(archive["rgb"], given.rgb)
+
+
+def test_stroke_paints_the_ball_and_only_once(api: httpx.Client) -> None:
+    label = new_label(api)
+    body = stroke(label, id=str(uuid.uuid4()))
+    first = api.post("/sequences/wall/frames/0/strokes", json=body)
+    assert first.status_code == 200
+    again = api.post("/sequences/wall/frames/0/strokes", json=body)
+    assert again.json() == first.json()
+    inside = np.linalg.norm(surface(3000, 0).xyz - np.float32([0.2, 0.1, 3.0]), axis=1) <= 0.4
+    values = load(api.get("/sequences/wall/frames/0/annotation"))
+    assert first.json()["changed"] == inside.sum() > 0
+    np.testing.assert_array_equal(values == label, inside)
+    provenance = load(api.get("/sequences/wall/frames/0/annotation?layer=provenance"))
+    np.testing.assert_array_equal(provenance == 1, inside)
+
+
+def test_concurrent_resends_apply_once(api: httpx.Client) -> None:
+    label = new_label(api)
+    body = stroke(label, id=str(uuid.uuid4()))
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(
+            pool.map(
+                lambda _: api.post("/sequences/wall/frames/3/strokes", json=body).json(), range(8)
+            )
+        )
+    assert all(answer == answers[0] for answer in answers)
+
+
+def test_undo_redo_and_history(api: httpx.Client) -> None:
+    label = new_label(api)
+    before = load(api.get("/sequences/wall/frames/2/annotation"))
+    done = api.post("/sequences/wall/frames/2/strokes", json=stroke(label)).json()
+    painted = load(api.get("/sequences/wall/frames/2/annotation"))
+    request = {"id": str(uuid.uuid4())}
+    undone = api.post("/sequences/wall/undo", json=request)
+    assert undone.status_code == 200
+    assert api.post("/sequences/wall/undo", json=request).json() == undone.json()
+    assert (load(api.get("/sequences/wall/frames/2/annotation")) == before).all()
+    assert api.post("/sequences/wall/redo").status_code == 200
+    assert (load(api.get("/sequences/wall/frames/2/annotation")) == painted).all()
+    history = api.get("/sequences/wall/edits?limit=50").json()
+    assert history[0]["revision"] > history[1]["revision"]
+    entry = next(edit for edit in history if edit["id"] == done["edit"])
+    assert entry["author"] == "owner"
+    assert entry["frames"] == [2]
+    assert entry["points"] == done["changed"]
+    page = api.get(f"/sequences/wall/edits?before={history[1]['revision']}&limit=1").json()
+    assert page == history[2:3]
+
+
+def test_nothing_to_undo(served: Served) -> None:
+    secret = served.workspace.store.tokens.add("annotator", "newcomer")
+    headers = {"Authorization": f"Bearer {secret}"}
+    problem(httpx.post(f"{served.url}/api/v1/sequences/wall/undo", headers=headers), 409)
+
+
+def test_annotation_round_trip_with_etag(api: httpx.Client) -> None:
+    label = new_label(api)
+    url = "/sequences/wall/frames/1/annotation"
+    response = api.get(url)
+    tag = response.headers["etag"]
+    assert api.get(url, headers={"If-None-Match": tag}).status_code == 304
+    values = load(response).copy()
+    assert values.dtype == np.uint16
+    values[:100] = label
+    put = api.put(url, content=npy(values), headers={"If-Match": tag})
+    assert put.status_code == 200
+    assert put.headers["etag"] != tag
+    np.testing.assert_array_equal(load(api.get(url)), values)
+    problem(api.put(url, content=npy(values), headers={"If-Match": tag}), 409)
+    problem(api.put(url, content=npy(values), headers={"If-Match": "nonsense"}), 422)
+
+
+def test_deleted_layer(api: httpx.Client) -> None:
+    url = "/sequences/wall/frames/1/annotation?layer=deleted"
+    deleted = load(api.get(url)).copy()
+    assert deleted.dtype == np.bool_
+    deleted[7] = True
+    assert api.put(url, content=npy(deleted)).json()["changed"] == 1
+    np.testing.assert_array_equal(load(api.get(url)), deleted)
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"", 400),
+        (b"no npy at all", 400),
+        (b"\x93NUMPY\x09\x00\x10\x00", 400),
+        (b"\x93NUMPY\x01\x00\x10\x00{'descr': nonsen", 400),
+        (npy(np.zeros(3010, np.uint16))[:-1], 400),
+        (npy(np.zeros(3010, np.uint16)) + b"more", 400),
+        (npy(np.zeros(3011, np.uint16)), 422),
+        (npy(np.zeros((3010, 1), np.uint16)), 422),
+        (npy(np.zeros(3010, np.int64)), 422),
+        (npy(np.zeros(3010, np.float32)), 422),
+        (npy(np.full(3010, 60_000, np.uint16)), 422),
+        (npy(np.zeros(100_000, np.uint16))[:150_000], 413),
+    ],
+    ids=lambda value: f"{len(value)}" if isinstance(value, bytes) else value,
+)
+def test_bad_annotations_change_nothing(api: httpx.Client, body: bytes, status: int) -> None:
+    url = "/sequences/wall/frames/1/annotation"
+    before = api.get(url)
+    problem(api.put(url, content=body), status)
+    problem(api.put(url, content=iter([body])), status)
+    assert api.get(url).headers["etag"] == before.headers["etag"]
+
+
+def test_a_body_stated_too_large_is_refused_before_it_comes(served: Served) -> None:
+    host, port = served.url.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=5) as raw:
+        raw.sendall(
+            b"PUT /api/v1/sequences/wall/frames/1/annotation HTTP/1.1\r\n"
+            b"Host: localhost\r\nContent-Length: 30000000000\r\n"
+            + f"Authorization: Bearer {served.token}\r\n\r\n".encode()
+        )
+        assert raw.recv(100).startswith(b"HTTP/1.1 413")
+
+
+def test_pickles_are_refused(api: httpx.Client) -> None:
+    stream = io.BytesIO()
+    np.save(stream, np.array([{"a": 1}] * 3010, object), allow_pickle=True)
+    problem(api.put("/sequences/wall/frames/1/annotation", content=stream.getvalue()), 422)
+
+
+def test_labels(api: httpx.Client) -> None:
+    number = new_label(api, "club", category="prop", color="#12ab34")
+    url = f"/sequences/wall/labels/{number}"
+    assert api.get(url).json() == {
+        "id": number, "name": "club", "category": "prop", "color": "#12ab34",
+        "locked": False, "visible": True,
+    }  # fmt: skip
+    assert api.patch(url, json={"name": "ball", "visible": False}).json()["name"] == "ball"
+    assert api.get(url).json()["visible"] is False
+    assert api.delete(url).status_code == 200
+    problem(api.get(url), 404)
+    hidden = new_label(api, "hidden", visible=False, locked=True)
+    assert api.get(f"/sequences/wall/labels/{hidden}").json()["locked"] is True
+
+
+def test_locked_labels_are_never_changed(api: httpx.Client) -> None:
+    label, other = new_label(api, "done"), new_label(api, "other")
+    api.post("/sequences/wall/frames/0/strokes", json=stroke(label))
+    api.patch(f"/sequences/wall/labels/{label}", json={"locked": True})
+    before = load(api.get("/sequences/wall/frames/0/annotation"))
+    problem(api.post("/sequences/wall/frames/0/strokes", json=stroke(label)), 409)
+    problem(api.delete(f"/sequences/wall/labels/{label}"), 409)
+    api.post("/sequences/wall/frames/0/strokes", json=stroke(other, radius=1.0))
+    after = load(api.get("/sequences/wall/frames/0/annotation"))
+    np.testing.assert_array_equal(after == label, before == label)
+    api.patch(f"/sequences/wall/labels/{label}", json={"locked": False})
+
+
+BAD_STROKES = [
+    ({"radius": -1.0}, 422),
+    ({"radius": 0}, 422),
+    ({"radius": "NaN"}, 422),
+    ({"label": 60_001}, 404),
+    ({"label": 0}, 422),
+    ({"label": 70_000}, 422),
+    ({"shape": "ray", "samples": [{"origin": [0, 0, 0], "direction": [0, 0, 0]}]}, 422),
+    ({"samples": []}, 422),
+    ({"samples": [{"origin": [0, 0]}]}, 422),
+    ({"samples": [{"origin": [0, 0, "x"]}]}, 422),
+    ({"samples": "abc"}, 422),
+    ({"shape": "heart"}, 422),
+    ({"shape": "lasso"}, 422),
+    ({"shape": "box", "size": [1, 1, -1], "center": [0, 0, 0]}, 422),
+    ({"tool": "burn"}, 422),
+    ({"id": "not a uuid"}, 422),
+    ({"surprise": 1}, 422),
+]
+
+
+@pytest.mark.parametrize(("change", "status"), BAD_STROKES, ids=lambda v: str(v)[:40])
+def test_bad_strokes_change_nothing(api: httpx.Client, change: dict[str, Any], status: int) -> None:
+    label = new_label(api)
+    before = api.get("/sequences/wall").json()["revision"]
+    response = api.post("/sequences/wall/frames/0/strokes", json=stroke(label) | change)
+    assert problem(response, status)
+    assert api.get("/sequences/wall").json()["revision"] == before
+
+
+@pytest.mark.parametrize(
+    ("content", "status"),
+    [
+        (b"{", 400),
+        (b"\xff\xfe", 400),
+        (b'{"label": NaN}', 422),
+        (b"[]", 422),
+        (b"[" * 100_000, 400),
+        (b" " * 300_000, 413),
+    ],
+    ids=["open", "binary", "nan", "list", "deep", "large"],
+)
+def test_bad_json(api: httpx.Client, content: bytes, status: int) -> None:
+    headers = {"Content-Type": "application/json"}
+    url = "/sequences/wall/frames/0/strokes"
+    problem(api.post(url, content=content, headers=headers), status)
+    # The same without a stated length.
+    problem(api.post(url, content=iter([content]), headers=headers), status)
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "status"),
+    [
+        ("GET", "/sequences/nothing", 404),
+        ("GET", "/sequences/..%2f..", 404),
+        ("GET", "/sequences/UPPER", 422),
+        ("GET", "/sequences/wall/frames/4/points", 404),
+        ("GET", "/sequences/wall/frames/-1/points", 422),
+        ("GET", "/sequences/wall/frames/x/points", 422),
+        ("GET", "/sequences/wall/frames/99999999999999999999/points", 422),
+        ("GET", "/sequences/wall/frames/0/annotation?layer=colour", 422),
+        ("GET", "/sequences/wall/frames/0/chunks/999", 404),
+        ("GET", "/sequences/wall/labels/60000", 404),
+        ("GET", "/sequences/wall/labels/0", 422),
+        ("GET", "/sequences/wall/export?format=fax", 422),
+        ("GET", "/sequences/wall/export", 422),
+        ("GET", "/sequences/wall/edits?limit=0", 422),
+        ("GET", f"/jobs/{uuid.UUID(int=0)}", 404),
+        ("DELETE", f"/jobs/{uuid.UUID(int=0)}", 404),
+        ("GET", "/nothing", 404),
+        ("PUT", "/sequences/wall", 405),
+        ("GET", "/sequences/wall/undo", 405),
+    ],
+)
+def test_wrong_addresses(api: httpx.Client, method: str, path: str, status: int) -> None:
+    problem(api.request(method, path), status)
+
+
+def test_chunks_are_immutable_and_complete(api: httpx.Client) -> None:
+    table = api.get("/sequences/wall/frames/0/chunks").json()
+    assert sum(chunk["count"] for chunk in table["chunks"]) == table["points"] == 3000
+    for chunk in table["chunks"]:
+        response = api.get(f"/sequences/wall/frames/0/chunks/{chunk['index']}")
+        assert len(response.content) == chunk["nbytes"]
+        assert "immutable" in response.headers["cache-control"]
+        tag = response.headers["etag"]
+        assert not tag.startswith("W/")
+        again = api.get(response.request.url.path[7:], headers={"If-None-Match": tag})
+        assert again.status_code == 304
+
+
+def write_ply(path: Path, seed: int, count: int = 500) -> None:
+    frame = surface(count, seed)
+    assert frame.rgb is not None
+    rows = np.empty(
+        count,
+        [("x", "f4"), ("y", "f4"), ("z", "f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")],
+    )
+    for column, name in enumerate("xyz"):
+        rows[name] = frame.xyz[:, column]
+    for column, name in enumerate(("red", "green", "blue")):
+        rows[name] = frame.rgb[:, column]
+    PlyData([PlyElement.describe(rows, "vertex")]).write(str(path))
+
+
+def test_import_by_path(served: Served, api: httpx.Client) -> None:
+    folder = served.workspace.settings.roots[0] / "take one"
+    folder.mkdir()
+    for number in range(3):
+        write_ply(folder / f"{number}.ply", number)
+    response = api.post("/sequences", json={"path": str(folder), "name": "take", "fps": 10.0})
+    assert response.status_code == 202, response.text
+    job = wait(api, response.json())
+    assert job["state"] == "done", job
+    manifest = api.get(f"/sequences/{job['result']['sequence']}").json()
+    assert (manifest["name"], manifest["fps"], manifest["points"]) == ("take", 10.0, [500] * 3)
+    assert api.delete(f"/sequences/{manifest['id']}").status_code == 204
+    problem(api.get(f"/sequences/{manifest['id']}"), 404)
+
+
+def test_import_by_upload(served: Served, api: httpx.Client, tmp_path: Path) -> None:
+    write_ply(tmp_path / "a.ply", 1)
+    write_ply(tmp_path / "b.ply", 2)
+    files = [("files", (name, (tmp_path / name).read_bytes())) for name in ("a.ply", "b.ply")]
+    response = api.post("/sequences", files=files, data={"name": "uploaded", "fps": "15"})
+    assert response.status_code == 202, response.text
+    job = wait(api, response.json())
+    assert job["state"] == "done", job
+    manifest = api.get(f"/sequences/{job['result']['sequence']}").json()
+    assert (manifest["frames"], manifest["fps"]) == (2, 15.0)
+    uploads = served.workspace.settings.workspace / "uploads"
+    assert not any(uploads.iterdir())
+    api.delete(f"/sequences/{manifest['id']}")
+
+
+def test_import_of_a_broken_file_fails_and_leaves_nothing(
+    api: httpx.Client, tmp_path: Path
+) -> None:
+    write_ply(tmp_path / "a.ply", 1)
+    body = (tmp_path / "a.ply").read_bytes()[:-100]
+    response = api.post("/sequences", files=[("files", ("broken.ply", body))])
+    job = wait(api, response.json())
+    assert job["state"] == "failed"
+    assert job["error"]
+    assert [entry["id"] for entry in api.get("/sequences").json()] == ["wall"]
+
+
+@pytest.mark.parametrize("path", ["/etc", "/etc/passwd", "inbox/../../..", "~"])
+def test_import_outside_the_roots(api: httpx.Client, path: str) -> None:
+    problem(api.post("/sequences", json={"path": path}), 403)
+
+
+def test_import_through_a_symlink_out_of_the_roots(served: Served, api: httpx.Client) -> None:
+    link = served.workspace.settings.roots[0] / "link"
+    link.symlink_to("/etc")
+    problem(api.post("/sequences", json={"path": str(link)}), 403)
+    link.unlink()
+
+
+@pytest.mark.parametrize("name", ["../x.ply", "..", ".hidden", "", "a\x00b"])
+def test_upload_names(api: httpx.Client, served: Served, name: str) -> None:
+    response = api.post("/sequences", files=[("files", (name, b"data"))])
+    assert response.status_code in (202, 400, 422)
+    if response.status_code == 202:
+        wait(api, response.json())
+    outside = served.workspace.settings.workspace
+    assert not list(outside.glob("*.ply"))
+
+
+def test_upload_without_files(api: httpx.Client) -> None:
+    problem(api.post("/sequences", files=[("other", ("a.ply", b"x"))]), 422)
+    headers = {"Content-Type": "multipart/form-data; boundary=x"}
+    problem(api.post("/sequences", content=b"--y", headers=headers), 400)
+    headers = {"Content-Type": "text/plain"}
+    problem(api.post("/sequences", content=b"hi", headers=headers), 415)
+
+
+def test_tracking(api: httpx.Client) -> None:
+    label = new_label(api, "moving")
+    api.post("/sequences/wall/frames/0/strokes", json=stroke(label, radius=0.5))
+    body = {"labels": [label], "start": 0, "stop": 2, "method": "icp"}
+    response = api.post("/sequences/wall/tracking", json=body)
+    assert response.status_code == 202, response.text
+    job = wait(api, response.json())
+    assert job["state"] == "done", job
+    tracks = [
+        track for track in api.get("/sequences/wall/tracks").json() if track["label"] == label
+    ]
+    assert {track["frame"] for track in tracks} >= {1, 2}
+    assert all(len(track["pose"]) == 16 for track in tracks)
+    assert all(0 <= track["confidence"] <= 1 for track in tracks)
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [
+        ({"stop": 99}, 404),
+        ({"stop": 0}, 422),
+        ({"labels": [61_000]}, 404),
+        ({"labels": []}, 422),
+        ({"method": "guess"}, 422),
+        ({"overwrite": "maybe"}, 422),
+    ],
+    ids=str,
+)
+def test_bad_tracking(api: httpx.Client, change: dict[str, Any], status: int) -> None:
+    label = new_label(api, "tracked")
+    api.post("/sequences/wall/frames/0/strokes", json=stroke(label, radius=0.5))
+    body = {"labels": [label], "start": 0, "stop": 2, "method": "icp"} | change
+    problem(api.post("/sequences/wall/tracking", json=body), status)
+
+
+def test_export_streams_a_zip(api: httpx.Client) -> None:
+    import zipfile
+
+    response = api.get("/sequences/wall/export?format=npz&frames=0:2")
+    assert response.status_code == 200
+    assert response.headers["content-type"] == "application/zip"
+    names = zipfile.ZipFile(io.BytesIO(response.content)).namelist()
+    assert len([name for name in names if name.endswith(".npz")]) == 2
+    problem(api.get("/sequences/wall/export?format=npz&frames=3:9"), 422)
+
+
+def test_docs_are_self_contained(anyone: httpx.Client) -> None:
+    page = anyone.get("/api/v1/docs")
+    assert page.status_code == 200
+    for name in ("docs.js", "docs.css"):
+        text = anyone.get(f"/api/v1/docs/{name}").text
+        assert "http://" not in text
+        assert "https://" not in text
+    assert "https://" not in page.text
+
+
+def test_metrics(api: httpx.Client) -> None:
+    text = api.get("/metrics").text
+    assert "pointbrush_requests_total" in text
+    assert "process_resident_memory_bytes" in text
+
+
+def test_large_headers_and_odd_methods(anyone: httpx.Client) -> None:
+    response = anyone.request("BREW", "/api/v1/sequences")
+    assert response.status_code == 405
+    assert anyone.options("/api/v1/sequences").status_code == 405
