@@ -6,17 +6,38 @@ frame, truth = recording.frame(12), recording.truth[12]
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from pointbrush.errors import BadInputError
 from pointbrush.samples.camera import FPS
-from pointbrush.samples.recording import LabelInfo, Recording
-from pointbrush.samples.scenes import JugglingOptions, JugglingScene
+from pointbrush.samples.jugglers import JugglingOptions, JugglingScene
+from pointbrush.samples.recording import LabelInfo, Recording, Scene
 from pointbrush.samples.sensor import Sensor
+from pointbrush.samples.tabletop import TabletopOptions, TabletopScene
+from pointbrush.samples.walkers import WalkingOptions, WalkingScene
 
 __all__ = ["KINDS", "LabelInfo", "Recording", "Sensor", "generate"]
 
-KINDS = ("juggling",)
+
+def _juggling(seed: int, seconds: float, **options: Any) -> Scene:
+    return JugglingScene(seed, seconds, JugglingOptions(**options))
+
+
+def _tabletop(seed: int, seconds: float, **options: Any) -> Scene:
+    return TabletopScene(seed, seconds, TabletopOptions(**options))
+
+
+def _walking(seed: int, seconds: float, **options: Any) -> Scene:
+    return WalkingScene(seed, seconds, WalkingOptions(**options))
+
+
+KINDS: dict[str, Callable[..., Scene]] = {
+    "juggling": _juggling,
+    "tabletop": _tabletop,
+    "walking": _walking,
+}
+"""Kind -> its scene; options are those of JugglingOptions, TabletopOptions, WalkingOptions."""
 
 
 def generate(
@@ -31,9 +52,12 @@ def generate(
         raise BadInputError(f"kind: expected one of {', '.join(KINDS)}, got {kind!r}")
     if frames < 1:
         raise BadInputError(f"frames: expected 1 or more, got {frames}")
+    if seed < 0:
+        raise BadInputError(f"seed: expected 0 or more, got {seed}")
+    if not 0 <= noise <= 10:
+        raise BadInputError(f"noise: expected 0 to 10, got {noise}")
     try:
-        chosen = JugglingOptions(**options)
+        scene = KINDS[kind](seed, frames / FPS, **options)
     except TypeError as error:
         raise BadInputError(f"options of {kind}: {error}") from None
-    scene = JugglingScene(seed, frames / FPS, chosen)
     return Recording(f"{kind} {seed}", scene, frames, seed, sensor=Sensor(noise=noise))

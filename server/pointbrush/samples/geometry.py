@@ -27,14 +27,24 @@ def vec(*values: float) -> Array:
 
 def unit(v: Array) -> Array:
     """``v`` scaled to length one."""
-    return v / math.sqrt(float(v @ v))
+    return np.asarray(v / math.sqrt(float(v @ v)))
+
+
+def dot3(a: Field, b: Field) -> Field:
+    """(N,) inner products of component-major vectors (3, N)."""
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], np.float32)
+
+
+def norm3(a: Field) -> Field:
+    """(N,) lengths of component-major vectors (3, N)."""
+    return np.asarray(np.sqrt(dot3(a, a)), np.float32)
 
 
 def axis_angle(axis: Array, angle: float) -> Array:
     """(3, 3) rotation by ``angle`` radians round ``axis`` (Rodrigues)."""
     x, y, z = unit(axis)
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+    return np.asarray(np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K))
 
 
 def yaw(angle: float) -> Array:
@@ -49,7 +59,7 @@ def turn_between(a: Array, b: Array) -> Array:
     angle = math.atan2(sine, float(a @ b))
     if sine < 1e-9:
         return np.zeros(3) if angle < 1.0 else unit(np.cross(a, _other(a))) * math.pi
-    return axis / sine * angle
+    return np.asarray(axis / sine * angle)
 
 
 def from_rotation_vector(v: Array) -> Array:
@@ -67,7 +77,7 @@ def rigid(R: Array, t: Array) -> Array:
 
 
 def along(start: Array, end: Array, right: Array) -> Array:
-    """(4, 4) frame at ``start`` whose y axis points to ``end`` and whose x axis is near ``right``."""
+    """(4, 4) frame at ``start``: its y axis points to ``end``, its x axis is near ``right``."""
     y = unit(end - start)
     x = right - (right @ y) * y
     x = unit(x) if float(x @ x) > 1e-8 else unit(np.cross(y, _other(y)))
@@ -76,7 +86,7 @@ def along(start: Array, end: Array, right: Array) -> Array:
 
 def _other(v: Array) -> Array:
     """Return a coordinate axis that is not near ``v``."""
-    return np.eye(3)[int(np.argmin(np.abs(v)))]
+    return np.asarray(np.eye(3)[int(np.argmin(np.abs(v)))])
 
 
 def smoothstep(x: float) -> float:
@@ -107,10 +117,12 @@ def two_bones(root: Array, target: Array, upper: float, lower: float, pole: Arra
     direction = reach / max(distance, 1e-6)
     cosine = (upper**2 + span**2 - lower**2) / (2 * upper * span)
     bend = unit(pole - (pole @ direction) * direction)
-    return root + upper * (cosine * direction + math.sqrt(max(0.0, 1 - cosine**2)) * bend)
+    return np.asarray(
+        root + upper * (cosine * direction + math.sqrt(max(0.0, 1 - cosine**2)) * bend)
+    )
 
 
-def wobble(t: float, phases: Sequence[float], periods: Sequence[float]) -> float:
+def wobble(t: float, phases: Array, periods: Sequence[float]) -> float:
     """Smooth aperiodic motion in -1..1: a mean of sines."""
     waves = [math.sin(2 * math.pi * t / p + f) for f, p in zip(phases, periods, strict=True)]
     return sum(waves) / len(waves)

@@ -1,7 +1,8 @@
 """Jugglers: hands that swing, throw and catch; pins that fly on parabolas and tumble.
 
 A pin is held (its grip follows the hand) or flies: its centre of mass falls freely and it turns
-at an even rate about the thrower's left-right axis, so that the handle comes into the catching hand.
+at an even rate about the thrower's left-right axis, so that the handle comes into the hand that
+catches it.
 """
 
 from __future__ import annotations

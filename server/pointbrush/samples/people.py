@@ -11,10 +11,22 @@ from functools import partial
 
 import numpy as np
 
-from pointbrush.samples.geometry import UP, Array, axis_angle, two_bones, unit, vec, yaw
+from pointbrush.samples.geometry import (
+    UP,
+    Array,
+    Field,
+    axis_angle,
+    rigid,
+    two_bones,
+    unit,
+    vec,
+    yaw,
+)
 from pointbrush.samples.render import Solid
 from pointbrush.samples.room import egg, rod
+from pointbrush.samples.shapes import Cylinder
 from pointbrush.samples.textures import (
+    Color,
     Material,
     checked,
     cloth,
@@ -170,8 +182,12 @@ def _torso(
             hips[:, 0],
             0.35,
         ),
-        rod(
-            at(0, 0.055, 0), at(0, 0.075, 0), 0.155 * build, 0.155 * build, belt, label, 0.76, left
+        Solid(
+            Cylinder(),
+            rigid(R, at(0, 0.085, 0.002)),
+            belt,
+            vec(0.156 * build, 0.018, 0.121 * build),
+            label,
         ),
         rod(
             at(0, 0.09, 0.005),
@@ -191,7 +207,7 @@ def _torso(
             0.145 * build,
             shirt,
             label,
-            0.72,
+            0.79,
             left,
             0.45,
         ),
@@ -208,29 +224,8 @@ def _torso(
         ),
     ]
     for side in (-1, 1):
-        parts.append(
-            rod(
-                at(side * 0.05, 0.50, -0.01),
-                at(side * 0.17, 0.455, -0.01),
-                0.056 * s,
-                0.056 * s,
-                shirt,
-                label,
-                1.0,
-                R[:, 2],
-                0.3,
-            )
-        )
-        parts.append(
-            egg(
-                at(side * 0.07, 0.345, 0.062),
-                (0.085 * build, 0.075 * build, 0.06 * full),
-                shirt,
-                label,
-                R,
-                0.3,
-            )
-        )
+        inner, outer = at(side * 0.05, 0.50, -0.01), at(side * 0.17, 0.455, -0.01)
+        parts.append(rod(inner, outer, 0.056 * s, 0.056 * s, shirt, label, 1.0, R[:, 2], 0.3))
     return parts
 
 
@@ -265,8 +260,10 @@ def _head(
         egg(at(0, 0.035, -0.018), (0.084 * s, 0.096 * s, 0.092 * s), strand, label, turn, 0.5),
         rod(at(0, 0.012, 0.092), at(0, -0.022, 0.108), 0.009, 0.014, skin, label),
     ]
-    for side in (-1, 1):
-        parts.append(egg(at(side * 0.079, -0.005, 0.0), (0.012, 0.03, 0.02), skin, label, turn))
+    parts += [
+        egg(at(side * 0.079, -0.005, 0.0), (0.012, 0.03, 0.02), skin, label, turn)
+        for side in (-1, 1)
+    ]
     if look.long_hair:
         parts.append(
             rod(
@@ -284,9 +281,10 @@ def _head(
     return parts
 
 
-def _hair(p: np.ndarray, *, color: tuple[float, float, float]) -> np.ndarray:
+def _hair(p: Field, *, color: Color) -> Field:
     strands = p * np.array([[1], [0.2], [1]], np.float32)
-    return np.array(color, np.float32)[:, None] * (0.4 + 1.2 * noise(strands, 0.012, 2))
+    tone = 0.4 + 1.2 * noise(strands.astype(np.float32), 0.012, 2)
+    return np.asarray(np.array(color, np.float32)[:, None] * tone, np.float32)
 
 
 def _arm(
@@ -331,7 +329,7 @@ def _leg(
     toes = yaw(foot.heading) @ axis_angle(vec(1, 0, 0), foot.pitch)
     knee = two_bones(hip, foot.ankle, THIGH * s, SHANK * s, toes @ vec(side * 0.12, 0, 1))
     ankle = foot.ankle
-    drop = float(ankle[1]) if abs(foot.pitch) < 0.02 else 0.085
+    drop = 0.085 * s
     heel = ankle + toes @ vec(0, -drop + 0.045, -0.035)
     ball = ankle + toes @ vec(side * 0.012, -drop + 0.036, 0.14)
     tip = ankle + toes @ vec(side * 0.008, -drop + 0.03, 0.19)
@@ -370,8 +368,8 @@ def hanging_hands(
     """Return hands hanging at the sides; ``swing`` moves the left forward, the right back."""
     s = height / 1.75
     axes = yaw(facing)
-    left = posture_pelvis + axes @ (vec(0.25, -0.06 + 0.1 * abs(swing), 0.03 + 0.28 * swing) * s)
-    right = posture_pelvis + axes @ (vec(-0.25, -0.06 + 0.1 * abs(swing), 0.03 - 0.28 * swing) * s)
+    left = posture_pelvis + axes @ (vec(0.24, -0.145 + 0.1 * abs(swing), 0.02 + 0.26 * swing) * s)
+    right = posture_pelvis + axes @ (vec(-0.24, -0.145 + 0.1 * abs(swing), 0.02 - 0.26 * swing) * s)
     return left, right
 
 

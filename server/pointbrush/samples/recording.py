@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from pointbrush.errors import NotFoundError
 from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.samples.camera import FPS, KINECT, pixel_rays
-from pointbrush.samples.geometry import Array, Field, wobble
-from pointbrush.samples.lighting import Ball, Lights, LitRoom, light_moving
+from pointbrush.samples.geometry import Array, Field, dot3, norm3, vec, wobble
+from pointbrush.samples.lighting import Ball, Lights
+from pointbrush.samples.litroom import LitRoom, light_moving
 from pointbrush.samples.render import Caster, Solid
 from pointbrush.samples.sensor import Sensor, develop, measure
 
@@ -50,8 +51,8 @@ class Scene(Protocol):
         ...
 
     @property
-    def T_room_camera(self) -> Array:
-        """Return the camera's place."""
+    def camera_pose(self) -> Array:
+        """Return ``T_room_camera``."""
         ...
 
     @property
@@ -148,7 +149,7 @@ class Recording:
     @cached_property
     def poses(self) -> dict[int, list[Array]]:
         """True poses of the rigid labels in every frame."""
-        T_camera_room = np.linalg.inv(self.scene.T_room_camera)
+        T_camera_room = np.linalg.inv(self.scene.camera_pose)
         result: dict[int, list[Array]] = {}
         for i in range(self.count):
             for label, T_room_object in self.scene.at(i / self.fps).poses.items():
@@ -165,7 +166,7 @@ class Recording:
 
     @cached_property
     def _room(self) -> LitRoom:
-        caster = Caster(self.camera, self.scene.T_room_camera, pixel_rays(self.camera))
+        caster = Caster(self.camera, self.scene.camera_pose, pixel_rays(self.camera))
         return LitRoom(caster, self.scene.still(), self.scene.lights)
 
     def _make(self, i: int) -> _Made:
@@ -200,7 +201,7 @@ class Recording:
             amplitude.reshape(shape),
             rng,
         )
-        gain = 1 + 0.02 * wobble(t, (self.seed, 1.0), (2.9, 0.73))
+        gain = 1 + 0.02 * wobble(t, vec(self.seed, 1.0), (2.9, 0.73))
         picture = develop(self.sensor, light.reshape(3, *shape), rng, gain)
         pixel = np.flatnonzero(scan.depth > 0)
         xyz = (room.caster.rays[:, pixel] * scan.depth.ravel()[pixel]).T
@@ -219,5 +220,4 @@ class Recording:
 def _facing(caster: Caster, normal: Field) -> Field:
     """(H*W,) cosine between the surfaces' normals and the view."""
     rays = caster.room_rays
-    length = np.sqrt((rays * rays).sum(axis=0))
-    return np.maximum(-(normal * rays).sum(axis=0) / length, 0)
+    return np.asarray(np.maximum(-dot3(normal, rays) / norm3(rays), 0), np.float32)

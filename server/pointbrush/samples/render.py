@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import DepthCamera
-from pointbrush.samples.geometry import Array, Field
+from pointbrush.samples.geometry import Array, Field, norm3
 from pointbrush.samples.shapes import Shape
 from pointbrush.samples.textures import Material, noise
 
@@ -120,7 +120,7 @@ class Caster:
 
     def points(self, pixel: NDArray[np.intp], depth: Field) -> Field:
         """(3, N) room coordinates of pixels at their depths."""
-        return self.eye[:, None] + self.room_rays[:, pixel] * depth
+        return np.asarray(self.eye[:, None] + self.room_rays[:, pixel] * depth, np.float32)
 
     def shade(self, solids: Sequence[Solid], seen: Surface, first: int = 0) -> Shaded:
         """Surface properties of all pixels that ``solids`` own."""
@@ -129,13 +129,16 @@ class Caster:
         numbers = seen.owner[pixel]
         ends = np.searchsorted(numbers, np.arange(first, first + len(solids) + 1))
         point = self.points(pixel, seen.depth[pixel])
+        scalars = np.empty((3, pixel.size), np.float32)
         result = Shaded(
-            pixel,
-            point,
-            np.empty_like(point),
-            np.empty_like(point),
-            *(np.empty(pixel.size, np.float32) for _ in range(3)),
-            np.empty(pixel.size, np.uint16),
+            pixel=pixel,
+            point=point,
+            normal=np.empty_like(point),
+            albedo=np.empty_like(point),
+            infrared=scalars[0],
+            gloss=scalars[1],
+            glow=scalars[2],
+            label=np.empty(pixel.size, np.uint16),
         )
         for solid, start, stop in zip(solids, ends[:-1], ends[1:], strict=True):
             if start < stop:
@@ -147,11 +150,11 @@ def _fill(out: Shaded, solid: Solid, part: slice) -> None:
     R = solid.pose[:3, :3].astype(np.float32)
     scale = solid.scale.astype(np.float32)[:, None]
     metric = R.T @ (out.point[:, part] - solid.pose[:3, 3].astype(np.float32)[:, None])
-    n = solid.shape.normal(metric / scale) / scale
+    n = np.asarray(solid.shape.normal(np.asarray(metric / scale, np.float32)) / scale, np.float32)
     if solid.roughness:
-        n = n / np.sqrt((n * n).sum(axis=0)) + _folds(metric, solid.roughness)
-    n = R @ n
-    out.normal[:, part] = n / np.maximum(np.sqrt((n * n).sum(axis=0)), 1e-6)
+        n = np.asarray(n / norm3(n) + _folds(metric, solid.roughness), np.float32)
+    n = np.asarray(R @ n, np.float32)
+    out.normal[:, part] = n / np.maximum(norm3(n), 1e-6)
     material = solid.material
     out.albedo[:, part] = material.texture(metric)
     tone = out.albedo[:, part].mean(axis=0)

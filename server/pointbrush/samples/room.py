@@ -158,10 +158,8 @@ def _window() -> list[Solid]:
     sky = Material(partial(plain, color=(0.78, 0.88, 1.0), grain=0.05, scale=0.5), 0.0, 0, 4.5)
     fabric = Material(partial(cloth, color=linear("#b7b09a"), fold=0.3), 0.5)
     parts = [block((x, 0.85, -4.15), (x + 0.02, 2.1, -3.25), sky)]
-    for z in (-4.2, -3.72, -3.25):
-        parts.append(block((x, 0.8, z), (x + 0.05, 2.15, z + 0.05), WHITE))
-    for y in (0.8, 1.65, 2.1):
-        parts.append(block((x, y, -4.2), (x + 0.05, y + 0.05, -3.2), WHITE))
+    parts += [block((x, 0.8, z), (x + 0.05, 2.15, z + 0.05), WHITE) for z in (-4.2, -3.72, -3.25)]
+    parts += [block((x, y, -4.2), (x + 0.05, y + 0.05, -3.2), WHITE) for y in (0.8, 1.65, 2.1)]
     parts.append(block((x, 0.76, -4.25), (x + 0.16, 0.8, -3.15), WHITE))
     for centre in (-4.28, -3.1):
         for fold in range(4):
@@ -250,9 +248,11 @@ def _sofa() -> list[Solid]:
 def _table() -> list[Solid]:
     """Return a side table with a screen, a mug and papers, on the left."""
     parts = [block((-2.3, 0.70, -3.35), (-1.72, 0.735, -2.45), PINE)]
-    for x in (-2.26, -1.77):
-        for z in (-3.31, -2.5):
-            parts.append(block((x - 0.025, 0, z - 0.025), (x + 0.025, 0.70, z + 0.025), PINE))
+    parts += [
+        block((x - 0.025, 0, z - 0.025), (x + 0.025, 0.70, z + 0.025), PINE)
+        for x in (-2.26, -1.77)
+        for z in (-3.31, -2.5)
+    ]
     black = matte("#101113", infrared=0.06)
     mug = Lathe([0, 0.004, 0.09, 0.095], [0.036, 0.04, 0.04, 0.037])
     parts += [

@@ -6,8 +6,8 @@ sampling position jitters by up to a pixel, and some pixels mix the near and the
 (flying pixels).  Pixels are missing out of range, where too little infrared comes back, and as
 speckle.  Depth is whole millimetres.
 
-Truth of flying pixels: the label of the surface along the pixel's ray that lies within
-``FLYING_TOLERANCE`` of the measured depth, else 0.
+Truth of flying pixels: the label of the near or the far surface that it mixes, if it lies within
+``FLYING_TOLERANCE`` of that one's depth, else 0.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ FLYING_TOLERANCE = 0.02
 
 EDGE = 0.05
 """Depth step between neighbours, metres, that makes an edge."""
+
+_AROUND = np.array([(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1)]).T
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,28 +108,33 @@ def _jitter(
     offset = rng.normal(0, 0.42, (2, rows.size))
     r = np.clip(np.rint(rows + offset[0]), 0, depth.shape[0] - 1).astype(np.intp)
     c = np.clip(np.rint(columns + offset[1]), 0, depth.shape[1] - 1).astype(np.intp)
-    results = tuple(a.copy() for a in (depth, label, amplitude))
-    for moved, still in zip(results, (depth, label, amplitude), strict=True):
-        moved[rows, columns] = still[r, c]
-    return results[0], results[1], results[2]
+    depths, labels, amplitudes = depth.copy(), label.copy(), amplitude.copy()
+    depths[rows, columns] = depth[r, c]
+    labels[rows, columns] = label[r, c]
+    amplitudes[rows, columns] = amplitude[r, c]
+    return depths, labels, amplitudes
 
 
 def _fly(
     depth: Field, label: NDArray[np.uint16], rng: np.random.Generator, noise: float
 ) -> tuple[Field, NDArray[np.uint16]]:
-    """Mix near and far depth in some edge pixels; label those far from both surfaces 0."""
+    """Mix the nearest and the farthest depth round some edge pixels."""
+    height, width = depth.shape
     near, far = minimum_filter(depth, 3), maximum_filter(depth, 3)
     rows, columns = np.nonzero((far - near > EDGE) & (near < 8))
     chosen = rng.random(rows.size) < min(0.30 * noise, 0.8)
     rows, columns = rows[chosen], columns[chosen]
-    a, b = near[rows, columns], np.minimum(far[rows, columns], near[rows, columns] + 1.5)
-    share = rng.beta(0.6, 1.1, rows.size).astype(np.float32)
-    mixed = a + (b - a) * share
-    here = depth[rows, columns]
+    r = np.clip(rows + _AROUND[0][:, None], 0, height - 1)
+    c = np.clip(columns + _AROUND[1][:, None], 0, width - 1)
+    around, each = depth[r, c], np.arange(rows.size)
+    low, high = around.argmin(axis=0), around.argmax(axis=0)
+    a, b = around[low, each], around[high, each]
+    reach = np.minimum(b - a, 1.5) * rng.beta(0.6, 1.1, rows.size).astype(np.float32)
     flown, truth = depth.copy(), label.copy()
-    flown[rows, columns] = mixed
-    own = label[rows, columns]
-    truth[rows, columns] = np.where(np.abs(mixed - here) <= FLYING_TOLERANCE, own, 0)
+    flown[rows, columns] = a + reach
+    by_near, by_far = label[r, c][low, each], label[r, c][high, each]
+    on_far = np.where(b - a - reach <= FLYING_TOLERANCE, by_far, 0)
+    truth[rows, columns] = np.where(reach <= FLYING_TOLERANCE, by_near, on_far)
     return flown, truth
 
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from pointbrush.samples.geometry import Array, Field, vec
+from pointbrush.samples.geometry import Array, Field, dot3, norm3, vec
 
 MISS = np.float32(np.inf)
 
@@ -35,15 +36,11 @@ class Shape(Protocol):
         ...
 
 
-def _dot(a: Field, b: Field) -> Field:
-    return np.einsum("in,in->n", a, b)
-
-
 def _sphere(oc: Field, d: Field, dd: Field, radius: float) -> Field:
     """First meeting with a ball; ``oc`` origin minus centre, ``dd`` squared length of ``d``."""
     b = oc @ d
     h = b * b - dd * np.float32(oc @ oc - radius * radius)
-    return np.where(h > 0, (-b - np.sqrt(np.maximum(h, 0))) / dd, MISS)
+    return np.asarray(np.where(h > 0, (-b - np.sqrt(np.maximum(h, 0))) / dd, MISS), np.float32)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +54,7 @@ class Ball:
 
     def hit(self, o: Field, d: Field) -> Field:
         """See Shape."""
-        return _sphere(o, d, _dot(d, d), 1.0)
+        return _sphere(o, d, dot3(d, d), 1.0)
 
     def normal(self, p: Field) -> Field:
         """See Shape."""
@@ -66,9 +63,7 @@ class Ball:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """The cube -1..1; ``inside`` shows its inner faces instead (a room)."""
-
-    inside: bool = False
+    """The cube -1..1."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -83,8 +78,6 @@ class Box:
         b = (1 - o)[:, None] * inverse
         near = np.minimum(a, b).max(axis=0)
         far = np.maximum(a, b).min(axis=0)
-        if self.inside:
-            return far
         return np.where((near < far) & (near > 0), near, MISS)
 
     def normal(self, p: Field) -> Field:
@@ -93,7 +86,7 @@ class Box:
         n = np.zeros_like(p)
         columns = np.arange(p.shape[1])
         n[face, columns] = np.sign(p[face, columns])
-        return -n if self.inside else n
+        return n
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +105,8 @@ class RoundCone:
 
     def hit(self, o: Field, d: Field) -> Field:
         """See Shape; the cone's quadratic as in Quilez, "Rounded cone - intersection"."""
-        speed = np.sqrt(_dot(d, d))
-        d = d / speed
+        speed = norm3(d)
+        d = np.asarray(d / speed, np.float32)
         ones = np.ones_like(speed)
         top = o - np.array([0, self.length, 0], np.float32)
         t = np.minimum(_sphere(o, d, ones, self.ra), _sphere(top, d, ones, self.rb))
@@ -128,7 +121,7 @@ class RoundCone:
             side = (-k1 - np.sqrt(np.maximum(h, 0))) / k2
         y = m1 - self.ra * slope + side * m2
         good = (h > 0) & (k2 > 1e-7) & (y > 0) & (y < span)
-        return np.where(good, np.minimum(t, side), t) / speed
+        return np.asarray(np.where(good, np.minimum(t, side), t) / speed, np.float32)
 
     def normal(self, p: Field) -> Field:
         """See Shape."""
@@ -222,10 +215,10 @@ class Lathe:
         result[rays] = np.where(entered, after, MISS)
         return result
 
-    def _inside(self, o: Field, d: Field, t: Field) -> NDArrayBool:
+    def _inside(self, o: Field, d: Field, t: Field) -> NDArray[np.bool_]:
         x, y, z = o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]
         r = self.radius(y)
-        return (r > 0) & (x * x + z * z <= r * r)
+        return np.asarray((r > 0) & (x * x + z * z <= r * r))
 
     def normal(self, p: Field) -> Field:
         """See Shape."""
@@ -235,9 +228,6 @@ class Lathe:
         ends = (p[1] < self._y[1]) | (p[1] > self._y[-2])
         n[1] = np.where(ends, np.sign(p[1] - self._y[200]) * 0.05, n[1])
         return n
-
-
-NDArrayBool = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
 
 def _cylinder_span(o: Field, d: Field) -> tuple[Field, Field]:

@@ -36,7 +36,7 @@ def noise(p: Field, scale: float, octaves: int = 2) -> Field:
         amount = 0.55**octave
         total += np.float32(amount) * map_coordinates(_TABLE, q, order=1, mode="grid-wrap")
         weight += amount
-    return total / np.float32(weight)
+    return np.asarray(total / np.float32(weight), np.float32)
 
 
 def _hash(*cells: Field) -> Field:
@@ -44,15 +44,15 @@ def _hash(*cells: Field) -> Field:
     key = np.zeros(cells[0].shape, np.int64)
     for cell in cells:
         key = key * 73 + cell.astype(np.int64)
-    return _TABLE.ravel()[(key * 2654435761 >> 7) % _TABLE.size]
+    return np.asarray(_TABLE.ravel()[(key * 2654435761 >> 7) % _TABLE.size])
 
 
 def _paint(color: Color, amount: Field) -> Field:
-    return np.array(color, np.float32)[:, None] * amount
+    return np.asarray(np.array(color, np.float32)[:, None] * amount, np.float32)
 
 
 def _mix(a: Field, b: Field, share: Field) -> Field:
-    return a + (b - a) * share
+    return np.asarray(a + (b - a) * share, np.float32)
 
 
 def plain(p: Field, *, color: Color, grain: float = 0.12, scale: float = 0.08) -> Field:
@@ -90,7 +90,7 @@ def planks(p: Field, *, color: Color, width: float = 0.14, length: float = 1.3) 
     gap = np.minimum(np.abs(p[2] / width - row - 0.5) * -1 + 0.5, 1) * width
     seam = np.minimum(gap, (shifted / length - board) * length)
     dark = np.clip(seam / 0.006, 0.35, 1)
-    return _paint(color, tone * grain * dark) * np.array([[1], [1], [1]], np.float32)
+    return _paint(color, tone * grain * dark)
 
 
 def wood(p: Field, *, color: Color, along: int = 0) -> Field:
@@ -112,7 +112,8 @@ def weave(p: Field, *, color: Color, second: Color, border: Color, half: Color) 
     diamond = (np.abs((p[0] / 0.34) % 1 - 0.5) + np.abs((p[2] / 0.34) % 1 - 0.5) < 0.32) * 1.0
     field = _mix(plain(p, color=color), plain(p, color=second), diamond.astype(np.float32))
     line = ((edge < 0.14) & (edge > 0.03)).astype(np.float32)
-    return _mix(field, plain(p, color=border), line) * (0.8 + 0.4 * noise(p, 0.012, 1))
+    worn = np.asarray(0.8 + 0.4 * noise(p, 0.012, 1), np.float32)
+    return np.asarray(_mix(field, plain(p, color=border), line) * worn)
 
 
 def books(p: Field, *, width: float = 0.034) -> Field:
@@ -123,20 +124,20 @@ def books(p: Field, *, width: float = 0.034) -> Field:
     color = 0.5 + 0.5 * np.cos(6.28 * (hue + np.array([[0.0], [0.33], [0.62]], np.float32)))
     title = (np.abs(p[1] - 0.02) < 0.02 + 0.02 * hue) & (_hash(number + 9) > 0.4)
     gap = np.clip((p[0] / width % 1) * 9, 0.15, 1)
-    return ((0.25 + 0.75 * color) * tone * gap + title * 0.35).astype(np.float32)
+    return np.asarray((0.25 + 0.75 * color) * tone * gap + title * 0.35, np.float32)
 
 
-def poster(p: Field, *, seed: float, half: tuple[float, float]) -> Field:
+def poster(p: Field, *, seed: float, half: tuple[float, float], size: float = 0.42) -> Field:
     """A print in the x-y plane: soft shapes of a few inks in a white margin."""
     q = np.stack([p[0], p[1], np.full_like(p[0], seed)])
-    a, b = noise(q, 0.42, 2), noise(q + 3, 0.3, 2)
+    a, b = noise(q, size, 2), noise(q + 3, size * 0.7, 2)
     inks = np.array([[0.75, 0.25, 0.08], [0.05, 0.17, 0.30], [0.85, 0.62, 0.25]], np.float32)
     inks = np.roll(inks, int(seed) % 3, axis=1)
     field = np.where(
         a > 0.56, inks[0][:, None], np.where(b > 0.52, inks[1][:, None], inks[2][:, None])
     )
     margin = (np.abs(p[0]) > half[0] - 0.03) | (np.abs(p[1]) > half[1] - 0.03)
-    return np.where(margin, np.float32(0.8), field)
+    return np.asarray(np.where(margin, np.float32(0.8), field))
 
 
 def banded(p: Field, *, bands: tuple[tuple[float, Color], ...]) -> Field:
@@ -147,7 +148,7 @@ def banded(p: Field, *, bands: tuple[tuple[float, Color], ...]) -> Field:
         inside = (p[1] > low) & (p[1] <= limit)
         result[:, inside] = np.array(color, np.float32)[:, None]
         low = limit
-    return result * (0.9 + 0.2 * noise(p, 0.02, 1))
+    return np.asarray(result * (0.9 + 0.2 * noise(p, 0.02, 1)), np.float32)
 
 
 def face(p: Field, *, skin: Color, hair: Color, hairline: float) -> Field:
@@ -165,7 +166,7 @@ def face(p: Field, *, skin: Color, hair: Color, hairline: float) -> Field:
     color[:, eyes] = 0.04
     color[:, brows] = dark[:, brows]
     scalp = p[1] > line + 0.10 * np.clip(p[2] / 0.09, -1.6, 0.2)
-    return np.where(scalp, dark, color)
+    return np.asarray(np.where(scalp, dark, color), np.float32)
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,7 +103,7 @@ class JugglingScene:
         return result
 
     @property
-    def T_room_camera(self) -> Array:
+    def camera_pose(self) -> Array:
         """See Scene."""
         return tripod(1.28, 4.0)
 
@@ -139,7 +139,7 @@ class JugglingScene:
         sway = vec(0.025 * wobble(t, f[:2], (2.3, 3.7)), 0, 0.02 * wobble(t, f[2:4], (1.9, 3.1)))
         hands = self._hands(p, t)
         lift = float(hands[0][1] + hands[1][1]) / 2 - 1.05 * stand.size
-        pelvis = stand.place + axes @ sway + UP * (0.915 * stand.size + 0.05 * lift)
+        pelvis = stand.place + axes @ sway + UP * (0.938 * stand.size + 0.05 * lift)
         reach = float((hands[0] - hands[1]) @ axes[:, 2])
         aim = stand.at(0.15 * wobble(t, f[4:6], (1.3, 2.1)), 1.75, 1.1)
         return Posture(

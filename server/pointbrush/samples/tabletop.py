@@ -1,0 +1,244 @@
+"""The table-top scene: someone sits at a table and moves things about with both hands."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from pointbrush.errors import BadInputError
+from pointbrush.samples.camera import tripod
+from pointbrush.samples.geometry import UP, Array, axis_angle, rigid, smoothstep, vec, wobble, yaw
+from pointbrush.samples.lighting import Lamp, Lights
+from pointbrush.samples.people import LOOKS, Foot, Posture, body
+from pointbrush.samples.recording import LabelInfo, Moment
+from pointbrush.samples.render import Solid
+from pointbrush.samples.room import block, disc
+from pointbrush.samples.textures import Material, cloth, linear, matte, planks, wallpaper, wood
+from pointbrush.samples.things import THINGS, Thing
+
+TABLE = 0.72
+NEAR, FAR, REACH = -0.86, -1.13, 0.42
+"""Where things may stand: z from FAR to NEAR, x from -REACH to REACH."""
+
+
+@dataclass(frozen=True, slots=True)
+class TabletopOptions:
+    """Options of a table-top recording.
+
+    ``things`` 1 to 8; ``label_people``: whether who moves them is a label too.
+    """
+
+    things: int = 6
+    label_people: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Move:
+    """A hand takes a thing somewhere: reach until ``grasp``, carry until ``release``."""
+
+    thing: int
+    begin: float
+    grasp: float
+    release: float
+    start: Array
+    end: Array
+    turn0: float
+    turn1: float
+    lift: float
+    tilt: float
+
+    def pose(self, t: float) -> Array:
+        """(4, 4) ``T_room_thing`` between grasp and release."""
+        s = min(max((t - self.grasp) / (self.release - self.grasp), 0.0), 1.0)
+        e = smoothstep(s)
+        arch = math.sin(math.pi * s) ** 2
+        place = self.start + (self.end - self.start) * e + UP * (self.lift * arch)
+        R = yaw(self.turn0 + (self.turn1 - self.turn0) * e)
+        return rigid(R @ axis_angle(vec(1, 0, 0), self.tilt * arch), place)
+
+
+class Script:
+    """Who stands where when: moves of both hands, without collisions of resting places."""
+
+    def __init__(self, things: list[Thing], seconds: float, rng: np.random.Generator) -> None:
+        self._things = things
+        self.places: list[Array] = []
+        self.turns = [float(rng.uniform(-math.pi, math.pi)) for _ in things]
+        for k in range(len(things)):
+            self.places.append(self._free(k, rng, None))
+        self.moves: tuple[list[Move], list[Move]] = ([], [])
+        self._first = (list(self.places), list(self.turns))
+        clock = [0.15, 0.55]
+        while min(clock) < seconds + 1:
+            which = int(np.argmin(clock))
+            clock[which] = self._plan(which, clock[which], rng)
+
+    def _free(self, k: int, rng: np.random.Generator, side: float | None) -> Array:
+        """Return a place for thing ``k``, apart from all others; on one side if asked."""
+        best, clearance = vec(0, TABLE, FAR), -1.0
+        for _ in range(60):
+            x = rng.uniform(0.02, REACH) * side if side else rng.uniform(-REACH, REACH)
+            place = vec(x, TABLE, rng.uniform(FAR, NEAR))
+            gaps = [
+                float(np.linalg.norm(place - other)) - self._things[k].radius - thing.radius
+                for n, (other, thing) in enumerate(zip(self.places, self._things, strict=False))
+                if n != k
+            ]
+            room = min(gaps, default=1.0)
+            if room > clearance:
+                best, clearance = place, room
+            if clearance > 0.05:
+                break
+        return best
+
+    def _plan(self, which: int, now: float, rng: np.random.Generator) -> float:
+        """Plan the next move of a hand (0 left, at positive x); return when it is over."""
+        side = 1.0 if which == 0 else -1.0
+        other = self.moves[1 - which]
+        busy = other[-1].thing if other and other[-1].release > now else -1
+        within = [k for k, p in enumerate(self.places) if p[0] * side > -0.08 and k != busy]
+        if not within:
+            return now + 0.4
+        last = self.moves[which][-1].thing if self.moves[which] else -1
+        fresh = [k for k in within if k != last] or within
+        k = int(rng.choice(fresh))
+        grasp = now + rng.uniform(0.4, 0.65)
+        release = grasp + rng.uniform(0.7, 1.3)
+        end, turn = self._free(k, rng, side), self.turns[k] + rng.uniform(-2.2, 2.2)
+        lift = 0.0 if rng.random() < 0.3 else float(rng.uniform(0.05, 0.18))
+        tilt = float(rng.uniform(-0.5, 0.5)) if lift > 0.1 else 0.0
+        self.moves[which].append(
+            Move(k, now, grasp, release, self.places[k], end, self.turns[k], turn, lift, tilt)
+        )
+        self.places[k], self.turns[k] = end, turn
+        return release + rng.uniform(0.1, 0.35)
+
+    def pose(self, k: int, t: float) -> Array:
+        """(4, 4) ``T_room_thing`` of thing ``k``."""
+        done = [m for moves in self.moves for m in moves if m.thing == k and m.grasp <= t]
+        if done:
+            return max(done, key=lambda m: m.grasp).pose(t)
+        return rigid(yaw(self._first[1][k]), self._first[0][k])
+
+    def hand(self, which: int, t: float) -> Array:
+        """(3,) where a hand is: at the thing it carries, or on its way."""
+        side = 1.0 if which == 0 else -1.0
+        rest = vec(side * 0.3, TABLE + 0.05, FAR - 0.08)
+        moves = self.moves[which]
+        before = [m for m in moves if m.begin <= t]
+        if not before:
+            return rest
+        move = before[-1]
+        if t >= move.grasp:
+            held = self._grip(move, side, t)
+            away = smoothstep((t - move.release) / 0.4)
+            return np.asarray(held + (rest - held) * 0.5 * away)
+        came = rest
+        if len(before) > 1:
+            came = self.hand(which, before[-1].begin - 1e-6)
+        s = smoothstep((t - move.begin) / (move.grasp - move.begin))
+        above = UP * (0.10 * math.sin(math.pi * s))
+        return np.asarray(came + (self._grip(move, side, t) - came) * s + above)
+
+    def _grip(self, move: Move, side: float, t: float) -> Array:
+        thing = self._things[move.thing]
+        place = self.pose(move.thing, min(max(t, move.grasp), move.release))[:3, 3]
+        back = vec(side * 0.55, 0, -0.85) * (thing.radius + 0.022)
+        return np.asarray(place + back + UP * (thing.height * 0.75))
+
+
+class TabletopScene:
+    """See ``recording.Scene``."""
+
+    def __init__(self, seed: int, seconds: float, options: TabletopOptions) -> None:
+        if not 1 <= options.things <= len(THINGS):
+            raise BadInputError(f"things: expected 1 to {len(THINGS)}, got {options.things}")
+        rng = np.random.default_rng([seed, 21])
+        order = rng.permutation(len(THINGS)) if seed else np.arange(len(THINGS))
+        self._things = [THINGS[int(k)]() for k in order[: options.things]]
+        self._script = Script(self._things, seconds, rng)
+        self._look = LOOKS[int(rng.integers(len(LOOKS)))]
+        self._person = len(self._things) + 1 if options.label_people else 0
+        self._phases = rng.uniform(0, 2 * math.pi, 4)
+
+    @property
+    def labels(self) -> list[LabelInfo]:
+        """See Scene."""
+        result = [
+            LabelInfo(k + 1, thing.name, "thing", thing.color)
+            for k, thing in enumerate(self._things)
+        ]
+        if self._person:
+            result.append(LabelInfo(self._person, "person 1", "person", "#4e79ff"))
+        return result
+
+    @property
+    def camera_pose(self) -> Array:
+        """See Scene."""
+        return tripod(1.32, 28.0)
+
+    @property
+    def lights(self) -> Lights:
+        """See Scene."""
+        return Lights(
+            (
+                Lamp(vec(-1.6, 1.9, -0.4), (2.4, 2.35, 2.3), 2.0, 0.4),
+                Lamp(vec(0.5, 2.2, -1.2), (0.9, 0.72, 0.5), 1.6, 0.15),
+            )
+        )
+
+    def still(self) -> list[Solid]:
+        """See Scene."""
+        oak = Material(partial(wood, color=linear("#a9764a")), 0.6, 0.15)
+        floor = Material(partial(planks, color=linear("#8f6a48")), 0.5)
+        wall = Material(partial(wallpaper, color=linear("#aab6b4")), 0.65)
+        mat_ = Material(partial(cloth, color=linear("#4d5a52"), fold=0.2), 0.5)
+        parts = [
+            block((-3, -0.1, -3.4), (3, 0, 1), floor),
+            block((-3, 0, -3.5), (3, 2.6, -3.4), wall),
+            block((-0.72, TABLE - 0.03, -1.34), (0.72, TABLE, -0.62), oak),
+            block((-0.24, TABLE, -1.12), (0.24, TABLE + 0.003, -0.8), mat_),
+            block((-1.6, 0, -3.4), (-0.7, 0.8, -2.95), matte("#d8d2c4")),
+            block((-1.5, 0.8, -3.3), (-1.1, 1.1, -3.05), matte("#6b4a3a")),
+            disc((0.95, 0, -3.0), 0.22, 0.5, matte("#55645a")),
+        ]
+        parts += [
+            block((x - 0.03, 0, z - 0.03), (x + 0.03, TABLE - 0.03, z + 0.03), oak)
+            for x in (-0.67, 0.67)
+            for z in (-1.3, -0.67)
+        ]
+        return parts
+
+    def at(self, t: float) -> Moment:
+        """See Scene."""
+        poses = {k + 1: self._script.pose(k, t) for k in range(len(self._things))}
+        posture = self._posture(t)
+        solids = body(self._look, posture, self._person)
+        balls = [(hand + UP * 0.01, 0.05) for hand in posture.hands]
+        for label, pose in poses.items():
+            thing = self._things[label - 1]
+            solids += thing.placed(pose, label)
+            balls.append((pose[:3, 3] + pose[:3, 1] * thing.height * 0.5, thing.radius * 1.1))
+        return Moment(solids, balls, poses)
+
+    def _posture(self, t: float) -> Posture:
+        """Return the one who sits at the far side of the table, facing the camera."""
+        hands = (self._script.hand(0, t), self._script.hand(1, t))
+        ahead = float(hands[0][2] + hands[1][2]) / 2 - FAR
+        sway = 0.02 * wobble(t, self._phases[:2], (2.6, 4.1))
+        pelvis = vec(sway, 0.50, -1.56)
+        feet = (Foot(vec(0.16, 0.085, -1.15), 0.1), Foot(vec(-0.16, 0.085, -1.18), -0.1))
+        return Posture(
+            pelvis,
+            0.0,
+            feet,
+            hands,
+            lean=0.22 + 0.5 * max(0.0, ahead),
+            twist=0.6 * float(hands[1][2] - hands[0][2]),
+            gaze=(hands[0] + hands[1]) / 2,
+            breath=math.sin(2 * math.pi * t / 3.6),
+            elbows=vec(0.8, -0.5, -0.3),
+        )
