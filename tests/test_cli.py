@@ -1,0 +1,227 @@
+"""The command, as a user runs it: what it prints, what it leaves, how it exits."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import numpy as np
+import plyfile
+import pytest
+
+from pointbrush.cli import main
+
+
+@pytest.fixture(autouse=True)
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "workspace"
+    monkeypatch.setenv("POINTBRUSH_WORKSPACE", str(path))
+    return path
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    """Three frames of a ball of 500 points that moves 2 cm a frame before a wall."""
+    folder = tmp_path / "moving ball"
+    folder.mkdir()
+    rng = np.random.default_rng(0)
+    wall = np.column_stack([rng.uniform(-1, 1, (3000, 2)), np.full(3000, 2.0)])
+    ball = rng.normal(size=(500, 3))
+    ball *= 0.1 / np.linalg.norm(ball, axis=1, keepdims=True)
+    for i in range(3):
+        xyz = np.concatenate([wall, ball + [0.02 * i, 0, 1]]).astype(np.float32)
+        rgb = np.repeat(np.array([[90, 90, 90], [200, 40, 40]], np.uint8), [3000, 500], axis=0)
+        np.savez(folder / f"{i}.npz", xyz=xyz, rgb=rgb)
+    return folder
+
+
+def run(*arguments: object) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def painted(workspace: Path) -> str:
+    """Import, add a label and paint the ball in frame 0, over REST against `pointbrush serve`."""
+    sequence = "moving-ball"
+    with serving(workspace) as (url, token), httpx.Client(headers=bearer(token)) as api:
+        base = f"{url}/api/v1/sequences/{sequence}"
+        label = api.post(f"{base}/labels", json={"name": "ball"}).raise_for_status().json()
+        stroke = {
+            "label": label["id"],
+            "shape": "sphere",
+            "radius": 0.15,
+            "samples": [{"origin": [0, 0, 1], "direction": [0, 0, 1]}],
+        }
+        answer = api.post(f"{base}/frames/0/strokes", json=stroke).raise_for_status().json()
+        assert answer["changed"] == 500
+    return sequence
+
+
+class serving:  # noqa: N801 - reads as a phrase
+    """`pointbrush serve` in its own process; killed without mercy at the end."""
+
+    def __init__(self, workspace: Path) -> None:
+        self.workspace = workspace
+
+    def __enter__(self) -> tuple[str, str]:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "POINTBRUSH_WORKSPACE": str(self.workspace)},
+        )
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        assert line.startswith("pointbrush ready at http://127.0.0.1:")
+        url, token = line.split()[-1].split("/?token=")
+        return url, token
+
+    def __exit__(self, *_: object) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(10)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+def bearer(token: str) -> dict[str, str]:
+    return {"Authorization": f"Bearer {token}"}
+
+
+def test_import_info_paint_track_export(
+    workspace: Path, recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("import", recording, "--fps", 10) == 0
+    assert "imported moving-ball: 3 frames, 10,500 points" in capsys.readouterr().out
+    # The server that took the stroke is killed right after its answer.
+    sequence = painted(workspace)
+    assert run("info", sequence) == 0
+    assert "ball" in capsys.readouterr().out
+
+    command = ["track", sequence, "--from", 0, "--to", 2, "--labels", "ball", "--method", "icp"]
+    assert run(*command) == 0
+    assert run("export", sequence, "--format", "ply", "--out", tmp_path / "ply") == 0
+    for i, path in enumerate(sorted((tmp_path / "ply").glob("**/*.ply"))):
+        vertex = plyfile.PlyData.read(path)["vertex"]
+        source = np.load(recording / f"{i}.npz")["xyz"]
+        xyz = np.column_stack([vertex["x"], vertex["y"], vertex["z"]])
+        assert np.array_equal(xyz, source), "points leave in the source's order"
+        assert (vertex["label"][3000:] > 0).mean() > 0.95
+        assert (vertex["label"][:3000] > 0).mean() < 0.01
+    assert run("export", sequence, "--format", "semantickitti", "--out", tmp_path / "kitti") == 0
+    first = np.fromfile(next((tmp_path / "kitti").glob("**/000000.label")), np.uint32)
+    assert len(first) == 3500
+    assert (first[3000:] >> 16 > 0).all(), "instance in the upper half"
+    assert (first[3000:] & 0xFFFF > 0).all(), "category in the lower half"
+    palette = json.loads(next((tmp_path / "kitti").glob("**/palette.json")).read_text())
+    assert "ball" in json.dumps(palette)
+    assert run("check") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["import", "nowhere"], "nowhere"),
+        (["info", "nothing"], "nothing"),
+        (["export", "nothing", "--format", "ply", "--out", "x"], "nothing"),
+        (["track", "nothing", "--from", 0, "--to", 1], "nothing"),
+        (["token", "add", "me", "--role", "king"], "king"),
+    ],
+)
+def test_what_fails_says_so_in_one_line(
+    arguments: list[object], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*arguments) == 1
+    error = capsys.readouterr().err.strip().splitlines()
+    assert len(error) == 1
+    assert says in error[0]
+
+
+@pytest.mark.parametrize("arguments", [["fly"], ["import"], ["import", "x", "--fps", "-1"]])
+def test_a_usage_error_exits_with_two(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+
+
+def bad_files(folder: Path) -> Iterator[tuple[str, Path]]:
+    good = np.zeros((10, 3), np.float32)
+    empty = folder / "empty.ply"
+    empty.write_bytes(b"")
+    yield "empty", empty
+    truncated = folder / "truncated.npy"
+    np.save(truncated, good)
+    truncated.write_bytes(truncated.read_bytes()[:-17])
+    yield "truncated", truncated
+    nan = folder / "nan.npy"
+    np.save(nan, np.where(np.arange(10)[:, None] == 4, np.nan, good))
+    yield "NaN", nan
+    mixed = folder / "mixed"
+    mixed.mkdir()
+    np.save(mixed / "a.npy", good)
+    (mixed / "b.xyz").write_text("0 0 0\n1 1 1\n")
+    yield "mixed", mixed
+
+
+def test_bad_recordings_are_refused_and_leave_nothing(
+    tmp_path: Path, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, path in bad_files(tmp_path):
+        assert run("import", path) == 1, name
+        error = capsys.readouterr().err
+        assert "expected" in error, f"{name}: {error}"
+        assert "Traceback" not in error
+        assert list((workspace / "sequences").iterdir()) == [], name
+
+
+def test_frames_may_differ_in_size(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "sizes"
+    folder.mkdir()
+    for i, n in enumerate((5, 1, 300)):
+        np.save(folder / f"{i}.npy", np.random.default_rng(i).normal(size=(n, 3)))
+    assert run("import", folder) == 0
+    assert run("info", "sizes") == 0
+    assert "1 to 300 a frame" in capsys.readouterr().out
+
+
+def test_backup_and_restore(
+    workspace: Path, recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run("import", recording) == 0
+    painted(workspace)
+    assert run("backup", tmp_path / "backup") == 0
+    assert run("backup", tmp_path / "backup") == 1, "an existing folder is never overwritten"
+    monkeypatch.setenv("POINTBRUSH_WORKSPACE", str(tmp_path / "restored"))
+    assert run("restore", tmp_path / "backup") == 0
+    assert run("check") == 0
+    assert run("export", "moving-ball", "--format", "npz", "--out", tmp_path / "out") == 0
+    first = np.load(sorted((tmp_path / "out").glob("**/*.npz"))[0])
+    assert (first["label"] > 0).sum() == 500
+
+
+def test_check_finds_a_flipped_byte(
+    workspace: Path, recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("import", recording) == 0
+    largest = max((workspace / "sequences").glob("**/*"), key=lambda p: p.stat().st_size)
+    data = bytearray(largest.read_bytes())
+    data[len(data) // 2] ^= 1
+    largest.write_bytes(data)
+    assert run("check") == 1
+    assert largest.name in capsys.readouterr().out
+
+
+def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("token", "add", "Ada", "--role", "annotator", "--days", 7) == 0
+    secret = capsys.readouterr().out.strip()
+    assert run("token", "list") == 0
+    listed = capsys.readouterr().out
+    assert "Ada" in listed
+    assert secret not in listed, "secrets are shown once"
+    assert run("token", "revoke", listed.split()[0]) == 0
+    assert run("token", "list") == 0
+    assert "revoked" in capsys.readouterr().out
