@@ -3,11 +3,12 @@
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.check import verify
 from pointbrush.sequences.files import clean_temporary
-from pointbrush.sequences.importer import import_frames
+from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
 from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
 from pointbrush.sequences.store import Chunk, Sequence, StoredFrame, open_sequence
 
 __all__ = [
+    "LARGE_POINTS",
     "Blocks",
     "Chunk",
     "Manifest",
@@ -15,6 +16,7 @@ __all__ = [
     "StoredFrame",
     "clean_temporary",
     "import_frames",
+    "import_large",
     "open_sequence",
     "read_manifest",
     "update_manifest",

@@ -77,6 +77,13 @@ def map_file(path: Path) -> memoryview:
         raise NotFoundError(f"expected the file {path.name} of the sequence, it is gone") from error
 
 
+def read_range(path: Path, start: int, stop: int) -> bytes:
+    """Bytes ``start`` to before ``stop`` of a file."""
+    with path.open("rb") as file:
+        file.seek(start)
+        return file.read(stop - start)
+
+
 def _open_npy(path: Path) -> NDArray[Any]:
     # A view of the base class: the memmap subclass makes each slice several times slower.
     mapped: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)

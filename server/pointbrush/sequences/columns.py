@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
@@ -152,6 +152,15 @@ def encode_chunk(
     for name in ("origin", "scale", "lo", "hi"):
         row[name] = getattr(quantised, name)
     return row, data, quantised.error
+
+
+def frame_meta(frame: PointFrame) -> dict[str, Any]:
+    """What is stored of a frame beside its arrays: the coordinates' type, the depth camera."""
+    meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
+    if frame.camera is not None:
+        camera = frame.camera
+        meta["camera"] = {field.name: getattr(camera, field.name) for field in fields(camera)}
+    return meta
 
 
 def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:

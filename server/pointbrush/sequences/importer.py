@@ -5,52 +5,36 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
-from datetime import UTC, datetime
+from dataclasses import fields, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.arrays import digest, write_arrays
+from pointbrush.sequences.arrays import digest, map_file, open_arrays, write_arrays
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
-from pointbrush.sequences.columns import POINT_FIELDS, Encoded, Grid, encode_frame
+from pointbrush.sequences.columns import POINT_FIELDS, Grid, encode_frame, frame_meta
 from pointbrush.sequences.files import new_folder, write_file
+from pointbrush.sequences.grid import GridChooser
+from pointbrush.sequences.large import LargeFrame
 from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
-from pointbrush.sequences.quantise import base_step
-from pointbrush.sequences.room import RoomFinder
+from pointbrush.sequences.record import Record, make_manifest, record
 from pointbrush.sequences.store import FRAMES
 
 Progress = Callable[[float, str], None]
 
-FAR = 1024.0
-"""Coordinates beyond this (metres) are shifted: float32 has less than 0.1 mm left there."""
+LARGE_POINTS = 4_000_000
+"""A frame of more points than this becomes an octree, and has no k-d tree."""
 
 _WORKERS = 2
+_PART_POINTS = 1_000_000
 
 
 def _silent(fraction: float, message: str) -> None:
     """Progress nobody asked for."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Record:
-    """What the manifest needs of one stored frame."""
-
-    count: int
-    fields: tuple[str, ...]
-    lo: NDArray[np.float64]
-    hi: NDArray[np.float64]
-    error: float
-    prefix: NDArray[np.float32]
-    pose: list[float] | None
-    viewpoint: list[float] | None
-    timestamp: float | None
-    dropped: int
-    checksums: dict[str, str]
 
 
 def import_frames(
@@ -70,82 +54,115 @@ def import_frames(
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
     """
-    if not (np.isfinite(fps) and fps > 0):
-        raise BadInputError(f"fps: expected a positive number, got {fps}")
+    _check_fps(fps)
     with new_folder(target) as folder:
         (folder / FRAMES).mkdir()
-        grid_of = _GridChooser()
+        grid_of = GridChooser()
         records = []
-        for record in _store_all(frames, folder, grid_of):
-            records.append(record)
+        for stored in _store_all(frames, folder, grid_of):
+            records.append(stored)
             done = len(records)
             count = f"{done} of {total}" if total else f"{done}"
             progress(min(done / total, 1.0) if total else 0.0, f"imported {count} frames")
         if not records:
             raise BadInputError("expected at least one frame, got none")
-        manifest = _manifest(records, grid_of.grid, sequence_id, name, fps, source)
-        write_file(folder / FILE, encode_manifest(manifest))
-        checksums = {key: value for record in records for key, value in record.checksums.items()}
-        write_file(folder / CHECKSUMS, encode_checksums(checksums))
+        manifest = make_manifest(records, grid_of.grid, sequence_id, name, fps, source)
+        _complete(folder, manifest, records)
     return manifest
 
 
-class _GridChooser:
-    """Fixes shift, grid and intensity range by the first frame that can tell."""
+def import_large(
+    parts: Iterable[PointFrame],
+    target: Path,
+    *,
+    sequence_id: str,
+    name: str,
+    fps: float = 1.0,
+    total_points: int | None = None,
+    progress: Progress = _silent,
+    source: str = "",
+) -> Manifest:
+    """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
-    def __init__(self) -> None:
-        self.grid = Grid(np.zeros(3), base_step(0.0), None)
-        self._placed = False
+    The parts have the same fields; the source's order is theirs, one after the other.  A frame
+    that turns out to fit in memory is stored like any other.  Errors as ``import_frames``.
+    """
+    _check_fps(fps)
+    parts = iter(parts)
+    head: list[PointFrame] = []
+    while sum(map(len, head)) <= LARGE_POINTS:
+        part = next(parts, None)
+        if part is None:
+            return import_frames(
+                [join(head)] if head else [],
+                target,
+                sequence_id=sequence_id,
+                name=name,
+                fps=fps,
+                total=1,
+                progress=progress,
+                source=source,
+            )
+        head.append(part)
+    with new_folder(target) as folder:
+        (folder / FRAMES).mkdir()
+        grid = GridChooser()(head)
+        records = [_store_large(chain(head, parts), 0, grid, folder, total_points, progress)]
+        manifest = make_manifest(records, grid, sequence_id, name, fps, source)
+        _complete(folder, manifest, records)
+        progress(1.0, f"imported {manifest.points[0]:,} points")
+    return manifest
 
-    def __call__(self, frame: PointFrame) -> Grid:
-        if not self._placed and len(frame):
-            self._placed = True
-            lo = frame.xyz.min(axis=0).astype(np.float64)
-            hi = frame.xyz.max(axis=0).astype(np.float64)
-            step = base_step(float((hi - lo).max()))
-            self.grid = Grid(choose_shift(lo, hi), step, self.grid.intensity_range)
-        if self.grid.intensity_range is None and frame.intensity is not None and len(frame):
-            span = intensity_range(frame.intensity)
-            self.grid = Grid(self.grid.shift, self.grid.step, span)
-        return self.grid
+
+def _check_fps(fps: float) -> None:
+    if not (np.isfinite(fps) and fps > 0):
+        raise BadInputError(f"fps: expected a positive number, got {fps}")
 
 
-def choose_shift(lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A round shift (3,) near the middle of the bounds when they are far out, else zeros."""
-    if max(float(np.abs(lo).max()), float(np.abs(hi).max())) <= FAR:
-        return np.zeros(3)
-    middle = lo / 2 + hi / 2
-    shift: NDArray[np.float64] = np.where(np.abs(middle) > FAR / 4, np.rint(middle / 100) * 100, 0)
-    return shift + 0.0  # no negative zeros
+def _complete(folder: Path, manifest: Manifest, records: list[Record]) -> None:
+    write_file(folder / FILE, encode_manifest(manifest))
+    checksums = {key: value for stored in records for key, value in stored.checksums.items()}
+    write_file(folder / CHECKSUMS, encode_checksums(checksums))
 
 
-def intensity_range(intensity: NDArray[np.float32]) -> tuple[float, float]:
-    """Source values that stream as 0 and 255: the unit's whole range where it is plain."""
-    finite = intensity[np.isfinite(intensity)].astype(np.float64)
-    if len(finite) == 0:
-        return 0.0, 1.0
-    low, high = float(finite.min()), float(finite.max())
-    if low >= 0 and high <= 1:
-        return 0.0, 1.0
-    if low >= 0 and high <= 255:
-        return 0.0, 255.0
-    # A few retro-reflectors must not turn all else black.
-    low, high = float(np.quantile(finite, 0.001)), float(np.quantile(finite, 0.995))
-    return (low, high) if high > low else (low, low + 1.0)
+def join(parts: list[PointFrame]) -> PointFrame:
+    """One frame of all parts' points; pose, sensor and time are the first one's.
+
+    Raises BadInputError when the parts' fields differ.
+    """
+    columns: dict[str, Any] = {}
+    for name in ("xyz", *POINT_FIELDS):
+        given = [getattr(part, name) for part in parts]
+        missing = sum(column is None for column in given)
+        if 0 < missing < len(parts):
+            raise BadInputError(f"expected {name} in every part of the frame, or in none")
+        columns[name] = None if missing else np.concatenate(given)
+    return replace(parts[0], **columns, dropped=sum(part.dropped for part in parts))
+
+
+def split(frame: PointFrame) -> Iterator[PointFrame]:
+    """A frame in parts of a million points."""
+    for start in range(0, len(frame), _PART_POINTS):
+        columns = {
+            field.name: getattr(frame, field.name)[start : start + _PART_POINTS]
+            for field in fields(frame)
+            if field.name in ("xyz", *POINT_FIELDS) and getattr(frame, field.name) is not None
+        }
+        yield replace(frame, **columns, dropped=frame.dropped if start == 0 else 0)
 
 
 def _store_all(
-    frames: Iterable[PointFrame], folder: Path, grid_of: _GridChooser
-) -> Iterator[_Record]:
+    frames: Iterable[PointFrame], folder: Path, grid_of: GridChooser
+) -> Iterator[Record]:
     """Store frames in order; reading the next ones overlaps with encoding.
 
     Threads do, since numpy and scipy let go of the interpreter's lock in their long loops.
     """
-    pending: deque[Future[_Record]] = deque()
+    pending: deque[Future[Record]] = deque()
     with ThreadPoolExecutor(_WORKERS, "import") as pool:
         try:
             for index, frame in enumerate(frames):
-                grid = grid_of(frame)
+                grid = grid_of([frame])
                 pending.append(pool.submit(_store_frame, frame, index, grid, folder))
                 if len(pending) > _WORKERS:
                     yield pending.popleft().result()
@@ -156,68 +173,46 @@ def _store_all(
                 future.cancel()
 
 
-def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> _Record:
+def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
+    if len(frame) > LARGE_POINTS:
+        return _store_large(split(frame), index, grid, folder, len(frame), _silent)
     encoded = encode_frame(frame, grid)
-    meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
-    if frame.camera is not None:
-        camera = frame.camera
-        names = ("width", "height", "fx", "fy", "cx", "cy")
-        meta["camera"] = {key: getattr(camera, key) for key in names}
     stem = folder / FRAMES / f"{index:06d}"
-    checksums = write_arrays(stem.with_suffix(".points"), encoded.arrays, meta)
+    checksums = write_arrays(stem.with_suffix(".points"), encoded.arrays, frame_meta(frame))
     wire = stem.with_suffix(".wire")
     write_file(wire, encoded.wire)
     checksums[wire.name] = digest(encoded.wire)
-    return _record(frame, encoded, {f"{FRAMES}/{key}": v for key, v in checksums.items()})
+    named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
+    return record(frame, encoded.arrays, encoded.error, named, dropped=frame.dropped, large=False)
 
 
-def _record(frame: PointFrame, encoded: Encoded, checksums: dict[str, str]) -> _Record:
-    xyz, chunks = encoded.arrays["xyz"], encoded.arrays["chunks"]
-    none = np.full(3, np.nan)
-    return _Record(
-        count=len(xyz),
-        fields=("xyz", *(key for key in POINT_FIELDS if getattr(frame, key) is not None)),
-        lo=chunks["lo"].min(axis=0).astype(np.float64) if len(xyz) else none,
-        hi=chunks["hi"].max(axis=0).astype(np.float64) if len(xyz) else none,
-        error=encoded.error,
-        prefix=xyz[:4096].copy(),
-        pose=None if frame.pose is None else frame.pose.ravel().tolist(),
-        viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
-        timestamp=None if frame.timestamp is None else float(frame.timestamp),
-        dropped=frame.dropped,
-        checksums=checksums,
-    )
+def _store_large(
+    parts: Iterable[PointFrame],
+    index: int,
+    grid: Grid,
+    folder: Path,
+    total: int | None,
+    progress: Progress,
+) -> Record:
+    first: list[PointFrame] = []
+    dropped = 0
 
+    def watched() -> Iterator[PointFrame]:
+        nonlocal dropped
+        for part in parts:
+            first[:] = first or [part]
+            dropped += part.dropped
+            yield part
 
-def _manifest(
-    records: list[_Record], grid: Grid, sequence_id: str, name: str, fps: float, source: str
-) -> Manifest:
-    filled = [record for record in records if record.count]
-    lo = np.min([record.lo for record in filled], axis=0) if filled else np.zeros(3)
-    hi = np.max([record.hi for record in filled], axis=0) if filled else np.zeros(3)
-    present = {field for record in records for field in record.fields}
-    finder = RoomFinder(grid.shift)
-    for record in records:
-        viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
-        finder.add(record.prefix, viewpoint)
-    return Manifest(
-        id=sequence_id,
-        name=name,
-        frames=len(records),
-        fps=float(fps),
-        points=[record.count for record in records],
-        fields=[field for field in ("xyz", *POINT_FIELDS) if field in present],
-        shift=grid.shift.tolist(),
-        lo=lo.tolist(),
-        hi=hi.tolist(),
-        room=finder.room(camera="pixel" in present).ravel().tolist(),
-        position_error=max((record.error for record in records), default=0.0),
-        intensity_range=None if grid.intensity_range is None else list(grid.intensity_range),
-        dropped=[record.dropped for record in records],
-        poses=[record.pose for record in records],
-        timestamps=[record.timestamp for record in records],
-        viewpoints=[record.viewpoint for record in records],
-        source=source,
-        large=False,
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
-    )
+    path = folder / FRAMES / f"{index:06d}"
+    error = LargeFrame(path, progress).write(watched(), grid, total)
+    progress(0.98, "checksums")
+    files = sorted([*path.iterdir(), path.with_suffix(".wire")])
+    with ThreadPoolExecutor(_WORKERS) as pool:
+        digests = pool.map(lambda file: digest(map_file(file)), files)
+        checksums = {
+            str(file.relative_to(folder)): checksum
+            for file, checksum in zip(files, digests, strict=True)
+        }
+    arrays, _ = open_arrays(path)
+    return record(first[0], arrays, error, checksums, dropped=dropped, large=True)

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
-from pointbrush.sequences.arrays import map_file, open_arrays
+from pointbrush.sequences.arrays import map_file, open_arrays, read_range
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.columns import from_local
@@ -190,11 +190,21 @@ class StoredFrame:
             return memoryview(b"")
         start = int(table["offset"][first_chunk])
         stop = int(table["offset"][stop_chunk - 1] + table["nbytes"][stop_chunk - 1])
+        if self.large:  # read, not mapped: what was sent must not count as this process's memory
+            return memoryview(read_range(self._wire_path, start, stop))
         return self._wire[start:stop]
 
     @property
     def kdtree(self) -> cKDTree[None]:
-        """The tree over ``xyz``, loaded once and shared; querying it is thread-safe."""
+        """The tree over ``xyz``, loaded once and shared; querying it is thread-safe.
+
+        Raises TooLargeError for an octree's frame: build one over the points of a region.
+        """
+        if self.large:
+            raise TooLargeError(
+                f"frame {self.index}: expected a frame small enough for a k-d tree, "
+                f"got {self.count:,} points"
+            )
         return _trees.get(
             (str(self._path), self.index),
             lambda: kdtree.unpack(self._arrays, self.xyz),

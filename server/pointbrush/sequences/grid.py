@@ -1,0 +1,62 @@
+"""What the frames of a sequence share: the shift, the grid and the intensities' range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.columns import Grid
+from pointbrush.sequences.quantise import base_step
+
+FAR = 1024.0
+"""Coordinates beyond this (metres) are shifted: float32 has less than 0.1 mm left there."""
+
+
+class GridChooser:
+    """Fixes shift, grid and intensity range by the first frame that can tell."""
+
+    def __init__(self) -> None:
+        self.grid = Grid(np.zeros(3), base_step(0.0), None)
+        self._placed = False
+
+    def __call__(self, frames: Sequence[PointFrame]) -> Grid:
+        """The grid for ``frames``, one frame or parts of one."""
+        filled = [frame for frame in frames if len(frame)]
+        if not self._placed and filled:
+            self._placed = True
+            lo = np.min([frame.xyz.min(axis=0) for frame in filled], axis=0).astype(np.float64)
+            hi = np.max([frame.xyz.max(axis=0) for frame in filled], axis=0).astype(np.float64)
+            step = base_step(float((hi - lo).max()))
+            self.grid = Grid(choose_shift(lo, hi), step, self.grid.intensity_range)
+        known = [frame.intensity for frame in filled if frame.intensity is not None]
+        if self.grid.intensity_range is None and known:
+            span = intensity_range(np.concatenate(known))
+            self.grid = Grid(self.grid.shift, self.grid.step, span)
+        return self.grid
+
+
+def choose_shift(lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A round shift (3,) near the middle of the bounds when they are far out, else zeros."""
+    if max(float(np.abs(lo).max()), float(np.abs(hi).max())) <= FAR:
+        return np.zeros(3)
+    middle = lo / 2 + hi / 2
+    shift: NDArray[np.float64] = np.where(np.abs(middle) > FAR / 4, np.rint(middle / 100) * 100, 0)
+    return shift + 0.0  # no negative zeros
+
+
+def intensity_range(intensity: NDArray[np.float32]) -> tuple[float, float]:
+    """Source values that stream as 0 and 255: the unit's whole range where it is plain."""
+    finite = intensity[np.isfinite(intensity)].astype(np.float64)
+    if len(finite) == 0:
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    if low >= 0 and high <= 1:
+        return 0.0, 1.0
+    if low >= 0 and high <= 255:
+        return 0.0, 255.0
+    # A few retro-reflectors must not turn all else black.
+    low, high = float(np.quantile(finite, 0.001)), float(np.quantile(finite, 0.995))
+    return (low, high) if high > low else (low, low + 1.0)

@@ -1,0 +1,193 @@
+"""Writing a large frame's files: columns of known length, filled from the back to the front."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.sequences.files import write_all, write_file
+from pointbrush.sequences.segment import Segment
+
+_COPY = 1 << 24
+
+
+class Column:
+    """An array (rows, …) on disk; parts are written anywhere, what is never written is zero."""
+
+    def __init__(self, path: Path, rows: int, like: NDArray[Any]) -> None:
+        """``like`` gives the type and the shape of one row."""
+        self.path, self.rows = path, rows
+        self.dtype, self._tail = like.dtype, like.shape[1:]
+        header = io.BytesIO()
+        descr = np.lib.format.dtype_to_descr(like.dtype)
+        shape = (rows, *self._tail)
+        np.lib.format.write_array_header_1_0(
+            header, {"descr": descr, "fortran_order": False, "shape": shape}
+        )
+        self._start = len(header.getvalue())
+        self._row = int(np.prod(self._tail, dtype=np.int64)) * like.itemsize
+        self._file = path.open("w+b")
+        self._file.write(header.getvalue())
+        self._file.flush()
+        os.truncate(path, self._start + rows * self._row)
+
+    def write(self, first: int, part: NDArray[Any]) -> None:
+        """Put ``part`` (n, …) at row ``first``."""
+        if len(part) == 0:
+            return
+        data = np.ascontiguousarray(part, self.dtype)
+        write_all(self._file.fileno(), data.data.cast("B"), self._start + first * self._row)
+
+    def widened(self, dtype: np.dtype[Any]) -> Column:
+        """The same column as a wider type, in place of this one."""
+        old = np.load(self.path, mmap_mode="r")
+        path = self.path.with_name("wider-" + self.path.name)
+        wider = Column(path, self.rows, np.empty((0, *self._tail), dtype))
+        for first in range(0, self.rows, 1 << 20):
+            wider.write(first, old[first : first + (1 << 20)])
+        self.close()
+        path.replace(self.path)
+        wider.path = self.path
+        return wider
+
+    def close(self) -> None:
+        """Make the file durable."""
+        if not self._file.closed:
+            os.fsync(self._file.fileno())
+            self._file.close()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tables:
+    """What stays in memory of a written segment; ``parent`` is the segment above, once known."""
+
+    points: int
+    chunks: NDArray[Any]
+    block_first: NDArray[np.int64]
+    block_lo: NDArray[np.float32]
+    block_hi: NDArray[np.float32]
+    blocks_per_chunk: NDArray[np.int64]
+    wire_at: int
+    wire_bytes: int
+
+
+class LargeWriter:
+    """Puts segments into the frame's files, each in front of those before it."""
+
+    def __init__(self, folder: Path, temporary: Path, rows: int) -> None:
+        """``folder`` gets the arrays, ``folder``.wire the bytes; both are complete at the end."""
+        self._folder, self._rows, self._free = folder, rows, rows
+        self._columns: dict[str, Column] = {}
+        self._segments: list[_Tables] = []
+        self._above: dict[int, int] = {}
+        self._wire = (temporary / "wire").open("w+b")
+        self._wire_bytes = 0
+        self.error = 0.0
+
+    def __enter__(self) -> LargeWriter:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._wire.close()
+        for column in self._columns.values():
+            column.close()
+
+    def add(self, segment: Segment) -> int:
+        """Write a segment and return its number."""
+        self._free -= len(segment)
+        for name, part in segment.columns.items():
+            self._column(name, part).write(self._free, part)
+        self._wire.write(segment.wire)
+        self.error = max(self.error, segment.error)
+        self._segments.append(
+            _Tables(
+                len(segment),
+                segment.chunks,
+                segment.block_first,
+                segment.block_lo,
+                segment.block_hi,
+                segment.blocks_per_chunk,
+                self._wire_bytes,
+                len(segment.wire),
+            )
+        )
+        self._wire_bytes += len(segment.wire)
+        return len(self._segments) - 1
+
+    def attach(self, segments: list[int], above: int) -> None:
+        """Hang the first nodes of ``segments`` under the first node of segment ``above``."""
+        self._above |= dict.fromkeys(segments, above)
+
+    def _column(self, name: str, part: NDArray[Any]) -> Column:
+        column = self._columns.get(name)
+        if column is None:
+            column = Column(self._folder / f"{name}.npy", self._rows, part)
+        elif column.dtype.itemsize < part.dtype.itemsize:
+            column = column.widened(part.dtype)
+        self._columns[name] = column
+        return column
+
+    def finish(self, meta: Mapping[str, Any]) -> None:
+        """Write the tables and the wire file, whose order is that of the points."""
+        if self._free:
+            raise ValueError(f"expected {self._rows} points, {self._free} are missing")
+        order = list(reversed(range(len(self._segments))))
+        tables = [self._segments[number] for number in order]
+        self._copy_wire(tables)
+        for name, array in self._block_arrays(tables).items():
+            np.save(self._folder / f"{name}.npy", array)
+        np.save(self._folder / "chunks.npy", self._chunk_table(order))
+        write_file(self._folder / "meta.json", json.dumps(dict(meta)).encode())
+
+    def _copy_wire(self, tables: list[_Tables]) -> None:
+        with self._folder.with_suffix(".wire").open("wb") as out:
+            for table in tables:
+                self._wire.seek(table.wire_at)
+                left = table.wire_bytes
+                while left:
+                    data = self._wire.read(min(left, _COPY))
+                    out.write(data)
+                    left -= len(data)
+            out.flush()
+            os.fsync(out.fileno())
+
+    def _chunk_table(self, order: list[int]) -> NDArray[Any]:
+        rows, first_chunk = [], {}
+        points = offset = number = 0
+        for segment in order:
+            table = self._segments[segment]
+            first_chunk[segment] = number
+            chunks = table.chunks.copy()
+            inner = chunks["parent"] >= 0
+            chunks["parent"][inner] += number
+            if segment in self._above:  # the segment above is stored before
+                chunks["parent"][~inner] = first_chunk[self._above[segment]]
+            chunks["first"] += points
+            chunks["offset"] += offset
+            points, offset = points + table.points, offset + table.wire_bytes
+            number += len(chunks)
+            rows.append(chunks)
+        return np.concatenate(rows)
+
+    @staticmethod
+    def _block_arrays(tables: list[_Tables]) -> dict[str, NDArray[Any]]:
+        ends = np.cumsum([table.points for table in tables])
+        first = [
+            table.block_first + end - table.points
+            for table, end in zip(tables, ends.tolist(), strict=True)
+        ]
+        per_chunk = np.concatenate([table.blocks_per_chunk for table in tables])
+        return {
+            "block_first": np.append(np.concatenate(first), ends[-1]),
+            "block_lo": np.concatenate([table.block_lo for table in tables]),
+            "block_hi": np.concatenate([table.block_hi for table in tables]),
+            "block_of_chunk": np.concatenate([[0], np.cumsum(per_chunk)]).astype(np.int64),
+        }

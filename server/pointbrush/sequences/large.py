@@ -1,0 +1,203 @@
+"""A frame larger than memory: points in any order → an octree of chunks on disk.
+
+First the points are sorted into cubes by way of temporary files.  Then each cube, in memory, hands
+an even subsample up to its ancestors and becomes a subtree of its own; cubes are worked on side by
+side.  Last the handed-up points become the levels above.  Points are stored with the upper levels
+first, so the columns are written from the back: their length is known, the upper part's is not.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.columns import POINT_FIELDS, Grid, frame_meta, to_local
+from pointbrush.sequences.growing import LargeWriter
+from pointbrush.sequences.partition import Cell, Key, Partition, edge_exponent, group
+from pointbrush.sequences.segment import Rows, Segment, encode_cube
+
+MAX_SOURCE_POINTS = 2**32 - 1
+_WORKERS = 2
+_SCAN_SHARE = 0.5
+
+Job = tuple[Rows, NDArray[np.float32], int]
+T = TypeVar("T")
+A = TypeVar("A")
+
+
+def _ahead(pool: ThreadPoolExecutor, work: Callable[[A], T], jobs: Iterable[A]) -> Iterator[T]:
+    """Results of ``work`` in the order of ``jobs``, a few of which are worked on ahead."""
+    pending: deque[Future[T]] = deque()
+    try:
+        for job in jobs:
+            pending.append(pool.submit(work, job))
+            if len(pending) > _WORKERS:
+                yield pending.popleft().result()
+        while pending:
+            yield pending.popleft().result()
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+class LargeFrame:
+    """Writes one large frame into ``folder`` (and ``folder``.wire), which must not exist."""
+
+    def __init__(self, folder: Path, report: Callable[[float, str], None]) -> None:
+        self.folder = folder
+        self._report = report
+        self._temporary = folder.with_name(folder.name + ".parts")
+
+    def write(self, chunks: Iterable[PointFrame], grid: Grid, total: int | None) -> float:
+        """Store the points of all ``chunks``, which have the same fields, as one frame.
+
+        Returns the greatest quantisation error per axis.
+        Raises BadInputError when fields or types differ or there are too many points.
+        """
+        self._temporary.mkdir()
+        self.folder.mkdir()
+        with ThreadPoolExecutor(_WORKERS, "octree") as pool:
+            source = _Rows()
+            partition = self._partition(pool, source.jobs(chunks, grid), grid, total)
+            cells, root = partition.finish()
+            with LargeWriter(self.folder, self._temporary, partition.rows) as writer:
+                above = self._subtrees(pool, partition, cells, root, grid, writer)
+                self._ancestors(partition, above, root, grid, writer)
+                self._report(0.97, "writing the tables")
+                writer.finish(source.meta)
+        shutil.rmtree(self._temporary)
+        return writer.error
+
+    def _partition(
+        self, pool: ThreadPoolExecutor, jobs: Iterator[Job], grid: Grid, total: int | None
+    ) -> Partition:
+        """Sort all rows into cubes; reading goes on while other threads group."""
+        partition: Partition | None = None
+        for groups in _ahead(pool, lambda job: group(*job), jobs):
+            if partition is None:
+                partition = Partition(
+                    self._temporary, groups.rows.dtype, grid.shift, groups.exponent
+                )
+            partition.add(groups)
+            share = partition.rows / total if total else 0.0
+            self._report(_SCAN_SHARE * min(share, 1.0), f"read {partition.rows:,} points")
+        if partition is None:
+            raise BadInputError("expected at least one point, got none")
+        return partition
+
+    def _subtrees(
+        self,
+        pool: ThreadPoolExecutor,
+        partition: Partition,
+        cells: list[Cell],
+        root: int,
+        grid: Grid,
+        writer: LargeWriter,
+    ) -> dict[int, dict[Key, list[_Branch]]]:
+        """Write every cube's subtree, last cube first; what they hand up, by level and cube."""
+        above: dict[int, dict[Key, list[_Branch]]] = {}
+
+        def encode(cell: Cell) -> tuple[Cell, Segment]:
+            corner, edge = partition.cube(cell)
+            level = root - cell.exponent
+            rows = partition.take(cell)
+            return cell, encode_cube(rows, corner, edge, level, grid, hands_up=len(cells) > 1)
+
+        done = 0
+        for cell, segment in _ahead(pool, encode, reversed(cells)):
+            number = writer.add(segment)
+            branch = _Branch(segment.up, [number] if len(segment) else [])
+            above.setdefault(root - cell.exponent, {}).setdefault(cell.key, []).append(branch)
+            done += cell.rows
+            share = _SCAN_SHARE + (0.96 - _SCAN_SHARE) * done / partition.rows
+            self._report(share, f"ordered {done:,} of {partition.rows:,} points")
+        return above
+
+    def _ancestors(
+        self,
+        partition: Partition,
+        above: dict[int, dict[Key, list[_Branch]]],
+        root: int,
+        grid: Grid,
+        writer: LargeWriter,
+    ) -> None:
+        """Build the levels above the cubes from what these handed up, deepest first."""
+        for level in range(max(above), 0, -1):
+            branches = sorted(above.pop(level, {}).items(), reverse=True)
+            parents: dict[Key, list[_Branch]] = {}
+            for (x, y, z), parts in branches:
+                parents.setdefault((x >> 1, y >> 1, z >> 1), []).extend(parts)
+            for key, parts in parents.items():
+                exponent = root - (level - 1)
+                corner, edge = partition.cube(Cell(exponent, key))
+                rows = np.concatenate([part.up for part in parts])
+                segment = encode_cube(rows, corner, edge, level - 1, grid, hands_up=level > 1)
+                below = [number for part in parts for number in part.segments]
+                if len(segment):
+                    number = writer.add(segment)
+                    writer.attach(below, number)
+                    below = [number]
+                branch = _Branch(segment.up, below)
+                above.setdefault(level - 1, {}).setdefault(key, []).append(branch)
+
+
+class _Branch:
+    """Rows on their way up, and the segments whose parent is still to come."""
+
+    def __init__(self, up: Rows, segments: list[int]) -> None:
+        self.up = up
+        self.segments = segments
+
+
+class _Rows:
+    """Point frames → packed rows and the positions to group them by."""
+
+    def __init__(self) -> None:
+        self._dtype: np.dtype[Any] | None = None
+        self._count = 0
+        self.meta: dict[str, Any] = {}
+
+    def jobs(self, chunks: Iterable[PointFrame], grid: Grid) -> Iterator[Job]:
+        """Arguments of ``group`` for each chunk."""
+        exponent: int | None = None
+        for chunk in chunks:
+            if len(chunk) == 0:
+                continue
+            local = to_local(chunk.xyz, grid.shift)
+            if exponent is None:
+                exponent = edge_exponent(float(np.ptp(local, axis=0).max()))
+            yield self._pack(chunk), local, exponent
+
+    def _pack(self, chunk: PointFrame) -> Rows:
+        columns: dict[str, NDArray[Any]] = {
+            name: column
+            for name in ("xyz", *POINT_FIELDS)
+            if (column := getattr(chunk, name)) is not None
+        }
+        layout = [(name, column.dtype, column.shape[1:]) for name, column in columns.items()]
+        dtype = np.dtype([*layout, ("source_index", np.dtype(np.uint32), ())])
+        if self._dtype is None:
+            self._dtype = dtype
+            self.meta = frame_meta(chunk)
+        if dtype != self._dtype:
+            raise BadInputError(
+                f"expected every part of the frame to have {self._dtype.names}, got {dtype.names}"
+            )
+        stop = self._count + len(chunk)
+        if stop > MAX_SOURCE_POINTS:
+            raise BadInputError(f"expected at most {MAX_SOURCE_POINTS:,} points in a frame")
+        rows = np.empty(len(chunk), dtype)
+        for name, column in columns.items():
+            rows[name] = column
+        rows["source_index"] = np.arange(self._count, stop, dtype=np.uint32)
+        self._count = stop
+        return rows

@@ -1,0 +1,98 @@
+"""What the manifest needs to know of each stored frame, and the manifest made of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.columns import POINT_FIELDS, Grid
+from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.room import RoomFinder
+
+_PREFIX = 4096
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Record:
+    """What the manifest needs of one stored frame."""
+
+    count: int
+    fields: tuple[str, ...]
+    lo: NDArray[np.float64]
+    hi: NDArray[np.float64]
+    error: float
+    prefix: NDArray[np.float32]
+    pose: list[float] | None
+    viewpoint: list[float] | None
+    timestamp: float | None
+    dropped: int
+    large: bool
+    checksums: dict[str, str]
+
+
+def record(
+    frame: PointFrame,
+    arrays: dict[str, NDArray[Any]],
+    error: float,
+    checksums: dict[str, str],
+    *,
+    dropped: int,
+    large: bool,
+) -> Record:
+    """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time."""
+    xyz, chunks = arrays["xyz"], arrays["chunks"]
+    none = np.full(3, np.nan)
+    return Record(
+        count=len(xyz),
+        fields=("xyz", *(name for name in POINT_FIELDS if name in arrays)),
+        lo=chunks["lo"].min(axis=0).astype(np.float64) if len(xyz) else none,
+        hi=chunks["hi"].max(axis=0).astype(np.float64) if len(xyz) else none,
+        error=error,
+        prefix=xyz[:_PREFIX].copy(),
+        pose=None if frame.pose is None else frame.pose.ravel().tolist(),
+        viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
+        timestamp=None if frame.timestamp is None else float(frame.timestamp),
+        dropped=dropped,
+        large=large,
+        checksums=checksums,
+    )
+
+
+def make_manifest(
+    records: list[Record], grid: Grid, sequence_id: str, name: str, fps: float, source: str
+) -> Manifest:
+    """The manifest of a sequence of these frames, in their order."""
+    filled = [record for record in records if record.count]
+    lo = np.min([record.lo for record in filled], axis=0) if filled else np.zeros(3)
+    hi = np.max([record.hi for record in filled], axis=0) if filled else np.zeros(3)
+    present = {field for record in records for field in record.fields}
+    finder = RoomFinder(grid.shift)
+    for record in records:
+        viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
+        finder.add(record.prefix, viewpoint)
+    return Manifest(
+        id=sequence_id,
+        name=name,
+        frames=len(records),
+        fps=float(fps),
+        points=[record.count for record in records],
+        fields=[field for field in ("xyz", *POINT_FIELDS) if field in present],
+        shift=grid.shift.tolist(),
+        lo=lo.tolist(),
+        hi=hi.tolist(),
+        room=finder.room(camera="pixel" in present).ravel().tolist(),
+        position_error=max((record.error for record in records), default=0.0),
+        intensity_range=None if grid.intensity_range is None else list(grid.intensity_range),
+        dropped=[record.dropped for record in records],
+        poses=[record.pose for record in records],
+        timestamps=[record.timestamp for record in records],
+        viewpoints=[record.viewpoint for record in records],
+        source=source,
+        large=any(record.large for record in records),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
