@@ -32,7 +32,7 @@ void main() {
   vec3 ground = vec3(0.070, 0.080, 0.096);
   vec3 colour = up > 0.0
     ? mix(horizon, zenith, smoothstep(0.0, 0.75, up))
-    : mix(horizon * 0.82, ground, smoothstep(0.0, 0.35, -up));
+    : mix(horizon * 0.93, ground, smoothstep(0.0, 0.35, -up));
   // A trace of noise, so that the dark gradient shows no bands.
   float noise = fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453);
   result = vec4(colour + (noise - 0.5) / 255.0, 1.0);

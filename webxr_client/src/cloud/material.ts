@@ -9,7 +9,7 @@ import { POINT_FRAGMENT, POINT_VERTEX } from './shaders';
 const COLOR_MODES = { rgb: 0, intensity: 1, height: 2, plain: 3 } as const;
 
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
-const FILL = 1.6;
+const FILL = 1.85;
 
 /** Settings that all points share; the values are read at every draw. */
 export class PointUniforms {

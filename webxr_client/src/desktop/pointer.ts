@@ -321,7 +321,9 @@ export class DeskPointer {
     this.color.set(this.toolColor());
     const brushed = painting && shape !== 'lasso';
     if (brushed) {
-      this.ring.show(this.roomPosition(hit), radius, this.color, camera);
+      const half = Math.tan((camera.fov * Math.PI) / 360) * hit.distance;
+      const pixel = half / (this.canvas.clientHeight / 2);
+      this.ring.show(this.roomPosition(hit), radius, this.color, camera, pixel);
       const { r, g, b } = srgb(this.color);
       uniforms.brushColour.value.set(r, g, b);
       uniforms.brushRadius.value = radius;

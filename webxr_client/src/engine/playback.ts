@@ -5,7 +5,7 @@ import { FrameStore } from '../cloud/store';
 import type { Viewer } from '../cloud/viewer';
 import type { Link } from '../net/link';
 import type { Segment } from '../net/segment';
-import type { LabelUpdate } from '../net/wire';
+import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
 import { state } from '../state';
 
@@ -114,20 +114,22 @@ export class Playback {
     this.counters.bytes += segment.nbytes;
     this.counters.decodeMs += segment.decodeMs;
     if (!used) this.counters.dropped += 1;
-    this.link.applied(
-      {
-        type: 'credit',
-        frames: 1,
-        nbytes: segment.nbytes,
-        decode_ms: segment.decodeMs,
-        frame_ms: this.adaptive ? Math.min(1000, this.viewer.intervalMs.mean) : 0,
-        target_ms: this.adaptive ? this.targetMs : 0,
-        points: this.pointBudget,
-      },
-      used ? [] : [segment.vertices],
-    );
+    this.link.applied(this.pace(), used ? [] : [segment.vertices]);
     if (used) this.trim();
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
+  }
+
+  /**
+   * How fast pictures come, for the server to send fewer points when they are too slow.  A
+   * program that stands in for a GPU is too slow for any number of points: at the desk one then
+   * rather sees them all.
+   */
+  private pace(): Pace {
+    const { viewer, pointBudget: points } = this;
+    const useful = this.adaptive && (viewer.renderer.xr.isPresenting || !viewer.software);
+    if (!useful) return { frame_ms: 0, target_ms: 0, points };
+    const frame_ms = Math.min(1000, viewer.intervalMs.mean);
+    return { frame_ms, target_ms: this.targetMs, points };
   }
 
   labels(update: LabelUpdate): void {

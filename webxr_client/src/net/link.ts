@@ -1,6 +1,6 @@
 /** The page's end of the worker: typed messages in and out, nothing else. */
-import type { ClientMessage, Credit, Open } from '../protocol/messages';
-import type { FromWorker, ToWorker } from './wire';
+import type { ClientMessage, Open } from '../protocol/messages';
+import type { FromWorker, Pace, ToWorker } from './wire';
 
 export class Link {
   private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), {
@@ -31,8 +31,8 @@ export class Link {
     this.post({ t: 'close' });
   }
 
-  applied(credit: Credit, buffers: ArrayBuffer[]): void {
-    this.post({ t: 'applied', credit, buffers }, buffers);
+  applied(pace: Pace, buffers: ArrayBuffer[]): void {
+    this.post({ t: 'applied', pace, buffers }, buffers);
   }
 
   recycle(buffers: ArrayBuffer[]): void {

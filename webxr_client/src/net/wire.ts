@@ -1,5 +1,5 @@
 /** What page and worker tell each other. */
-import type { ClientMessage, Credit, Open, ServerMessage } from '../protocol/messages';
+import type { ClientMessage, Open, ServerMessage } from '../protocol/messages';
 import type { Segment } from './segment';
 
 export type ToWorker =
@@ -7,9 +7,16 @@ export type ToWorker =
   | { t: 'send'; message: ClientMessage }
   | { t: 'open'; message: Open }
   | { t: 'close' }
-  /** The page used a frame message; `buffers` are free again. */
-  | { t: 'applied'; credit: Credit; buffers: ArrayBuffer[] }
+  /** The page took in a segment; `buffers` are free again. */
+  | { t: 'applied'; pace: Pace; buffers: ArrayBuffer[] }
   | { t: 'recycle'; buffers: ArrayBuffer[] };
+
+/** How the page keeps up: milliseconds a picture, those it should take, points it can show. */
+export interface Pace {
+  readonly frame_ms: number;
+  readonly target_ms: number;
+  readonly points: number | null;
+}
 
 export type LinkState = 'connecting' | 'online' | 'offline' | 'refused';
 

@@ -4,6 +4,7 @@ import {
   SUBPROTOCOL,
   type Annotation,
   type ClientMessage,
+  type Credit,
   type Open,
   type ServerMessage,
 } from '../protocol/messages';
@@ -12,9 +13,11 @@ import { decodeFrame, ready } from './decode';
 import { isEdit, Outbox } from './outbox';
 import { BufferPool } from './pool';
 import { MemoryStorage, openStorage } from './storage';
-import type { FromWorker, LinkState, ToWorker } from './wire';
+import type { FromWorker, LinkState, Pace, ToWorker } from './wire';
 
 const POOL_BYTES = 64 << 20;
+/** Segments that the page may have waiting before the server must wait too. */
+const MOST_WAITING = 6;
 /** More than this unsent means that the link is stalled; what can be dropped is dropped. */
 const SEND_LIMIT = 1 << 20;
 
@@ -30,6 +33,11 @@ let opened: Open | null = null;
 let live = false;
 /** The newest revision that the page has heard of. */
 let revision: number | null = null;
+/** Segments that the page has not taken in yet, and credits held back until it has. */
+let waiting = 0;
+let owed: Credit[] = [];
+/** What the page last said of its pace. */
+let pace: Pace = { frame_ms: 0, target_ms: 0, points: null };
 let timer: ReturnType<typeof setTimeout> | undefined;
 
 function post(message: FromWorker, transfer: Transferable[] = []): void {
@@ -49,6 +57,7 @@ function connect(): void {
   socket = current;
   current.onopen = () => {
     welcomed = true;
+    owed = [];
     backoff.reset();
     link('online');
     transmit({ type: 'hello' });
@@ -139,7 +148,13 @@ function receive(data: ArrayBuffer): void {
   switch (message.type) {
     case 'frame': {
       const segment = decodeFrame(message, pool);
+      const { nbytes, decodeMs } = segment;
       post({ t: 'segment', segment }, [segment.vertices, segment.blocks.buffer]);
+      waiting += 1;
+      // A page that is busy drawing takes segments in late; the link is not to blame for that.
+      const credit: Credit = { type: 'credit', frames: 1, nbytes, decode_ms: decodeMs, ...pace };
+      if (waiting <= MOST_WAITING) transmit(credit);
+      else owed.push(credit);
       return;
     }
     case 'annotation':
@@ -218,10 +233,14 @@ async function handle(message: ToWorker): Promise<void> {
     case 'send':
       send(message.message);
       return;
-    case 'applied':
+    case 'applied': {
       for (const buffer of message.buffers) pool.give(buffer);
-      transmit(message.credit);
+      pace = message.pace;
+      waiting -= 1;
+      const credit = owed.shift();
+      if (credit) transmit({ ...credit, ...pace });
       return;
+    }
     case 'recycle':
       for (const buffer of message.buffers) pool.give(buffer);
   }
