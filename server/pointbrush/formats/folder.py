@@ -96,8 +96,8 @@ def _point_files(folder: Path, files: list[Path], format: str | None) -> list[Pa
         endings += (".bin",) if wanted.name == "xyzrgb" else ()
         return [path for path in candidates if path.name.lower().endswith(endings)]
     found = [(path, entry) for path in candidates if (entry := format_by_name(path)) is not None]
-    if any(not entry.weak for _, entry in found):
-        found = [(path, entry) for path, entry in found if not entry.weak]
+    sure = [(path, entry) for path, entry in found if path.suffix.lower() not in entry.weak]
+    found = sure or found
     names = Counter(entry.name for _, entry in found)
     if len(names) > 1:
         listed = " and ".join(f"{count} {name}" for name, count in names.most_common())
@@ -136,7 +136,7 @@ def _reads_raw(raw: Path, format: str | None, options: ReadOptions, has_npz: boo
     if not chosen:
         return not has_npz and _has_points(raw, format, options)
     entry = format_by_name(chosen[0])
-    anything = entry is None or entry.weak or entry.name in ("npy", "npz")
+    anything = entry is None or entry.name in ("text", "npy", "npz")
     return not (has_npz and anything)
 
 

@@ -33,7 +33,7 @@ class Format:
 
     ``magic`` starts the files of the format, for names that do not tell.  ``read`` yields the
     frames of one file and raises BadInputError for a file that is not whole.  ``weak`` endings
-    are those of other things too (.txt): in a folder they give way to files of other formats.
+    are those of other things too (.txt): in a folder they give way to point cloud files.
     ``many``: a file can hold any number of frames.
     """
 
@@ -42,7 +42,7 @@ class Format:
     read: Reader
     title: str
     magic: tuple[bytes, ...] = ()
-    weak: bool = False
+    weak: tuple[str, ...] = ()
     many: bool = False
 
 
@@ -56,7 +56,11 @@ BUILT_IN = (
     Format("bin", (".bin",), read_bin, "KITTI or XYZRGB records, told apart by their values"),
     Format("kitti", (), read_kitti, "KITTI and SemanticKITTI"),
     Format(
-        "text", (".xyz", ".txt", ".pts", ".csv", ".asc"), read_text, "XYZ, TXT, PTS, CSV", weak=True
+        "text",
+        (".xyz", ".txt", ".pts", ".csv", ".asc"),
+        read_text,
+        "XYZ, TXT, PTS, CSV",
+        weak=(".txt", ".csv"),
     ),
 )
 ALIASES = {
