@@ -22,13 +22,23 @@ from pointbrush.sequences.files import write_file
 
 MAGIC = b"PBARRAY1"
 _ALIGN = 64
+_PIECE = 1 << 22
 
 Arrays = dict[str, NDArray[Any]]
 
 
-def digest(data: bytes | memoryview | mmap.mmap) -> str:
+def digest(data: bytes | memoryview) -> str:
     """Checksum as kept in ``checksums.json``."""
     return blake2b(data, digest_size=16).hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Checksum of a file, read piece by piece."""
+    checksum = blake2b(digest_size=16)
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE):
+            checksum.update(piece)
+    return checksum.hexdigest()
 
 
 def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> bytes:

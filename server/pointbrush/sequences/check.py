@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from pointbrush.errors import PointbrushError
-from pointbrush.sequences.arrays import digest, map_file
+from pointbrush.sequences.arrays import file_digest
 from pointbrush.sequences.manifest import FILE, read_manifest
 
 CHECKSUMS = "checksums.json"
@@ -32,7 +32,7 @@ def verify(path: Path) -> list[str]:
         file = path / name
         if not file.is_file():
             problems.append(f"{name}: expected a file, it is missing")
-        elif digest(map_file(file)) != checksum:
+        elif file_digest(file) != checksum:
             problems.append(f"{name}: expected checksum {checksum}, its bytes have changed")
     here = {str(p.relative_to(path)) for p in path.rglob("*") if p.is_file()}
     extra = sorted(here - set(expected) - {CHECKSUMS, FILE})

@@ -14,7 +14,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.arrays import digest, map_file, open_arrays, write_arrays
+from pointbrush.sequences.arrays import digest, file_digest, open_arrays, write_arrays
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
 from pointbrush.sequences.columns import POINT_FIELDS, Grid, encode_frame, frame_meta
 from pointbrush.sequences.files import new_folder, write_file
@@ -209,7 +209,7 @@ def _store_large(
     progress(0.98, "checksums")
     files = sorted([*path.iterdir(), path.with_suffix(".wire")])
     with ThreadPoolExecutor(_WORKERS) as pool:
-        digests = pool.map(lambda file: digest(map_file(file)), files)
+        digests = pool.map(file_digest, files)
         checksums = {
             str(file.relative_to(folder)): checksum
             for file, checksum in zip(files, digests, strict=True)

@@ -1,0 +1,251 @@
+"""Import: a Kinect-like frame step by step, and a large scan from LAS into the octree.
+
+python benchmarks/bench_import.py [--points 5000000] [--keep FOLDER]
+
+The scan is synthetic and seeded; it is written as LAS (26 bytes a point) and imported by a process
+of its own, whose memory is watched.  ``--points 100000000`` is the size of docs/benchmarks.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import laspy
+import numpy as np
+
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import import_large, open_sequence
+from pointbrush.sequences.codec import decode_vertices, encode_vertices
+from pointbrush.sequences.columns import Grid, encode_frame
+from pointbrush.sequences.kdtree import build, pack, unpack
+from pointbrush.sequences.order import morton_order, progressive
+from pointbrush.sequences.quantise import ROOM_STEP, quantise
+
+STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
+CHUNK = 1_000_000
+
+
+def kinect_like(seed: int = 0) -> PointFrame:
+    """512 x 424 valid pixels of a room with boxes, with depth noise and textured colours."""
+    rng = np.random.default_rng(seed)
+    v, u = np.mgrid[0:424, 0:512]
+    ray = np.stack([(u - 256) / 366, (v - 212) / 366, np.ones_like(u)], axis=2).reshape(-1, 3)
+    depth = np.full(len(ray), 4.5)
+    with np.errstate(divide="ignore"):
+        for axis, value in ((0, 2.5), (0, -2.5), (1, 1.2), (1, -1.3)):
+            hit = value / ray[:, axis]
+            depth = np.where(hit > 0, np.minimum(depth, hit), depth)
+    for centre, near in (([-0.6, 0.5], 2.0), ([0.9, 0.3], 2.6), ([0.1, -0.2], 3.1)):
+        inside = (np.abs(ray[:, :2] * near - centre) < [0.25, 0.7]).all(axis=1)
+        depth = np.where(inside, np.minimum(depth, near + 0.2 * ray[:, 0]), depth)
+    depth += rng.normal(0, 0.0015, len(ray)) * depth**2
+    xyz = (ray * depth[:, None]).astype(np.float32)
+    shade = 128 + 60 * np.sin(xyz * 9) + 30 * np.cos(xyz[:, [1, 2, 0]] * 41)
+    shade += rng.normal(0, 3, xyz.shape)
+    return PointFrame(xyz, rgb=np.clip(shade, 0, 255).astype(np.uint8))
+
+
+def town(count: int, rng: np.random.Generator, station: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a town square as one scanner sees it, metres, and their colours."""
+    centre = STATIONS[station % len(STATIONS)]
+    angle = rng.uniform(0, 2 * np.pi, count)
+    reach = rng.uniform(1, 1 + rng.exponential(25, count))
+    xyz = np.empty((count, 3))
+    xyz[:, :2] = centre + reach[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ground = 2 * np.sin(xyz[:, 0] / 40) + np.cos(xyz[:, 1] / 23)
+    xyz[:, 2] = ground
+    kind = rng.random(count)
+    wall = kind < 0.45  # facades on a grid of streets
+    side = rng.integers(0, 2, count)
+    index = np.arange(count)
+    snapped = np.round(xyz[index, side] / 18) * 18
+    xyz[index[wall], side[wall]] = snapped[wall]
+    xyz[wall, 2] += rng.uniform(0, 14, int(wall.sum()))
+    tree = kind > 0.85
+    ball = rng.normal(size=(int(tree.sum()), 3))
+    ball *= (2.2 * rng.random(len(ball)) ** 0.3 / np.linalg.norm(ball, axis=1))[:, None]
+    xyz[tree, :2] = np.round(xyz[tree, :2] / 9) * 9
+    xyz[tree, 2] += 4
+    xyz[tree] += ball
+    xyz += rng.normal(0, 0.004, xyz.shape)
+    rgb = 128 + 70 * np.sin(xyz * [0.7, 0.9, 1.3]) + rng.normal(0, 4, xyz.shape)
+    return xyz, np.clip(rgb, 0, 255)
+
+
+def write_scan(path: Path, points: int) -> None:
+    """A LAS file of ``points`` points in millimetres, UTM coordinates, station by station."""
+    header = laspy.LasHeader(point_format=2, version="1.2")
+    header.scales, header.offsets = np.full(3, 0.001), np.array([448_000.0, 5_411_000.0, 0.0])
+    rng = np.random.default_rng(7)
+    with laspy.open(path, "w", header=header) as writer:
+        for start in range(0, points, CHUNK):
+            count = min(CHUNK, points - start)
+            xyz, rgb = town(count, rng, start * len(STATIONS) // points)
+            rows = laspy.ScaleAwarePointRecord.zeros(count, header=header)
+            rows.x, rows.y, rows.z = (xyz + [448_260.0, 5_411_930.0, 310.0]).T
+            rows.red, rows.green, rows.blue = (rgb * 257).astype(np.uint16).T
+            rows.intensity = rng.integers(0, 4000, count)
+            writer.write_points(rows)
+
+
+def import_scan(path: Path, target: Path) -> None:
+    """The child's part: import and print the figures."""
+    from pointbrush.formats.las import read_chunks
+    from pointbrush.formats.las_header import read_header
+    from pointbrush.formats.options import ReadOptions
+
+    peak = 0
+    done = threading.Event()
+
+    def watch() -> None:
+        nonlocal peak
+        while not done.wait(0.05):
+            status = Path("/proc/self/status").read_text()
+            kinds = ("RssAnon:", "RssShmem:")
+            used = [int(line.split()[1]) for line in status.splitlines() if line.startswith(kinds)]
+            peak = max(peak, sum(used))
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    marks: dict[str, float] = {}
+    start = time.perf_counter()
+
+    def mark(_: float, message: str) -> None:
+        marks[message.split()[0]] = time.perf_counter() - start
+
+    total = read_header(path, ReadOptions().limits).count
+    import_large(
+        read_chunks(path, CHUNK),
+        target,
+        sequence_id="scan",
+        name="scan",
+        total_points=total,
+        progress=mark,
+    )
+    seconds = time.perf_counter() - start
+    done.set()
+    watcher.join()
+    print(json.dumps({"seconds": seconds, "peak": peak * 1024, "marks": marks}))
+
+
+def large(points: int, folder: Path) -> None:
+    """Make, import and probe a scan."""
+    path, target = folder / f"scan-{points}.las", folder / f"scan-{points}"
+    start = time.perf_counter()
+    if not path.exists():
+        write_scan(path, points)
+    print(f"scan of {points:,} points, LAS {path.stat().st_size / 1e9:.2f} GB", end=" ")
+    print(f"(made in {time.perf_counter() - start:.0f} s)")
+    child = subprocess.run(
+        [sys.executable, __file__, "--import", str(path), str(target)],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    figures = json.loads(child.stdout)
+    seconds = figures["seconds"]
+    print(f"  import {seconds:8.1f} s  {points / seconds / 1e6:6.2f} M points/s")
+    print(f"  peak memory {figures['peak'] / 2**30:.2f} GiB (without the page cache)")
+    print("  until", {name: round(value, 1) for name, value in figures["marks"].items()})
+    probe(target)
+
+
+def probe(target: Path) -> None:
+    """Sizes, and how long opening and culling take."""
+    start = time.perf_counter()
+    frame = open_sequence(target)[0]
+    first = frame.wire(0, 1)
+    opened = time.perf_counter() - start
+    table = frame.chunk_table
+    wire = int(table["nbytes"].sum()) / frame.count
+    disk = sum(file.stat().st_size for file in target.rglob("*") if file.is_file()) / frame.count
+    print(f"  open and read chunk 0 ({len(first):,} bytes) {1e3 * opened:.1f} ms")
+    print(f"  {len(table)} chunks, levels {table['level'].min()}..{table['level'].max()},", end=" ")
+    print(f"{np.median(table['count']):.0f} points at the median; {frame.blocks.num:,} blocks")
+    print(f"  wire {wire:.2f} bytes a point, on disk {disk:.1f}")
+    rng = np.random.default_rng(0)
+    centres = frame.xyz[np.sort(rng.integers(0, frame.count, 50))].astype(np.float64)
+    times, found = [], []
+    for centre in np.concatenate([centres, centres]):
+        start = time.perf_counter()
+        blocks = frame.blocks.overlapping(centre - 0.1, centre + 0.1)
+        points = np.concatenate(
+            [np.arange(frame.blocks.first[b], frame.blocks.first[b + 1]) for b in blocks]
+        )
+        near = np.linalg.norm(frame.xyz[points] - centre, axis=1) < 0.1
+        times.append(time.perf_counter() - start)
+        found.append(int(near.sum()))
+    cold, warm = np.array(times[:50]) * 1e3, np.array(times[50:]) * 1e3
+    print(f"  ball of 10 cm, {np.median(found):.0f} points: ", end="")
+    print(f"first time {np.median(cold):.2f} ms, again {np.median(warm):.2f} ms (median)")
+
+
+def small() -> None:
+    """The steps of one Kinect-like frame, best of five."""
+    frame = kinect_like()
+    xyz = frame.xyz
+    order, _ = progressive(morton_order(xyz))
+    stored = xyz[order]
+    quantised = quantise(stored, ROOM_STEP)
+    vertices = np.zeros((len(xyz), 12), np.uint8)
+    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
+    assert frame.rgb is not None
+    vertices[:, 6:9] = frame.rgb[order]
+    stream = encode_vertices(vertices)
+    arrays = pack(build(stored))
+    grid = Grid(np.zeros(3), ROOM_STEP, None)
+    encoded = encode_frame(frame, grid)
+    print(f"Kinect-like frame of {len(xyz):,} points: {len(encoded.wire) / len(xyz):.2f} bytes a")
+    print(f"  point at {encoded.error * 1e3:.2f} mm; decimated by four {decimated(encoded):.2f}")
+    for name, run in {
+        "order": lambda: progressive(morton_order(xyz)),
+        "quantise": lambda: quantise(stored, ROOM_STEP),
+        "encode (vertex codec)": lambda: encode_vertices(vertices),
+        "decode in Python": lambda: decode_vertices(stream, len(xyz)),
+        "build the k-d tree": lambda: build(stored),
+        "load the k-d tree": lambda: unpack(arrays, stored),
+        "all that import does": lambda: encode_frame(frame, grid),
+    }.items():
+        times = []
+        for _ in range(5):
+            start = time.perf_counter()
+            run()
+            times.append(time.perf_counter() - start)
+        print(f"  {name:24} {1e3 * min(times):7.1f} ms")
+
+
+def decimated(encoded) -> float:  # type: ignore[no-untyped-def]
+    """Bytes a point of the levels that hold a quarter of the points."""
+    chunks = encoded.arrays["chunks"]
+    part = chunks[chunks["level"] <= chunks["level"].max() - 2]
+    return float(part["nbytes"].sum() / part["count"].sum())
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=5_000_000)
+    parser.add_argument("--keep", type=Path, help="folder for the scan, kept afterwards")
+    parser.add_argument("--import", nargs=2, type=Path, dest="child", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.child:
+        import_scan(*given.child)
+        return
+    small()
+    if given.keep:
+        given.keep.mkdir(parents=True, exist_ok=True)
+        large(given.points, given.keep)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        large(given.points, Path(folder))
+
+
+if __name__ == "__main__":
+    main()
