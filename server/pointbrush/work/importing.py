@@ -10,15 +10,19 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import TooLargeError
-from pointbrush.formats import open_source
+from pointbrush.formats import Limits, ReadOptions, open_source
+from pointbrush.formats.las import read_chunks
+from pointbrush.formats.las_header import read_header
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import Channel
 from pointbrush.labels import LabelStore, Write
 from pointbrush.samples import generate
-from pointbrush.sequences import Sequence, import_frames
+from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 
 IMPORTED = 3
 DEFAULT_FPS = 30.0
+PART_POINTS = 1_000_000
+"""Points of a large scan that are in memory at once, per step."""
 SAMPLE = "sample recording"
 """How the source of the sample begins in its manifest."""
 
@@ -38,17 +42,35 @@ class ImportWork:
 
     def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; nothing is left behind on any error."""
-        source = open_source(self.paths, self.format, drop_invalid=self.drop_invalid)
-        import_frames(
-            _limited(source.frames, self.max_points),
-            self.target,
-            sequence_id=self.sequence_id,
-            name=self.name or source.name,
-            fps=self.fps or source.fps or DEFAULT_FPS,
-            total=source.count,
-            progress=channel.progress,
-            source=", ".join(str(path) for path in self.paths),
-        )
+        about = {
+            "sequence_id": self.sequence_id,
+            "source": ", ".join(str(path) for path in self.paths),
+        }
+        options = ReadOptions(drop_invalid=self.drop_invalid, limits=Limits(self.max_points))
+        scan = _large_scan(self.paths, options.limits)
+        if scan is not None:
+            import_large(
+                read_chunks(scan, PART_POINTS, options),
+                self.target,
+                name=self.name or scan.stem,
+                fps=self.fps or 1.0,
+                total_points=read_header(scan, options.limits).count,
+                progress=channel.progress,
+                **about,
+            )
+            return
+        with open_source(
+            self.paths, self.format, options.limits, drop_invalid=self.drop_invalid
+        ) as source:
+            import_frames(
+                _limited(source.frames, self.max_points),
+                self.target,
+                name=self.name or source.name,
+                fps=self.fps or source.fps or DEFAULT_FPS,
+                total=source.count,
+                progress=channel.progress,
+                **about,
+            )
 
 
 @dataclass(frozen=True)
@@ -73,6 +95,13 @@ class SampleWork:
             progress=channel.progress,
             source=f"{SAMPLE}, seed {self.seed}",
         )
+
+
+def _large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
+    """The one LAS file that is too large to read whole, or None."""
+    if len(paths) != 1 or paths[0].suffix.lower() not in (".las", ".laz"):
+        return None
+    return paths[0] if read_header(paths[0], limits).count > LARGE_POINTS else None
 
 
 def create_sample_labels(store: LabelStore, recording: Sequence) -> None:

@@ -13,20 +13,18 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import Only
 from pointbrush.selection import Points, Selector, Stroke
+from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences import StoredFrame
 
 LAYER_BLOCK = 65_536
 """Points whose deleted flags are looked up at once."""
 PAINTED = 1
-TREELESS = 4_000_000
-"""Frames above this many points have no k-d tree of their own."""
 
 
 def frame_points(frame: StoredFrame) -> Points:
     """The view of a stored frame that selection works on."""
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
-    large = frame.count > TREELESS
+    large = frame.count > LARGE_POINTS
     return Points(
         xyz=frame.xyz,
         blocks=frame.blocks,
