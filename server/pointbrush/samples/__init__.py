@@ -16,8 +16,9 @@ from pointbrush.samples.recording import LabelInfo, Recording, Scene
 from pointbrush.samples.sensor import Sensor
 from pointbrush.samples.tabletop import TabletopOptions, TabletopScene
 from pointbrush.samples.walkers import WalkingOptions, WalkingScene
+from pointbrush.samples.writing import write
 
-__all__ = ["KINDS", "LabelInfo", "Recording", "Sensor", "generate"]
+__all__ = ["KINDS", "LabelInfo", "Recording", "Sensor", "generate", "write"]
 
 
 def _juggling(seed: int, seconds: float, **options: Any) -> Scene:

@@ -78,9 +78,9 @@ def ball_shade(
         for (direction, distance), shadow, lamp in zip(rays, shadows, lamps, strict=True):
             ahead = dot3(v, direction)
             aside = np.sqrt(np.maximum(square - ahead * ahead, 0))
-            blur = radius * 0.25 + ahead / distance * lamp.size * 0.8
+            blur = np.maximum(radius * 0.25 + ahead / distance * lamp.size * 0.8, 1e-3)
             light = np.clip((aside - radius + blur) / (2 * blur), 0, 1)
-            cover = np.minimum(1, (radius / np.maximum(blur, 1e-3)) ** 2)
+            cover = np.minimum(1, (radius / blur) ** 2)
             behind = (ahead > 0) & (ahead < distance)
             shadow *= np.where(behind, 1 - cover * (1 - light * light * (3 - 2 * light)), 1)
     return ambient, shadows

@@ -108,13 +108,27 @@ class Script:
         grasp = now + rng.uniform(0.4, 0.65)
         release = grasp + rng.uniform(0.7, 1.3)
         end, turn = self._free(k, rng, side), self.turns[k] + rng.uniform(-2.2, 2.2)
-        lift = 0.0 if rng.random() < 0.3 else float(rng.uniform(0.05, 0.18))
+        lift = float(rng.uniform(0.05, 0.18))
+        if rng.random() < 0.35:
+            lift = 0.0 if self._clear(k, end) else 0.22
         tilt = float(rng.uniform(-0.5, 0.5)) if lift > 0.1 else 0.0
         self.moves[which].append(
             Move(k, now, grasp, release, self.places[k], end, self.turns[k], turn, lift, tilt)
         )
         self.places[k], self.turns[k] = end, turn
         return release + rng.uniform(0.1, 0.35)
+
+    def _clear(self, k: int, end: Array) -> bool:
+        """Whether thing ``k`` can slide straight to ``end`` without touching another."""
+        way = end - self.places[k]
+        for n, other in enumerate(self.places):
+            if n != k:
+                along = float((other - self.places[k]) @ way) / max(float(way @ way), 1e-9)
+                share = min(max(along, 0.0), 1.0)
+                gap = np.linalg.norm(self.places[k] + share * way - other)
+                if gap < self._things[k].radius + self._things[n].radius + 0.02:
+                    return False
+        return True
 
     def pose(self, k: int, t: float) -> Array:
         """(4, 4) ``T_room_thing`` of thing ``k``."""
