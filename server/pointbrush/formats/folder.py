@@ -21,6 +21,7 @@ from pointbrush.formats.timing import (
     natural_key,
     rate_of,
     read_times,
+    stated_rate,
     times_in_names,
 )
 from pointbrush.frame import PointFrame
@@ -178,7 +179,7 @@ def list_files(
     ]
     times = sorted(times) if times else None
     count = None if entry.many else len(files)
-    return Listing(entry.name, frames, times, rate_of(times), count)
+    return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), count)
 
 
 def _times(files: Sequence[Path], folder: Path) -> list[float] | None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import lzma
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -28,7 +30,10 @@ PLAIN = {
     6: ("x", "y", "z", "red", "green", "blue"),
     7: ("x", "y", "z", "intensity", "red", "green", "blue"),
 }
-READ_ERRORS = (ValueError, EOFError, OSError, KeyError, zipfile.BadZipFile, NotImplementedError)
+READ_ERRORS = (
+    *(ValueError, EOFError, OSError, KeyError, RuntimeError, OverflowError),
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError),
+)
 
 
 def read_npy(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
@@ -122,10 +127,11 @@ def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> Non
         count *= int(length)
     if any(length < 0 for length in shape):
         raise BadInputError(f"{name}: expected a shape of 0 or more, got {shape}")
-    if count * dtype.itemsize > size:
+    left = size - file.tell()
+    if count * dtype.itemsize > left:
         raise BadInputError(
             f"{name}: expected {count * dtype.itemsize} bytes of data for shape {shape} {dtype}, "
-            f"the file has {size} in all; it is cut off"
+            f"got {left}; the file is cut off"
         )
     if shape:
         require_count(name, int(shape[0]), options.limits)
@@ -150,7 +156,9 @@ def _require_sane_zip(path: Path, options: ReadOptions) -> None:
                         _require_array(where, file, entry.file_size, options)
     except FileNotFoundError:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, OSError, EOFError) as error:
+    except BadInputError:
+        raise
+    except READ_ERRORS as error:
         raise BadInputError(f"{path.name}: expected a NumPy archive (.npz), {error}") from None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -137,3 +138,17 @@ def rate_of(times: Sequence[float] | None) -> float | None:
         return None
     # Jitter of a clock is not a rate: 9.9987 is 10.
     return float(round(rate)) if abs(rate - round(rate)) < 0.0005 * rate else round(rate, 3)
+
+
+def stated_rate(folder: Path) -> float | None:
+    """The number ``fps`` or ``rate_hz`` in a ``meta.json`` in the folder or beside it, or None."""
+    for place in (folder, folder.parent):
+        try:
+            meta = json.loads((place / "meta.json").read_text("utf-8"))
+        except (OSError, ValueError):
+            continue
+        for key in ("fps", "rate_hz"):
+            rate = meta.get(key) if isinstance(meta, dict) else None
+            if isinstance(rate, int | float) and not isinstance(rate, bool) and 0 < rate <= 1000:
+                return float(rate)
+    return None

@@ -1,0 +1,85 @@
+"""KITTI, SemanticKITTI and XYZRGB records."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats import open_source, read
+
+RNG = np.random.default_rng(3)
+
+
+def scan(path, count=50):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table = RNG.normal(scale=20, size=(count, 4)).astype("<f4")
+    table[:, 3] = RNG.random(count)
+    path.write_bytes(table.tobytes())
+    return table
+
+
+def test_a_semantickitti_sequence(tmp_path):
+    root = tmp_path / "sequences" / "07"
+    tables = [scan(root / "velodyne" / f"{i:06d}.bin") for i in range(3)]
+    packed = np.arange(50, dtype="<u4") << 16 | np.uint32(40)
+    (root / "labels").mkdir()
+    (root / "labels" / "000001.label").write_bytes(packed.tobytes())
+    (root / "times.txt").write_text("0.0\n0.1\n0.2\n")
+    (root / "calib.txt").write_text("P0: 1\nTr: 0 -1 0 0 0 0 -1 0 1 0 0 0.5\n")
+    (root / "poses.txt").write_text("".join(f"1 0 0 0 0 1 0 0 0 0 1 {i}\n" for i in range(3)))
+    source = open_source([tmp_path])
+    assert (source.count, source.fps) == (3, 10)
+    frames = list(source.frames)
+    assert np.array_equal(frames[2].xyz, tables[2][:, :3])
+    assert np.array_equal(frames[2].intensity, tables[2][:, 3])
+    assert frames[0].label is None
+    assert frames[1].label.tolist() == [40] * 50
+    assert frames[1].instance.tolist() == list(range(50))
+    # The camera moved along its z, which is the velodyne's x.
+    assert frames[2].pose[:3, 3] == pytest.approx([2, 0, 0])
+
+
+@pytest.mark.parametrize("size", [15, 17, 16 * 50 + 4])
+def test_broken_records_raise(tmp_path, size):
+    (tmp_path / "a.bin").write_bytes(bytes(size))
+    with pytest.raises(BadInputError, match="16 bytes"):
+        list(read(tmp_path / "a.bin", "kitti"))
+
+
+def test_labels_of_another_count_raise(tmp_path):
+    scan(tmp_path / "a.bin")
+    (tmp_path / "a.label").write_bytes(bytes(196))
+    with pytest.raises(BadInputError, match=r"a\.label: expected 50 labels"):
+        list(read(tmp_path / "a.bin"))
+
+
+@pytest.mark.parametrize("top", [1, 255])
+def test_xyzrgb_records_are_recognised_by_their_values(tmp_path, top):
+    table = RNG.normal(scale=5, size=(40, 6)).astype("<f4")
+    color = RNG.integers(0, 256, (40, 3))
+    table[:, 3:] = color / 255 * top
+    (tmp_path / "a.bin").write_bytes(table.tobytes())
+    (tmp_path / "a.xyzrgb").write_bytes(table.tobytes())
+    for path, name in (("a.bin", None), ("a.bin", "xyzrgb"), ("a.xyzrgb", None)):
+        (frame,) = read(tmp_path / path, name)
+        assert np.array_equal(frame.xyz, table[:, :3])
+        assert np.array_equal(frame.rgb, color)
+
+
+def test_records_of_neither_kind_are_not_guessed(tmp_path):
+    (tmp_path / "a.bin").write_bytes(np.full(48, 1e20, "<f4").tobytes())
+    with pytest.raises(BadInputError, match="name the format"):
+        list(read(tmp_path / "a.bin"))
+    (tmp_path / "b.xyzrgb").write_bytes(bytes(25))
+    with pytest.raises(BadInputError, match="24 bytes"):
+        list(read(tmp_path / "b.xyzrgb"))
+
+
+@pytest.mark.parametrize("line", ["1 2 3", "1 0 0 0 0 1 0 0 0 0 one 0", "2 0 0 0 0 2 0 0 0 0 2 0"])
+def test_poses_that_are_none_raise(tmp_path, line):
+    for i in range(2):
+        scan(tmp_path / f"{i}.bin")
+    (tmp_path / "poses.txt").write_text(line + "\n")
+    with pytest.raises(BadInputError, match=r"poses\.txt line 1: expected"):
+        open_source([tmp_path])

@@ -1,0 +1,99 @@
+"""Text: separators, headers, columns without names, count lines."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats import read
+from pointbrush.formats.text import write_csv
+
+
+def one(path, text, **kwargs):
+    path.write_bytes(text.encode())
+    (frame,) = read(path, **kwargs)
+    return frame
+
+
+@pytest.mark.parametrize("separator", [" ", "   ", "\t", ",", ", ", ";", " , "])
+@pytest.mark.parametrize("header", [None, ["X", "Y", "Z", "Intensity"], ['"x"', '"y"', '"z"', "i"]])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_separators_headers_and_line_ends(tmp_path, separator, header, line_end):
+    rows = [["1.5", "-2", "3e1", "7"], ["4", "5", "6", "8"]]
+    lines = [separator.join(row) for row in ([header] if header else []) + rows]
+    frame = one(tmp_path / "a.txt", line_end.join(["", *lines, ""]))
+    assert frame.xyz.tolist() == [[1.5, -2, 30], [4, 5, 6]]
+    assert frame.intensity.tolist() == [7, 8]
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "rgb", "intensity"),
+    [
+        ("a.xyz", "1 2 3 255 0 7", [255, 0, 7], None),
+        ("a.xyz", "1 2 3 1.0 0.0 0.5", [255, 0, 128], None),
+        ("a.xyz", "1 2 3 0.0 -1.0 0.5", None, None),
+        ("a.xyz", "1 2 3 -1613 52 70 64", [52, 70, 64], -1613),
+        ("a.pts", "1 2 3 9 52 70 64", [52, 70, 64], 9),
+        ("a.pts", "1\n1 2 3 9 52 70 64", [52, 70, 64], 9),
+        ("a.xyz", "1 2 3 52 70 64 255.0", [52, 70, 64], None),
+        ("a.asc", "//X Y Z R G B\n1 2 3 52 70 64", [52, 70, 64], None),
+        ("a.csv", "label,z,y,x\n4,3,2,1", None, None),
+    ],
+)
+def test_columns_by_number_and_content(tmp_path, name, line, rgb, intensity):
+    frame = one(tmp_path / name, line)
+    assert frame.xyz.tolist() == [[1, 2, 3]]
+    assert (None if frame.rgb is None else frame.rgb[0].tolist()) == rgb
+    assert (None if frame.intensity is None else frame.intensity[0]) == intensity
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "empty"),
+        ("# only a comment\n", "lines of numbers"),
+        ("Dear diary\n1 2 3\n", "header with x, y and z"),
+        ("1 2\n3 4\n", "3 columns"),
+        ("1 2 3\n4 5\n", "line 2"),
+        ("1 2 3\n4 5 six\n", "'six'"),
+        ("x,y,z\n1,2,3,4\n", "header says"),
+        ("3\n1 2 3\n4 5 6\n", "3 points"),
+        ("1 2 nan\n", "first at point 0"),
+        ("x y z label\n1 2 3 0.5\n", "whole labels"),
+    ],
+)
+def test_bad_text_says_what_was_expected(tmp_path, text, message):
+    with pytest.raises(BadInputError, match=r"bad\.txt.*expected") as caught:
+        one(tmp_path / "bad.txt", text)
+    assert message in str(caught.value)
+
+
+def test_binary_data_is_not_text(tmp_path):
+    (tmp_path / "a.csv").write_bytes(bytes(range(256)))
+    with pytest.raises(BadInputError, match="expected text"):
+        list(read(tmp_path / "a.csv"))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    hnp.arrays(
+        st.sampled_from([np.float32, np.float64]),
+        st.tuples(st.integers(1, 20), st.just(3)),
+        elements=st.floats(-1e6, 1e6, width=32),
+    )
+)
+def test_csv_reads_back_bit_for_bit(tmp_path_factory, xyz):
+    out = io.BytesIO()
+    columns = {axis: xyz[:, i] for i, axis in enumerate("xyz")}
+    write_csv(out, columns | {"label": np.arange(len(xyz), dtype=np.uint16)})
+    path = tmp_path_factory.mktemp("csv") / "a.csv"
+    path.write_bytes(out.getvalue())
+    (frame,) = read(path)
+    assert np.array_equal(frame.xyz.astype(xyz.dtype), xyz)
+    assert frame.label.tolist() == list(range(len(xyz)))
