@@ -38,7 +38,7 @@ def main() -> None:
         frame = open_sequence(target)[0]
         points, tree = frame_points(frame), frame.kdtree
         xyz = np.ascontiguousarray(frame.xyz)
-        center = np.array([2.6, 0.4, 2.2])
+        center = np.array([2.5, 0.4, 2.2])
         for radius in (0.05, 0.2):
             ball = Stroke("sphere", label=1, radius=radius, origins=center[None])
             path = center + np.linspace(0, 1, 20)[:, None] * [0.6, 0.2, 0.4]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import Points
+from pointbrush.selection.points import Points, spans
+
+_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 
 def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> NDArray[np.int64]:
@@ -15,20 +17,42 @@ def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> N
     """
     if len(origins) == 0:
         return np.empty(0, np.int64)
-    # A controller held still repeats its origin; the repeats sweep nothing new.
-    moved = np.append(True, (np.diff(origins, axis=0) != 0).any(axis=1))
-    line = origins[moved]
-    starts, stops = (line, line) if len(line) == 1 else (line[:-1], line[1:])
+    starts, stops = _segments(origins)
+    # 1. Blocks near the stroke, and their points, gathered once.
     lo, hi = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
     near = points.blocks_in_box(lo.min(axis=0), hi.max(axis=0))
     block_lo, block_hi = points.blocks.lo[near], points.blocks.hi[near]
-    found = []
+    first = points.blocks.first[near]
+    counts = points.blocks.first[near + 1] - first
+    numbers = spans(first, first + counts)
+    xyz = np.take(points.xyz, numbers, axis=0).astype(np.float64)
+    borders = np.concatenate([[0], np.cumsum(counts)])
+    inside, whole = np.zeros(len(numbers), np.bool_), np.zeros(len(near), np.bool_)
     for k in range(len(starts)):
-        touched = ((block_lo <= hi[k]) & (block_hi >= lo[k])).all(axis=1)
-        numbers = points.numbers(near[touched])
-        offset = points.xyz[numbers].astype(np.float64) - starts[k]
-        found.append(numbers[_distance_squared(offset, stops[k] - starts[k]) <= radius * radius])
-    return np.unique(np.concatenate(found))
+        # 2. Blocks that this segment can still add points of.
+        touched = ((block_lo <= hi[k]) & (block_hi >= lo[k])).all(axis=1) & ~whole
+        blocks = np.flatnonzero(touched)
+        # 3. A capsule is convex: a box with all corners inside lies inside.
+        corners = np.where(_CORNERS, block_hi[blocks, None], block_lo[blocks, None])
+        distance = _distance_squared(corners.reshape(-1, 3) - starts[k], stops[k] - starts[k])
+        whole[blocks[(distance.reshape(-1, 8) <= radius * radius).all(axis=1)]] = True
+        # 4. The other boxes' points, one by one, unless an earlier segment took them.
+        blocks = blocks[~whole[blocks]]
+        open_ = spans(borders[blocks], borders[blocks + 1])
+        open_ = open_[~inside[open_]]
+        distance = _distance_squared(xyz[open_] - starts[k], stops[k] - starts[k])
+        inside[open_[distance <= radius * radius]] = True
+    return np.asarray(numbers[inside | np.repeat(whole, counts)])
+
+
+def _segments(
+    origins: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Ends (S, 3) of the pieces of the path."""
+    # A controller held still repeats its origin; the repeats sweep nothing new.
+    moved = np.append(True, (np.diff(origins, axis=0) != 0).any(axis=1))
+    line = origins[moved]
+    return (line, line) if len(line) == 1 else (line[:-1], line[1:])
 
 
 def _distance_squared(
