@@ -24,7 +24,8 @@ from pointbrush.sequences import (
     verify,
 )
 from pointbrush.sequences.codec import decode_vertices
-from pointbrush.sequences.octree import build, codes_in_cube, hand_up, sort_codes
+from pointbrush.sequences.octree import build, hand_up, sort_codes
+from pointbrush.sequences.order import morton_codes
 from pointbrush.sequences.quantise import dequantise
 
 
@@ -36,7 +37,7 @@ def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(partition, "CELL_ROWS", 8_000)
     monkeypatch.setattr(partition, "MAX_CELLS", 40)
     monkeypatch.setattr(octree, "NODE_POINTS", 1000)
-    monkeypatch.setattr(octree, "_GOOD", 300)
+    monkeypatch.setattr(octree, "_KEPT", 500)
     monkeypatch.setattr(octree, "_FEW", 60)
     monkeypatch.setattr(octree, "_HANDED_UP", 125)
 
@@ -199,7 +200,7 @@ def test_failures_leave_nothing(tmp_path: Path, small_limits: None) -> None:
 def test_nodes_share_out_all_points(seed: int, count: int, power: float) -> None:
     rng = np.random.default_rng(seed)
     xyz = (rng.random((count, 3)) ** power).astype(np.float32)
-    codes, order = sort_codes(codes_in_cube(xyz, np.zeros(3), 1.0))
+    codes, order = sort_codes(morton_codes(xyz, np.zeros(3), 1.0))
     assert np.array_equal(np.sort(order), np.arange(count))
     up = hand_up(codes)
     assert len(np.unique(up)) == len(up) <= max(2048, 8192)

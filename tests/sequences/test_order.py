@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from pointbrush.sequences.order import MAX_POINTS, morton, morton_order, progressive
+from pointbrush.sequences.order import MAX_POINTS, morton_codes, morton_order, progressive
 
 
 def room(count: int, seed: int = 0) -> np.ndarray:
@@ -63,8 +63,9 @@ def test_inside_a_level_neighbours_are_near() -> None:
 
 
 def test_morton_interleaves_x_first() -> None:
-    cells = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [3, 3, 3], [2**21 - 1] * 3], np.uint64)
-    assert morton(cells).tolist() == [1, 2, 4, 63, 2**63 - 1]
+    cells = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [3, 3, 3], [20_000] * 3, [-1, 1, -5]])
+    codes = morton_codes(cells.astype(np.float32), np.zeros(3), 2.0**14)
+    assert codes.tolist() == [1, 2, 4, 63, 2**42 - 1, 2]
 
 
 @pytest.mark.parametrize("value", [0.0, -3.5, 1e30])

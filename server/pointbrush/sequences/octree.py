@@ -12,28 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.order import morton
+from pointbrush.sequences.order import AXIS_BITS
 
 NODE_POINTS = 65536
 """Most points in a node, which is one chunk."""
 
-BITS = 14
+BITS = AXIS_BITS
 """Levels below a subtree's cube that its Morton codes resolve."""
 
 _VOXEL_BITS = 7
-_GOOD = 16384
+_KEPT = 32768
 _FEW = 2048
 _HANDED_UP_BITS = 6
 _HANDED_UP = 8192
 
 Numbers = NDArray[np.int64]
-
-
-def codes_in_cube(xyz: NDArray[np.float32], corner: NDArray[np.float64], size: float) -> Numbers:
-    """Morton codes (N,) of points (N, 3) in the cube at ``corner``; points beyond are clamped."""
-    cells = (xyz - corner) * ((1 << BITS) / size)
-    np.clip(cells, 0, (1 << BITS) - 1, out=cells)
-    return morton(cells.astype(np.uint64)).astype(np.int64)
 
 
 def sort_codes(codes: Numbers) -> tuple[Numbers, Numbers]:
@@ -76,9 +69,9 @@ def _keep(codes: Numbers, depth: int) -> Numbers:
     """Positions of the even subsample that a node at ``depth`` keeps of its sorted codes."""
     for finer in range(_VOXEL_BITS, BITS + 1):
         kept = _middles(codes, depth + finer)
-        if len(kept) >= _GOOD or depth + finer >= BITS:
+        if len(kept) >= _KEPT or depth + finer >= BITS:
             break
-    return _thin(kept, NODE_POINTS)
+    return _thin(kept, _KEPT)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,29 +13,46 @@ from numpy.typing import NDArray
 LEVEL0_POINTS = 4096
 """Level 0 holds at most this many points, and more than half of it in a larger frame."""
 
-_AXIS_BITS = 14
+AXIS_BITS = 14
+"""Bits of each coordinate in a Morton code."""
+
 _INDEX_BITS = 22
 MAX_POINTS = 1 << _INDEX_BITS
 """Most points that one call sorts; a larger frame goes through the octree."""
 
 
-def _spread(bits: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Put two zero bits between the low 21 bits of each value."""
-    for shift, mask in (
-        (32, 0x1F00000000FFFF),
-        (16, 0x1F0000FF0000FF),
-        (8, 0x100F00F00F00F00F),
-        (4, 0x10C30C30C30C30C3),
-        (2, 0x1249249249249249),
-    ):
-        bits = (bits | (bits << np.uint64(shift))) & np.uint64(mask)
-    return bits
+def _spread_table() -> NDArray[np.int64]:
+    """Every value of 14 bits with two zero bits between its bits."""
+    values = np.arange(1 << AXIS_BITS, dtype=np.int64)
+    spread = np.zeros_like(values)
+    for bit in range(AXIS_BITS):
+        spread |= ((values >> bit) & 1) << (3 * bit)
+    return spread
 
 
-def morton(cells: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Morton codes (N,) of integer cells (N, 3), each below 2**21."""
-    x, y, z = (_spread(np.ascontiguousarray(cells[:, axis])) for axis in range(3))
-    codes: NDArray[np.uint64] = x | (y << np.uint64(1)) | (z << np.uint64(2))
+_SPREAD = _spread_table()
+
+
+def bounds(xyz: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Least and greatest coordinates (3,) of points (N, 3), N > 0."""
+    # Axis by axis: numpy reduces rows of three several times slower.
+    columns = [xyz[:, axis] for axis in range(3)]
+    lo = np.array([column.min() for column in columns], np.float32)
+    return lo, np.array([column.max() for column in columns], np.float32)
+
+
+def morton_codes(
+    xyz: NDArray[np.float32], corner: NDArray[np.float64], size: float
+) -> NDArray[np.int64]:
+    """Morton codes (N,) of 42 bits of points (N, 3) in the cube at ``corner``, x lowest.
+
+    Points beyond the cube count as on its edge.
+    """
+    top = (1 << AXIS_BITS) - 1
+    codes = np.zeros(len(xyz), np.int64)
+    for axis in range(3):
+        cell = (xyz[:, axis] - corner[axis]) * ((top + 1) / size if size > 0 else 0.0)
+        codes |= _SPREAD.take(np.clip(cell, 0, top, out=cell).astype(np.intp)) << axis
     return codes
 
 
@@ -49,13 +66,11 @@ def morton_order(xyz: NDArray[np.float32]) -> NDArray[np.int64]:
         raise ValueError(f"expected at most {MAX_POINTS} points, got {n}")
     if n == 0:
         return np.empty(0, np.int64)
-    lo = xyz.min(axis=0).astype(np.float64)
-    extent = float((xyz.max(axis=0) - lo).max())
+    lo, hi = (bound.astype(np.float64) for bound in bounds(xyz))
     # Cubic cells: a flat room must not be cut into slivers along its height.
-    scale = ((1 << _AXIS_BITS) - 1) / extent if extent > 0 else 0.0
-    cells = ((xyz - lo) * scale).astype(np.uint64)
-    # Code and number in one key: sorting keys is several times faster than an argsort, and stable.
-    keys = (morton(cells) << np.uint64(_INDEX_BITS)) | np.arange(n, dtype=np.uint64)
+    codes = morton_codes(xyz, lo, float((hi - lo).max()))
+    # Code and number in one key: sorting keys is faster than an argsort, and stable.
+    keys = (codes.view(np.uint64) << np.uint64(_INDEX_BITS)) | np.arange(n, dtype=np.uint64)
     keys.sort()
     return (keys & np.uint64(MAX_POINTS - 1)).astype(np.int64)
 

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.columns import to_local
+from pointbrush.sequences.columns import gather, to_local
+from pointbrush.sequences.order import bounds
 
 Key = tuple[int, int, int]
 
@@ -54,21 +55,24 @@ def edge_exponent(extent: float) -> int:
 
 def group(rows: NDArray[Any], local: NDArray[np.float32], exponent: int) -> Groups:
     """Sort ``rows`` (N,) by the cubes of edge ``2**exponent`` that their points (N, 3) are in."""
-    cells = np.floor(local * 2.0**-exponent).astype(np.int64)
-    low = cells.min(axis=0)
-    size = cells.max(axis=0) - low + 1
-    while float(size[0]) * float(size[1]) * float(size[2]) >= 2**16:
-        exponent, cells = exponent + 1, cells >> 1
-        low = cells.min(axis=0)
-        size = cells.max(axis=0) - low + 1
-    cells -= low
-    dense = ((cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]).astype(np.uint16)
+    while True:
+        edge = 2.0**exponent
+        low, high = (np.floor(bound / edge).astype(np.int64) for bound in bounds(local))
+        size = high - low + 1
+        if float(size[0]) * float(size[1]) * float(size[2]) < 2**16:
+            break
+        exponent += 1
+    dense = np.zeros(len(local), np.int64)
+    for axis in range(3):
+        cell = np.floor(local[:, axis] / np.float32(edge)).astype(np.int64)
+        dense = dense * size[axis] + (cell - low[axis])
+    dense = dense.astype(np.uint16)
     order = np.argsort(dense, kind="stable")  # a radix sort for 16 bits
     counts = np.bincount(dense)
     present = np.flatnonzero(counts)
     first = np.concatenate([[0], np.cumsum(counts[present])]).astype(np.int64)
     keys = np.stack(np.unravel_index(present, size.tolist()), axis=1) + low
-    return Groups(exponent, keys, first, rows[order])
+    return Groups(exponent, keys, first, gather(rows, order))
 
 
 class Partition:

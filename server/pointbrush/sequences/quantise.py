@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.sequences.order import bounds
+
 ROOM_STEP = 2.0**-10
 """Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera or lidar."""
 
@@ -57,17 +59,19 @@ def quantise(xyz: NDArray[np.float32], step: float) -> Quantised:
         zero = np.zeros(3)
         empty = np.zeros(3, np.float32)
         return Quantised(np.empty((0, 3), np.uint16), zero, np.full(3, step), empty, empty, 0.0)
-    lo, hi = xyz.min(axis=0), xyz.max(axis=0)
+    lo, hi = bounds(xyz)
     grid = [_axis_grid(float(a), float(b), step) for a, b in zip(lo, hi, strict=True)]
     origin = np.array([axis[0] for axis in grid])
     scale = np.array([axis[1] for axis in grid])
-    q = np.rint((xyz - origin) / scale)
+    q = np.empty(xyz.shape, np.uint16)
+    for axis in range(3):  # several times faster than rows of three
+        q[:, axis] = np.rint((xyz[:, axis] - origin[axis]) / scale[axis])
     # Adding in float32 rounds once more, by half a unit in the last place of the greatest value.
     reach = max(float(np.abs(lo).max()), float(np.abs(hi).max())) + float(scale.max())
     rounding = float(np.spacing(np.float32(min(reach, 3e38))))
     exact = reach / float(scale.min()) < 2**24
     error = float(scale.max()) / 2 + (0.0 if exact else rounding)
-    return Quantised(q.astype(np.uint16), origin, scale, lo, hi, error)
+    return Quantised(q, origin, scale, lo, hi, error)
 
 
 def dequantise(

@@ -14,11 +14,13 @@ from pointbrush.sequences.columns import (
     POINT_FIELDS,
     Grid,
     encode_chunk,
+    gather,
     residual,
     to_local,
     wire_colors,
 )
-from pointbrush.sequences.octree import Node, build, codes_in_cube, hand_up, sort_codes
+from pointbrush.sequences.octree import Node, build, hand_up, sort_codes
+from pointbrush.sequences.order import morton_codes
 
 Rows = NDArray[Any]
 """Structured: ``xyz`` in source coordinates, ``source_index``, and the point fields given."""
@@ -56,14 +58,22 @@ def encode_cube(
 ) -> Segment:
     """The subtree over ``rows`` in the cube at ``corner`` (local), ``level`` below the root."""
     local = to_local(rows["xyz"], grid.shift)
-    codes, order = sort_codes(codes_in_cube(local, corner, edge))
+    codes, order = sort_codes(morton_codes(local, corner, edge))
     keep = np.ones(len(rows), np.bool_)
     if hands_up:
         keep[hand_up(codes)] = False
     nodes = build(codes, np.flatnonzero(keep))
     nodes, parents = _breadth_first(nodes)
     stored = order[np.concatenate([np.empty(0, np.int64), *(node.positions for node in nodes)])]
-    return _encode(rows[stored], local[stored], nodes, parents, level, grid, rows[order[~keep]])
+    return _encode(
+        gather(rows, stored),
+        local.take(stored, axis=0),
+        nodes,
+        parents,
+        level,
+        grid,
+        gather(rows, order[~keep]),
+    )
 
 
 def _breadth_first(nodes: list[Node]) -> tuple[list[Node], list[int]]:
