@@ -70,6 +70,6 @@ function interleaved(
   stride: number,
   count: number,
 ): InterleavedBuffer {
-  const data = new GLBufferAttribute(buffer, type as never, stride, bytes, count);
+  const data = new GLBufferAttribute(buffer, type, stride, bytes, count);
   return Object.assign(data, { stride, array: [] }) as unknown as InterleavedBuffer;
 }

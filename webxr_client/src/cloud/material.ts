@@ -61,7 +61,7 @@ export class PointUniforms {
   setHeight(room: Matrix4, low: number, high: number): void {
     const e = room.elements;
     const span = Math.max(1e-3, high - low);
-    this.heightRow.value.set(e[1]! / span, e[5]! / span, e[9]! / span, (e[13]! - low) / span);
+    this.heightRow.value.set(e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span);
   }
 }
 

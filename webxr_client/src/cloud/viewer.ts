@@ -216,8 +216,7 @@ export class Viewer {
 
   private drawHeadset(): void {
     const eyes = this.renderer.xr.getCamera().cameras;
-    const viewport = eyes[0]?.viewport;
-    if (viewport) this.uniforms.setViewport(viewport.w);
+    this.uniforms.setViewport(eyes[0].viewport.w);
     this.eyeDome.quad.visible = false;
     this.camera.layers.enableAll();
     this.renderer.clear();

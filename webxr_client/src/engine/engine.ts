@@ -101,9 +101,7 @@ export class Engine {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
     effect(() => {
-      // Each of these changes what the brush would do where it is.
-      void [state.tool.value, state.brush.value, state.activeLabel.value, state.palette.value];
-      void state.shown.value;
+      brushInputs();
       this.pointer.refresh();
     });
   }
@@ -360,6 +358,12 @@ export class Engine {
     state.undo.value = state.redo.value = null;
     state.history.value = [];
   }
+}
+
+/** What decides how the brush looks where it is: read, so that an effect follows it. */
+function brushInputs(): readonly unknown[] {
+  const { tool, brush, activeLabel, palette, shown } = state;
+  return [tool.value, brush.value, activeLabel.value, palette.value, shown.value];
 }
 
 function setRadius(metres: number): void {

@@ -1,0 +1,54 @@
+"""The page's message types follow the models."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pointbrush.streaming import schema, typescript
+
+
+def test_the_committed_types_are_current(capsys: pytest.CaptureFixture[str]) -> None:
+    assert typescript.main(["--check"]) == 0, capsys.readouterr().err
+
+
+def test_check_fails_on_drift(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stale = tmp_path / "messages.ts"
+    assert typescript.main(["--check", "--target", str(stale)]) == 1
+    assert typescript.main(["--write", "--target", str(stale)]) == 0
+    assert typescript.main(["--check", "--target", str(stale)]) == 0
+    stale.write_text(stale.read_text().replace("frame: number", "frame: string", 1))
+    assert typescript.main(["--check", "--target", str(stale)]) == 1
+    assert "is stale" in capsys.readouterr().err
+
+
+def test_types_are_as_strict_as_typescript_can_say() -> None:
+    text = typescript.generate()
+    assert "  origin: [number, number, number];\n  direction?: [number, number, number];" in text
+    assert "  data: Uint8Array;" in text
+    assert "  counts: Record<string, number>;" in text
+    assert "  hands?: ([number, number, number, number, number, number, number] | null)[];" in text
+
+
+def test_a_schema_that_typescript_cannot_say_is_refused() -> None:
+    with pytest.raises(ValueError, match="expected a schema"):
+        typescript.type_of({"type": "mystery"})
+
+
+def test_the_hash_follows_the_shape_and_not_the_prose(monkeypatch: pytest.MonkeyPatch) -> None:
+    def digest(client: dict[str, object]) -> str:
+        monkeypatch.setattr(schema, "client_schema", lambda: client)
+        schema.schema_hash.cache_clear()
+        return schema.schema_hash()
+
+    title_field = {"properties": {"title": {"type": "string", "description": "old words"}}}
+    reworded = {"properties": {"title": {"type": "string", "description": "new words"}}}
+    retyped = {"properties": {"title": {"type": "integer", "description": "old words"}}}
+    renamed = {"properties": {"name": {"type": "string", "description": "old words"}}}
+    try:
+        assert digest(title_field) == digest(reworded)
+        assert len({digest(title_field), digest(retyped), digest(renamed)}) == 3
+    finally:
+        monkeypatch.undo()
+        schema.schema_hash.cache_clear()

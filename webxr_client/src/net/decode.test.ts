@@ -1,0 +1,100 @@
+import { readFileSync } from 'node:fs';
+import { beforeAll, describe, expect, it } from 'vitest';
+import type { Chunk, Frame } from '../protocol/messages';
+import { decodeFrame, ready } from './decode';
+import { BufferPool } from './pool';
+import { BLOCK_VALUES, spacingOf, type Segment } from './segment';
+
+const GOLDEN = new URL('../../../tests/golden/', import.meta.url);
+const data = new Uint8Array(readFileSync(new URL('frame_small.bin', GOLDEN)));
+const golden = JSON.parse(readFileSync(new URL('frame_small.json', GOLDEN), 'utf8')) as {
+  count: number;
+  chunks: Chunk[];
+  decoded_base64: string;
+};
+const message: Frame = {
+  type: 'frame',
+  sequence: 's',
+  frame: 4,
+  total: golden.count,
+  final: true,
+  chunks: golden.chunks,
+  data,
+};
+
+describe('a frame that Python encoded', () => {
+  let segment: Segment;
+
+  beforeAll(async () => {
+    await ready;
+    segment = decodeFrame(message, new BufferPool(1 << 20));
+  });
+
+  it('has the very points', () => {
+    const expected = Buffer.from(golden.decoded_base64, 'base64');
+    const bytes = Buffer.from(segment.vertices, 0, segment.count * 12);
+    expect(segment.count).toBe(golden.count);
+    for (let point = 0; point < segment.count; point++) {
+      const at = point * 12;
+      // The last two bytes are free on the wire, and carry the page's stamp.
+      expect(bytes.compare(expected, at, at + 10, at, at + 10)).toBe(0);
+    }
+  });
+
+  it('has blocks that hold all their points', () => {
+    const words = new Uint16Array(segment.vertices);
+    for (const chunk of segment.chunks) {
+      for (let i = 0; i < chunk.count; i++) {
+        const block = (chunk.block + Math.floor(i / 256)) * BLOCK_VALUES;
+        for (let k = 0; k < 3; k++) {
+          const value = words[(chunk.start + i) * 6 + k]!;
+          expect(value).toBeGreaterThanOrEqual(segment.blocks[block + k]!);
+          expect(value).toBeLessThanOrEqual(segment.blocks[block + 3 + k]!);
+        }
+      }
+    }
+  });
+
+  it('stamps each point with its chunk and about the spacing of its level', () => {
+    const words = new Uint16Array(segment.vertices);
+    for (const chunk of segment.chunks) {
+      const spacings: number[] = [];
+      for (let i = 0; i < chunk.count; i++) {
+        const stamp = words[(chunk.start + i) * 6 + 5]!;
+        expect(stamp >> 6).toBe(chunk.index);
+        spacings.push(spacingOf(stamp & 63));
+      }
+      spacings.sort((a, b) => a - b);
+      // The bowl's grid is 1/64 m; a level with a part of the points is as much sparser.
+      const expected = (1 / 64) * Math.sqrt(golden.count / chunk.count);
+      const median = spacings[spacings.length >> 1]!;
+      expect(median).toBeGreaterThan(0.6 * expected);
+      expect(median).toBeLessThan(2 * expected);
+    }
+  });
+
+  it('refuses bytes that are cut off', () => {
+    const [chunk] = golden.chunks;
+    const cut: Frame = { ...message, chunks: [{ ...chunk!, nbytes: 100 }] };
+    expect(() => decodeFrame(cut, new BufferPool(1 << 20))).toThrow();
+  });
+});
+
+describe('the pool of buffers', () => {
+  it('gives a returned buffer again when it fits', () => {
+    const pool = new BufferPool(1 << 20);
+    const first = pool.take(100_000);
+    pool.give(first);
+    expect(pool.take(90_000)).toBe(first);
+    expect(pool.take(90_000)).not.toBe(first);
+  });
+
+  it('keeps no more than its limit', () => {
+    const pool = new BufferPool(100_000);
+    const [a, b] = [pool.take(65_536), pool.take(65_536)];
+    pool.give(a);
+    pool.give(b);
+    expect(pool.take(65_536)).toBe(a);
+    expect(pool.take(65_536)).not.toBe(b);
+  });
+});

@@ -1,0 +1,88 @@
+import { describe, expect, it, vi } from 'vitest';
+import { DELETED } from '../cloud/frame';
+import { frameOf, wall } from '../cloud/testing';
+import type { Brush, ClientMessage, StrokeResult } from '../protocol/messages';
+import { Strokes } from './strokes';
+
+const ray: Brush = { label: 2, tool: 'paint', shape: 'ray', radius: 0.025 };
+
+function setUp(locked: (label: number) => boolean = () => false) {
+  const frame = frameOf(wall(40, 1000));
+  const sent: ClientMessage[] = [];
+  const deps = { send: (message: ClientMessage) => void sent.push(message), locked, changed: vi.fn(), now: () => 0 }; // prettier-ignore
+  return { frame, sent, strokes: new Strokes(deps) };
+}
+
+function painted(frame: ReturnType<typeof frameOf>, label: number): number {
+  return Array.from({ length: frame.loaded }, (_, i) => frame.labelOf(i)).filter((l) => l === label)
+    .length;
+}
+
+function result(id: string, fields: Partial<StrokeResult>): StrokeResult {
+  return { type: 'stroke_result', id, frame: 0, touched: 1, changed: 1, edit: id, revision: 1, final: true, ...fields }; // prettier-ignore
+}
+
+const at = { origin: [0.2, 0.2, 0], direction: [0, 0, 1] } as const;
+
+describe('a stroke', () => {
+  it('shows at once what it will paint, and sends source coordinates in batches', () => {
+    const { frame, sent, strokes } = setUp();
+    const stroke = strokes.begin(frame, ray, [100, 0, 0]);
+    stroke.add(at);
+    stroke.add(at);
+    strokes.flush();
+    expect(painted(frame, 2)).toBe(21);
+    stroke.end();
+    expect(sent.map((message) => message.type)).toEqual([
+      'stroke_begin',
+      'stroke_samples',
+      'stroke_end',
+    ]);
+    expect(sent[1]).toMatchObject({ samples: [{ origin: [100.2, 0.2, 0] }, {}] });
+  });
+
+  it('keeps its preview until the delta has come', () => {
+    const { frame, strokes } = setUp();
+    const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+    stroke.add(at);
+    stroke.end();
+    strokes.onResult(result(stroke.id, { final: false }));
+    strokes.onResult(result(stroke.id, {}));
+    expect(painted(frame, 2)).toBe(21);
+    strokes.drop(stroke.id);
+    expect(painted(frame, 2)).toBe(0);
+  });
+
+  it('takes the preview away at once when nothing changed', () => {
+    const { frame, strokes } = setUp();
+    const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+    stroke.add(at);
+    stroke.end();
+    strokes.onResult(result(stroke.id, { changed: 0 }));
+    expect(painted(frame, 2)).toBe(0);
+  });
+
+  it('spares locked labels, and labelled points when only unlabelled ones are asked for', () => {
+    for (const [brush, locked] of [
+      [ray, (label: number) => label === 1],
+      [{ ...ray, only_unlabeled: true }, () => false],
+    ] as const) {
+      const { frame, strokes } = setUp(locked);
+      frame.setOverlay('server', { indices: Uint32Array.of(0), values: Uint16Array.of(0) });
+      frame.pieces[0]!.labels = new Uint16Array(1600).fill(1, 0, 820);
+      const stroke = strokes.begin(frame, brush, [0, 0, 0]);
+      stroke.add(at);
+      strokes.flush();
+      expect(painted(frame, 1)).toBe(820 - 0 - (frame.labelOf(0) === 0 ? 1 : 0));
+      expect(painted(frame, 2)).toBeGreaterThan(5);
+    }
+  });
+
+  it('deletes, and restores only what was deleted', () => {
+    const { frame, strokes } = setUp();
+    const stroke = strokes.begin(frame, { ...ray, tool: 'delete' }, [0, 0, 0]);
+    stroke.add(at);
+    strokes.flush();
+    expect(painted(frame, DELETED)).toBe(21);
+  });
+});
