@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -13,8 +12,10 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.kitti import read_poses
+from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.registry import Format, format_by_name, format_named, format_of
+from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
     find_time_file,
@@ -24,7 +25,6 @@ from pointbrush.formats.timing import (
     stated_rate,
     times_in_names,
 )
-from pointbrush.frame import PointFrame
 
 # Text and binary files that lie beside frames without being frames.
 SIDECARS = {
@@ -40,39 +40,32 @@ SIDECARS = {
 Pose = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class FrameFile:
-    """A file to read with ``read``, and what its folder tells of its frame."""
-
-    read: Callable[[ReadOptions], Iterator[PointFrame]]
-    known: Extras = field(default_factory=Extras)
-
-
-@dataclass(frozen=True, slots=True)
-class Listing:
-    """The frames of a folder; ``count`` is None where a file holds an unknown number."""
-
-    format: str
-    frames: list[FrameFile]
-    times: list[float] | None = None
-    fps: float | None = None
-    count: int | None = None
-
-
 def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
-    """The recording in a folder: its point files, or those of the one subfolder that has them.
+    """The recording in a folder: its point files or images, or those of the one subfolder
+    that has them.
 
     Raises BadInputError for none, for several formats, or for several recordings.
     """
-    files = _files(folder, options)
-    chosen = _point_files(folder, files, format)
-    if chosen:
-        return list_files(chosen, format, folder, options)
+    found = _directly(folder, format, options)
+    if found is not None:
+        return found
     inside = _subfolder(folder, format, options)
     if inside is not None:
         return list_folder(inside, format, options)
+    files = _files(folder, options)
     seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
     raise BadInputError(f"{folder.name}: expected a folder with point cloud files, got {seen}")
+
+
+def _directly(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
+    """What lies in the folder itself; images win over text, which may be lists of them."""
+    wanted = None if format is None else format_named(format).name
+    chosen = [] if wanted == "rgbd" else _point_files(folder, _files(folder, options), format)
+    weak = not chosen or (format is None and format_of(chosen[0]).weak)
+    images = list_rgbd(folder) if weak and wanted in (None, "rgbd") else None
+    if images is not None:
+        return images
+    return list_files(chosen, format, folder, options) if chosen else None
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:
@@ -142,7 +135,7 @@ def _reads_raw(raw: Path, format: str | None, options: ReadOptions, has_npz: boo
 
 
 def _has_points(folder: Path, format: str | None, options: ReadOptions, depth: int = 4) -> bool:
-    if _point_files(folder, _files(folder, options), format):
+    if _point_files(folder, _files(folder, options), format) or list_rgbd(folder) is not None:
         return True
     inner = (path for path in folder.iterdir() if path.is_dir() and not path.is_symlink())
     return depth > 0 and any(_has_points(path, format, options, depth - 1) for path in inner)

@@ -13,6 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.depth import read_depth
 from pointbrush.formats.kitti import read_bin, read_kitti
 from pointbrush.formats.las import read_las
 from pointbrush.formats.npy import read_npy, read_npz
@@ -55,6 +56,7 @@ BUILT_IN = (
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records"),
     Format("bin", (".bin",), read_bin, "KITTI or XYZRGB records, told apart by their values"),
     Format("kitti", (), read_kitti, "KITTI and SemanticKITTI"),
+    Format("rgbd", (), read_depth, "depth and colour images (TUM RGB-D, Kinect v2)"),
     Format(
         "text",
         (".xyz", ".txt", ".pts", ".csv", ".asc"),
@@ -64,6 +66,7 @@ BUILT_IN = (
     ),
 )
 ALIASES = {
+    **dict.fromkeys(("tum", "kinect", "kinect2", "depth"), "rgbd"),
     **dict.fromkeys(("laz", "copc"), "las"),
     **dict.fromkeys(("xyz", "txt", "pts", "csv", "asc"), "text"),
     **dict.fromkeys(("semantickitti", "velodyne"), "kitti"),

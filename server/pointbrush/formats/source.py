@@ -11,7 +11,8 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import is_archive, unpack
-from pointbrush.formats.folder import Listing, list_files, list_folder
+from pointbrush.formats.folder import list_files, list_folder
+from pointbrush.formats.listing import Listing
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import natural_key, rate_of
