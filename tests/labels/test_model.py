@@ -66,7 +66,7 @@ class Pair:
 
     def model_write(self, who: str, where: Any, *rest: Any) -> None:
         *values, tracks = rest
-        self.model.write(who, where, *values, tracks={place: who for place in sorted(tracks)})
+        self.model.write(who, where, *values, tracks=dict.fromkeys(sorted(tracks), who))
 
     def model_paint(self, who: str, where: Any, number: int) -> None:
         self.model.write(who, where, number, 1, None)

@@ -3,6 +3,7 @@
 ``LabelStore`` is the whole interface; see docs/labels.md for what undo means and what survives.
 """
 
+from pointbrush.labels.backup import restore
 from pointbrush.labels.store import LabelStore
 from pointbrush.labels.tokens import ROLES, Role, Token, Tokens
 from pointbrush.labels.types import (
@@ -30,4 +31,5 @@ __all__ = [
     "Token",
     "Tokens",
     "Write",
+    "restore",
 ]

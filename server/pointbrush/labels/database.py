@@ -53,6 +53,8 @@ class Database:
         self._writer: contextlib.AbstractContextManager[Any] = (
             threading.Lock() if self.sqlite else contextlib.nullcontext()
         )
+        # Building such a statement takes longer than running it.
+        self._upserts: dict[str, Any] = {}
         self.engine = _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url)
 
     @property
@@ -89,13 +91,16 @@ class Database:
         """Insert rows, replacing those with the same primary key."""
         if not rows:
             return
+        if table.name not in self._upserts:
+            self._upserts[table.name] = self._upsert(table)
+        connection.execute(self._upserts[table.name], rows)
+
+    def _upsert(self, table: Table) -> Any:
         keys = [column.name for column in table.primary_key]
-        rest = [name for name in rows[0] if name not in keys]
         statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
-        statement = statement.on_conflict_do_update(
-            index_elements=keys, set_={name: statement.excluded[name] for name in rest}
-        )
-        connection.execute(statement, rows)
+        excluded = statement.excluded
+        rest = {column.name: excluded[column.name] for column in table.c if column.name not in keys}
+        return statement.on_conflict_do_update(index_elements=keys, set_=rest)
 
     def close(self) -> None:
         """Close all connections."""
@@ -106,7 +111,7 @@ class Database:
 def _translated() -> Iterator[None]:
     try:
         yield
-    except exc.SQLAlchemyError as error:
+    except (exc.DBAPIError, exc.TimeoutError) as error:
         cause = getattr(error, "orig", None) or error
         reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
         raise UnavailableError(

@@ -31,6 +31,26 @@ from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change, encode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
 
+# Statements of every stroke, built once: building one takes longer than running it.
+_FIND = select(edits).where(
+    edits.c.sequence == bindparam("of_sequence"), edits.c.id == bindparam("edit_id")
+)
+_ADVANCE = (
+    update(schema.sequences)
+    .where(schema.sequences.c.number == bindparam("of_sequence"))
+    .values(revision=bindparam("to_revision"), highest_label=bindparam("to_label"))
+)
+_DROP_REDO = (
+    update(edits)
+    .where(
+        edits.c.sequence == bindparam("of_sequence"),
+        edits.c.author == bindparam("of_author"),
+        edits.c.state == schema.UNDONE,
+    )
+    .values(state=schema.DROPPED)
+)
+_INSERT_EDIT, _INSERT_BLOCK = insert(edits), insert(edit_blocks)
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:
@@ -51,7 +71,7 @@ def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> fl
     connection, number, revision = draft.connection, draft.state.number, draft.revision
     key = {"sequence": number, "revision": revision}
     connection.execute(
-        insert(edits),
+        _INSERT_EDIT,
         {
             **key,
             "id": entry.id,
@@ -71,12 +91,12 @@ def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> fl
     _append_parts(draft, key)
     _derive(database, draft, effect)
     connection.execute(
-        update(schema.sequences)
-        .where(schema.sequences.c.number == number)
-        .values(
-            revision=revision,
-            highest_label=max([draft.state.highest_label, *draft.label_fields]),
-        )
+        _ADVANCE,
+        {
+            "of_sequence": number,
+            "to_revision": revision,
+            "to_label": max([draft.state.highest_label, *draft.label_fields]),
+        },
     )
     return now
 
@@ -85,7 +105,7 @@ def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
     connection = draft.connection
     if draft.changes:
         connection.execute(
-            insert(edit_blocks),
+            _INSERT_BLOCK,
             [
                 {
                     **key,
@@ -165,8 +185,7 @@ def _derive(database: Database, draft: Draft, effect: Effect) -> None:
 
 def find(connection: Connection, number: int, edit_id: str) -> Row[Any] | None:
     """The row of the edit with this id."""
-    here = and_(edits.c.sequence == number, edits.c.id == edit_id)
-    return connection.execute(select(edits).where(here)).one_or_none()
+    return connection.execute(_FIND, {"of_sequence": number, "edit_id": edit_id}).one_or_none()
 
 
 def rows_since(connection: Connection, number: int, revision: int, limit: int) -> list[Row[Any]]:
@@ -278,10 +297,7 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
 
 def drop_redo(connection: Connection, number: int, author: str) -> None:
     """``author`` went on: what they had undone stays undone."""
-    mine = and_(
-        edits.c.sequence == number, edits.c.author == author, edits.c.state == schema.UNDONE
-    )
-    connection.execute(update(edits).where(mine).values(state=schema.DROPPED))
+    connection.execute(_DROP_REDO, {"of_sequence": number, "of_author": author})
 
 
 def unique_revisions(writers: NDArray[np.uint64]) -> list[int]:

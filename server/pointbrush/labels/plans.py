@@ -55,15 +55,15 @@ def create(entry: Entry, label_id: int | None, fields: dict[str, Any]) -> Plan:
     return plan
 
 
-def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
-    """Change fields of a label."""
+def change(entry: Entry, label_id: int, fields: dict[str, Any], made: list[Label]) -> Plan:
+    """Change fields of a label; ``made`` receives it as it is then."""
 
     def plan(draft: Draft) -> Entry:
         label = palette.require(draft.palette, label_id)
         news = {name: value for name, value in fields.items() if getattr(label, name) != value}
+        made.append(replace(label, **news))
         if news:
-            merged = {name: news.get(name, getattr(label, name)) for name in palette.FIELDS}
-            draft.labels[label_id] = Label(label_id, **merged)
+            draft.labels[label_id] = made[0]
             draft.label_fields[label_id] = news
         what = ", ".join(news) or "nothing"
         return replace(entry, summary=f"change {what} of label '{label.name}'")

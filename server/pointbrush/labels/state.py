@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, Row, select
+from sqlalchemy import Connection, Row, bindparam, select
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.blocks import Block, BlockCache, Place, block_size, load_blocks
@@ -172,6 +172,12 @@ def decode_points(data: bytes) -> NDArray[np.int64]:
     return np.frombuffer(zlib.decompress(data), "<i8")
 
 
+_LOOK = select(sequences.c.number, sequences.c.revision).where(
+    sequences.c.id == bindparam("sequence_id")
+)
+_LOCK = _LOOK.with_for_update()
+
+
 def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:
     """The whole row of a sequence."""
     query = select(sequences).where(sequences.c.id == sequence)
@@ -182,8 +188,7 @@ def find_revision(
     connection: Connection, sequence: str, *, lock: bool = False
 ) -> tuple[int, int] | None:
     """Number and revision of a sequence; ``lock``: no other process commits to it meanwhile."""
-    query = select(sequences.c.number, sequences.c.revision).where(sequences.c.id == sequence)
-    row = connection.execute(query.with_for_update() if lock else query).one_or_none()
+    row = connection.execute(_LOCK if lock else _LOOK, {"sequence_id": sequence}).one_or_none()
     return None if row is None else (row.number, row.revision)
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import delete, insert
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import history, palette, plans, reading, schema
+from pointbrush.labels import backup, check, history, palette, plans, reading, schema
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import decode_points, encode_points, find_sequence
+from pointbrush.labels.state import decode_points, encode_points, find_sequence, revisions
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.writes import require_paintable
@@ -138,7 +139,11 @@ class LabelStore:
         """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None keeps."""
         given = palette.check_fields(fields)
         entry = new_entry(edit_id, author, "label", "change a label")
-        commit = self._sessions.commit(sequence, entry.id, plans.change(entry, label_id, given))
+        made: list[Label] = []
+        plan = plans.change(entry, label_id, given, made)
+        commit = self._sessions.commit(sequence, entry.id, plan)
+        if made:  # and not the palette of now, from which it may be gone already
+            return made[0], commit
         with self._sessions.reading(sequence) as (_, state):
             return palette.require(state.palette, label_id), commit
 
@@ -245,3 +250,22 @@ class LabelStore:
         with self._sessions.reading(sequence) as (connection, state):
             rows = history.rows_to_resend(connection, state, revision)
             return [self._sessions.load(connection, state, row) for row in rows]
+
+    # ── care ─────────────────────────────────────────────────────────────────────────────
+
+    def sequences(self) -> dict[str, int]:
+        """Every sequence that is known, and its revision."""
+        with self._database.read() as connection:
+            return {name: revision for name, (_, revision) in revisions(connection).items()}
+
+    def check(self, sequence: str) -> list[str]:
+        """What of a sequence disagrees with its journal, one sentence each; none: all is well."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return check.check(connection, state)
+
+    def backup(self, target: Path) -> None:
+        """Write a consistent copy of this database, in use or not, to a new SQLite file.
+
+        Raises ConflictError when ``target`` is there already.
+        """
+        backup.back_up(self._database, target)

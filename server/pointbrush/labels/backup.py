@@ -1,0 +1,114 @@
+"""Copies of a live database, always as one SQLite file, and the way back."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+import tempfile
+from pathlib import Path
+
+from sqlalchemy import Connection, func, insert, select, text
+
+from pointbrush.errors import BadInputError, ConflictError, UnavailableError
+from pointbrush.labels.database import Database
+from pointbrush.labels.migrate import migrate
+from pointbrush.labels.schema import metadata, sequences, tokens
+
+ROWS = 256
+"""Rows copied at once: they hold up to a few hundred kilobytes each."""
+_CONTINUE_NUMBERS = (
+    "SELECT setval(pg_get_serial_sequence('sequences', 'number'), "
+    "(SELECT coalesce(max(number), 1) FROM sequences))"
+)
+
+
+def back_up(database: Database, target: Path) -> None:
+    """Write a consistent copy of a database in use to ``target``, a new SQLite file.
+
+    Appears whole or not at all.  Raises ConflictError when ``target`` is there already,
+    UnavailableError when it cannot be written.
+    """
+    if target.exists():
+        raise ConflictError(f"backup: expected a file that does not exist yet, got {target}")
+    partial = target.with_name(f".{target.name}.partial")
+    partial.unlink(missing_ok=True)
+    try:
+        if database.path is not None:
+            _copy_file(database.path, partial)
+        else:
+            _copy_to_file(database, partial)
+        with partial.open("rb+") as file:
+            os.fsync(file.fileno())
+        partial.rename(target)
+    except (sqlite3.Error, OSError) as error:
+        raise UnavailableError(f"backup: {target} cannot be written: {error}") from error
+    finally:
+        for leftover in target.parent.glob(f"{partial.name}*"):
+            leftover.unlink(missing_ok=True)
+
+
+def restore(source: Path, url: str) -> None:
+    """Fill the database at ``url``, which must be empty or new, from a backup.
+
+    Raises BadInputError when ``source`` is no backup, ConflictError when the database has
+    sequences or tokens already, UnavailableError.
+    """
+    _require_backup(source)
+    with tempfile.TemporaryDirectory() as folder:
+        # A copy: a backup of an older version is brought up to date, and stays as it is itself.
+        copy = Path(folder) / "copy.sqlite"
+        _copy_file(source, copy)
+        original, target = Database(f"sqlite:///{copy}"), Database(url)
+        try:
+            migrate(original)
+            migrate(target)
+            with original.read() as reader, target.write() as writer:
+                _copy_rows(reader, writer)
+                if not target.sqlite:
+                    writer.execute(text(_CONTINUE_NUMBERS))
+        finally:
+            original.close()
+            target.close()
+
+
+def _require_backup(source: Path) -> None:
+    if not source.is_file():
+        raise BadInputError(f"backup: expected a file, {source} does not exist")
+    try:
+        with contextlib.closing(sqlite3.connect(f"file:{source}?mode=ro", uri=True)) as file:
+            file.execute("SELECT version_num FROM alembic_version").fetchone()
+    except sqlite3.Error as error:
+        raise BadInputError(f"backup: expected a label database, got {source}: {error}") from None
+
+
+def _copy_file(source: Path, target: Path) -> None:
+    with (
+        contextlib.closing(sqlite3.connect(source)) as live,
+        contextlib.closing(sqlite3.connect(target)) as copy,
+    ):
+        live.backup(copy)
+        copy.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
+
+
+def _copy_to_file(database: Database, target: Path) -> None:
+    copy = Database(f"sqlite:///{target}")
+    try:
+        migrate(copy)
+        with database.read() as reader, copy.write() as writer:
+            _copy_rows(reader, writer)
+        with copy.engine.connect() as connection:
+            alone = connection.execution_options(isolation_level="AUTOCOMMIT")
+            alone.exec_driver_sql("PRAGMA journal_mode=DELETE")
+    finally:
+        copy.close()
+
+
+def _copy_rows(reader: Connection, writer: Connection) -> None:
+    for table in (sequences, tokens):
+        if writer.execute(select(func.count()).select_from(table)).scalar():
+            raise ConflictError(f"restore: expected an empty database, it has {table.name}")
+    for table in metadata.sorted_tables:
+        rows = reader.execution_options(yield_per=ROWS).execute(select(table))
+        for part in rows.mappings().partitions(ROWS):
+            writer.execute(insert(table), [dict(row) for row in part])

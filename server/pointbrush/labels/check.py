@@ -1,0 +1,191 @@
+"""Does the database agree with itself?  Everything is compared with a replay of the journal."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from sqlalchemy import ColumnElement, Connection, and_, func, select
+from sqlalchemy.sql.base import ReadOnlyColumnCollection
+
+from pointbrush.labels import palette
+from pointbrush.labels.blocks import Place, block_size
+from pointbrush.labels.effect import tally_labels
+from pointbrush.labels.packing import (
+    BLOCK,
+    DELETED_BIT,
+    DELETION,
+    LABELS,
+    VALUE_BITS,
+    States,
+    decode_change,
+    decode_states,
+    writer_of,
+)
+from pointbrush.labels.schema import (
+    IN_FORCE,
+    counts,
+    edit_blocks,
+    edit_labels,
+    edit_tracks,
+    edits,
+    labels,
+    snapshots,
+    tracks,
+)
+from pointbrush.labels.state import NONE, FrameLabel, SequenceState
+
+
+def check(connection: Connection, state: SequenceState) -> list[str]:
+    """What is wrong with a sequence, one sentence each; nothing is repaired."""
+    return [
+        *_check_numbers(connection, state),
+        *_check_points(connection, state),
+        *_check_palette(connection, state),
+        *_check_tracks(connection, state),
+    ]
+
+
+def _check_numbers(connection: Connection, state: SequenceState) -> Iterator[str]:
+    query = select(func.count(), func.min(edits.c.revision), func.max(edits.c.revision))
+    found, first, last = connection.execute(query.where(edits.c.sequence == state.number)).one()
+    expected = (state.revision, 1, state.revision) if state.revision else (0, None, None)
+    if (found, first, last) != expected:
+        yield (
+            f"journal: expected revisions 1 to {state.revision}, got {found} edits from "
+            f"{first} to {last}"
+        )
+
+
+def _check_points(connection: Connection, state: SequenceState) -> Iterator[str]:
+    in_force = set(
+        connection.execute(
+            select(edits.c.revision).where(
+                edits.c.sequence == state.number, edits.c.state.in_(IN_FORCE)
+            )
+        ).scalars()
+    )
+    tally: dict[FrameLabel, tuple[int, ...]] = {}
+    blocks: dict[tuple[int, int], dict[int, States]] = {}
+    table = edit_blocks.c
+    columns = (table.frame, table.layer, table.block)
+    query = select(*columns).where(table.sequence == state.number)
+    for frame, layer, block in connection.execute(query.distinct().order_by(*columns)).all():
+        place = (frame, layer, block)
+        states = np.zeros(block_size(state.frame_points(frame), block), np.uint64)
+        yield from _replay(connection, state, place, states)
+        stale = set(np.unique(writer_of(states)).tolist()) - in_force - {0}
+        if stale:
+            yield f"{_where(place)}: shows edits that are not in force: {sorted(stale)[:10]}"
+        cached = state.cached(place)
+        if cached is not None and not np.array_equal(cached.words(np.arange(len(states))), states):
+            yield f"{_where(place)}: memory differs from the journal"
+        blocks.setdefault((frame, block), {})[layer] = states
+    for (frame, _), layers in blocks.items():
+        values = np.zeros(1, np.uint64)
+        for layer, bits in ((LABELS, VALUE_BITS & ~DELETED_BIT), (DELETION, DELETED_BIT)):
+            if layer in layers:
+                values = values | (layers[layer] & bits)
+        for label, found in tally_labels(values):
+            old = tally.get((frame, label), NONE)
+            tally[frame, label] = tuple(a + b for a, b in zip(old, found, strict=True))
+    yield from _check_counts(connection, state, tally)
+
+
+def _replay(
+    connection: Connection, state: SequenceState, place: Place, states: States
+) -> Iterator[str]:
+    """Replay a place's journal into ``states``, comparing with its snapshot on the way."""
+    snapshot = _at(snapshots.c, state.number, place)
+    kept = connection.execute(
+        select(snapshots.c.revision, snapshots.c.data).where(snapshot)
+    ).one_or_none()
+    table = edit_blocks.c
+    query = select(table.revision, table.data).where(_at(table, state.number, place))
+    rows = connection.execute(query.order_by(table.revision)).all()
+    for number, (revision, data) in enumerate(rows):
+        try:
+            change = decode_change(data)
+            if not np.array_equal(states[change.indices], change.before):
+                yield f"{_where(place)}: edit {revision} does not follow from those before it"
+            states[change.indices] = change.after
+        except (ValueError, IndexError, zlib.error) as error:
+            yield f"{_where(place)}: edit {revision} cannot be read: {error}"
+        following = rows[number + 1].revision if number + 1 < len(rows) else state.revision + 1
+        if kept is not None and revision <= kept.revision < following:
+            yield from _compare_snapshot(place, kept.data, states)
+
+
+def _compare_snapshot(place: Place, data: bytes, states: States) -> Iterator[str]:
+    try:
+        same = np.array_equal(decode_states(data), states)
+    except (ValueError, zlib.error) as error:
+        yield f"{_where(place)}: its snapshot cannot be read: {error}"
+        return
+    if not same:
+        yield f"{_where(place)}: its snapshot differs from the journal"
+
+
+def _check_counts(
+    connection: Connection, state: SequenceState, tally: dict[FrameLabel, tuple[int, ...]]
+) -> Iterator[str]:
+    rows = connection.execute(select(counts).where(counts.c.sequence == state.number))
+    kept = {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
+    for key in sorted(kept.keys() | tally.keys()):
+        if kept.get(key, NONE) != tally.get(key, NONE):
+            yield (
+                f"counts: frame {key[0]}, label {key[1]}: expected {tally.get(key, NONE)}, "
+                f"got {kept.get(key, NONE)}"
+            )
+
+
+def _check_palette(connection: Connection, state: SequenceState) -> Iterator[str]:
+    here = edit_labels.c.sequence == state.number
+    known = set(connection.execute(select(edit_labels.c.label).where(here).distinct()).scalars())
+    kept = set(
+        connection.execute(select(labels.c.id).where(labels.c.sequence == state.number)).scalars()
+    )
+    for label_id, label in palette.fold(connection, state.number, known | kept).items():
+        if label != state.palette.get(label_id):
+            yield f"palette: label {label_id}: expected {label}, got {state.palette.get(label_id)}"
+
+
+def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[str]:
+    query = (
+        select(edit_tracks.c.frame, edit_tracks.c.label, edit_tracks.c.data)
+        .join(
+            edits,
+            and_(
+                edits.c.sequence == edit_tracks.c.sequence,
+                edits.c.revision == edit_tracks.c.revision,
+            ),
+        )
+        .where(edits.c.sequence == state.number, edits.c.state.in_(IN_FORCE))
+        .order_by(edit_tracks.c.revision)
+    )
+    expected = {(frame, label): data for frame, label, data in connection.execute(query)}
+    rows = connection.execute(select(tracks).where(tracks.c.sequence == state.number))
+    kept = {(row.frame, row.label): row.data for row in rows}
+    for frame, label in sorted(expected.keys() | kept.keys()):
+        wanted, found = expected.get((frame, label)), kept.get((frame, label))
+        if (wanted and json.loads(wanted)) != (found and json.loads(found)):
+            yield f"tracks: frame {frame}, label {label} differs from the journal"
+
+
+def _at(
+    table: ReadOnlyColumnCollection[str, Any], number: int, place: Place
+) -> ColumnElement[bool]:
+    return and_(
+        table.sequence == number,
+        table.frame == place[0],
+        table.layer == place[1],
+        table.block == place[2],
+    )
+
+
+def _where(place: Place) -> str:
+    layer = "labels" if place[1] == LABELS else "deletion"
+    return f"frame {place[0]}, points from {place[2] * BLOCK}, {layer}"

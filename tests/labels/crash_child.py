@@ -1,0 +1,54 @@
+"""The process that test_durability kills: people edit at once, every answer is printed.
+
+python crash_child.py URL SEQUENCE SEED
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import sys
+import threading
+import uuid
+from typing import Any
+
+from random_edits import AUTHORS, apply_to_store, random_edit
+
+from pointbrush.errors import PointbrushError
+from pointbrush.labels import LabelStore, sessions
+
+SPEAKING = threading.Lock()
+
+
+def say(**fields: Any) -> None:
+    with SPEAKING:
+        print(json.dumps(fields), flush=True)
+
+
+def work(store: LabelStore, sequence: str, author: str, rng: random.Random) -> None:
+    while True:
+        edit, edit_id = random_edit(rng), str(uuid.UUID(int=rng.getrandbits(128)))
+        say(asked=edit_id, author=author, edit=edit)
+        try:
+            commit = apply_to_store(store, sequence, author, edit_id, edit)
+        except PointbrushError as error:
+            say(refused=edit_id, why=str(error))
+        else:
+            say(answered=edit_id, revision=commit.revision, changed=commit.changed)
+
+
+def main() -> None:
+    url, sequence, seed = sys.argv[1:]
+    sessions.SNAPSHOT_EVERY = 4
+    store = LabelStore(url)
+    say(ready=True)
+    threads = [
+        threading.Thread(target=work, args=(store, sequence, author, random.Random(seed + author)))
+        for author in AUTHORS
+    ]
+    for thread in threads:
+        thread.start()
+
+
+if __name__ == "__main__":
+    main()

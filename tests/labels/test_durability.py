@@ -1,0 +1,155 @@
+"""Kill -9 at random moments, full disks, lost databases: what was answered stays.
+
+POINTBRUSH_KILLS=200 pytest tests/labels/test_durability.py   # the long version
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from label_model import Model
+from postgres import PostgresServer
+from random_edits import POINTS, apply_to_model, differences
+from sqlalchemy import event
+
+from pointbrush.errors import UnavailableError
+from pointbrush.labels import LabelStore, Write
+
+KILLS = int(os.environ.get("POINTBRUSH_KILLS", "12"))
+CHILD = Path(__file__).parent / "crash_child.py"
+KILLS_PER_SEQUENCE = 4
+
+
+def run_and_kill(url: str, sequence: str, seed: int, seconds: float) -> list[dict[str, Any]]:
+    """What the child said before it was killed."""
+    command = [sys.executable, str(CHILD), url, sequence, str(seed)]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    assert json.loads(child.stdout.readline())["ready"]
+    time.sleep(seconds)
+    child.kill()
+    said, _ = child.communicate()
+    # A last line may be cut short: then the answer did not get out.
+    return [json.loads(line) for line in said.splitlines(keepends=True) if line.endswith("\n")]
+
+
+def verify(url: str, sequence: str, said: list[dict[str, Any]]) -> int:
+    """Compare the database with a replay of what was asked; returns the number of edits."""
+    asked = {line["asked"]: line for line in said if "asked" in line}
+    answered = {line["answered"]: line for line in said if "answered" in line}
+    refused = {line["refused"]: line["why"] for line in said if "refused" in line}
+    store = LabelStore(url)
+    history = store.edits(sequence, limit=1000)
+    while history and history[-1].revision > 1:
+        history += store.edits(sequence, before=history[-1].revision, limit=1000)
+    found = {edit.id: edit for edit in history}
+    assert found.keys() <= asked.keys(), "an edit that nobody asked for"
+    assert [refused[n] for n in found.keys() & refused.keys()] == [], "an edit that was refused"
+    assert answered.keys() <= found.keys(), "an answered edit is missing"
+    model = Model()
+    for edit in reversed(history):
+        if edit.id in answered:
+            line = answered[edit.id]
+            assert (line["revision"], line["changed"]) == (edit.revision, edit.points)
+        apply_to_model(model, edit.author, edit.id, asked[edit.id]["edit"])
+    assert differences(store, sequence, model) == []
+    assert store.check(sequence) == []
+    store.close()
+    return len(history)
+
+
+@pytest.mark.timeout(60 + KILLS * 10)
+def test_killed_at_random_moments(url: str) -> None:
+    rng = random.Random(7)
+    said: list[dict[str, Any]] = []
+    edits = 0
+    for kill in range(KILLS):
+        sequence = f"s{kill // KILLS_PER_SEQUENCE}"
+        if kill % KILLS_PER_SEQUENCE == 0:
+            said = []
+            store = LabelStore(url)
+            store.register(sequence, POINTS)
+            store.close()
+        said += run_and_kill(url, sequence, seed=kill, seconds=rng.uniform(0.02, 0.35))
+        edits = verify(url, sequence, said)
+    assert edits > 10
+
+
+def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None:
+    store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
+    store.register("s", [1_000_000])
+    store.create_label("s", "ann", name="pin")
+    limit = [0]
+
+    @event.listens_for(store._database.engine, "begin")
+    def fill(connection: Any) -> None:
+        connection.exec_driver_sql(f"PRAGMA max_page_count={limit[0] or 2**30}")
+
+    rng = np.random.default_rng(0)
+
+    def stroke(name: str) -> None:
+        points = np.flatnonzero(rng.random(1_000_000) < 0.1)
+        write = Write(points, label=1, provenance=1)
+        store.apply("s", edit_id=name, author="ann", kind="paint", writes={0: write}, summary="")
+
+    stroke("before")
+    before = store.values("s", 0)
+    limit[0] = 1  # the file may not grow any more
+    for attempt in range(3):
+        with pytest.raises(UnavailableError, match="full"):
+            stroke(f"refused {attempt}")
+        with pytest.raises(UnavailableError):
+            stroke("once more")
+    after = store.values("s", 0)
+    assert (before.label == after.label).all()
+    assert before.revision == after.revision
+    limit[0] = 0
+    stroke("once more")
+    assert store.values("s", 0).label.sum() > before.label.sum()
+    assert store.find("s", "refused 0") is None
+    assert store.check("s") == []
+    store.undo("s", "ann")
+    assert (store.values("s", 0).label == before.label).all()
+    store.close()
+
+
+def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServer) -> None:
+    store = LabelStore(postgres_server.new_database())
+    store.register("s", [100])
+    store.create_label("s", "ann", name="pin")
+    heard: list[int] = []
+    store.subscribe(lambda commit: heard.append(commit.revision))
+
+    def stroke(point: int) -> int:
+        write = Write(np.array([point]), label=1)
+        commit = store.apply(
+            "s", edit_id=f"p{point}", author="ann", kind="paint", writes={0: write}, summary=""
+        )
+        return commit.revision
+
+    assert stroke(1) == 2
+    postgres_server.stop()
+    try:
+        with pytest.raises(UnavailableError):
+            stroke(2)
+        with pytest.raises(UnavailableError):
+            store.values("s", 0)
+        with pytest.raises(UnavailableError):
+            LabelStore(postgres_server.url("away"))
+    finally:
+        postgres_server.start()
+    assert store.values("s", 0).label.sum() == 1
+    assert stroke(2) == 3
+    assert stroke(1) == 2
+    assert heard == [2, 3]
+    assert store.check("s") == []
+    store.close()

@@ -1,0 +1,183 @@
+"""Undo in words: each test is a sentence of docs/labels.md."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pointbrush.errors import ConflictError
+from pointbrush.labels import Commit, LabelStore, Write
+
+SEQ = "juggling"
+
+
+def paint(store: LabelStore, points: list[int], label: int, author: str) -> Commit:
+    write = Write(np.array(points), label=label, provenance=1)
+    return store.apply(
+        SEQ, edit_id=None, author=author, kind="paint", writes={0: write}, summary=author
+    )
+
+
+def shown(store: LabelStore, count: int = 4) -> list[int]:
+    return store.values(SEQ, 0, 0, count).label.tolist()
+
+
+@pytest.fixture
+def pins(store: LabelStore) -> LabelStore:
+    for name in ("one", "two", "three"):
+        store.create_label(SEQ, "setup", name=name)
+    return store
+
+
+def test_undo_takes_back_only_ones_own_part(pins: LabelStore) -> None:
+    paint(pins, [0, 1, 2], 1, "ann")
+    paint(pins, [1], 2, "bob")
+    commit = pins.undo(SEQ, "ann")
+    assert shown(pins) == [0, 2, 0, 0]
+    assert commit.frames[0].indices.tolist() == [0, 2]
+    pins.undo(SEQ, "bob")
+    assert shown(pins) == [0, 0, 0, 0]
+
+
+def test_redo_goes_back_under_what_others_did_since(pins: LabelStore) -> None:
+    paint(pins, [0, 1], 1, "ann")
+    pins.undo(SEQ, "ann")
+    paint(pins, [1], 2, "bob")
+    pins.redo(SEQ, "ann")
+    assert shown(pins) == [1, 2, 0, 0]
+    pins.undo(SEQ, "bob")
+    assert shown(pins) == [1, 1, 0, 0]
+
+
+def test_undo_uncovers_an_edit_that_was_undone_when_it_was_covered(pins: LabelStore) -> None:
+    paint(pins, [0], 1, "ann")
+    paint(pins, [0], 2, "bob")
+    pins.undo(SEQ, "bob")
+    paint(pins, [0], 3, "cat")
+    pins.redo(SEQ, "bob")
+    assert shown(pins) == [3, 0, 0, 0]
+    pins.undo(SEQ, "cat")
+    assert shown(pins) == [2, 0, 0, 0]
+
+
+def test_undo_follows_a_chain_of_undone_edits(pins: LabelStore) -> None:
+    for author, label in (("ann", 1), ("bob", 2), ("cat", 3), ("dan", 1), ("eve", 2)):
+        paint(pins, [0, 1], label, author)
+    for author in ("bob", "dan", "cat"):
+        pins.undo(SEQ, author)
+        assert shown(pins) == [2, 2, 0, 0]
+    pins.undo(SEQ, "eve")
+    assert shown(pins) == [1, 1, 0, 0]
+    pins.redo(SEQ, "dan")
+    pins.redo(SEQ, "bob")
+    pins.undo(SEQ, "ann")
+    assert shown(pins) == [1, 1, 0, 0]
+    pins.undo(SEQ, "dan")
+    assert shown(pins) == [2, 2, 0, 0]
+
+
+def test_the_stack_is_per_author_and_a_new_edit_ends_redo(pins: LabelStore) -> None:
+    paint(pins, [0], 1, "ann")
+    paint(pins, [1], 1, "bob")
+    paint(pins, [2], 1, "ann")
+    pins.undo(SEQ, "ann")
+    pins.undo(SEQ, "ann")
+    with pytest.raises(ConflictError):
+        pins.undo(SEQ, "ann")
+    assert shown(pins) == [0, 1, 0, 0]
+    pins.redo(SEQ, "ann")
+    assert shown(pins) == [1, 1, 0, 0]
+    paint(pins, [3], 2, "bob")
+    pins.redo(SEQ, "ann")
+    pins.undo(SEQ, "ann")
+    paint(pins, [3], 3, "ann")
+    with pytest.raises(ConflictError):
+        pins.redo(SEQ, "ann")
+    assert shown(pins) == [1, 1, 0, 3]
+
+
+def test_a_stroke_that_changes_nothing_is_no_step_of_undo(pins: LabelStore) -> None:
+    paint(pins, [0, 1], 1, "ann")
+    paint(pins, [0], 1, "ann")
+    paint(pins, [], 1, "ann")
+    pins.undo(SEQ, "ann")
+    assert shown(pins) == [0, 0, 0, 0]
+    pins.redo(SEQ, "ann")
+    assert shown(pins) == [1, 1, 0, 0]
+
+
+def test_painting_over_the_same_colour_of_somebody_else_holds_on_to_it(pins: LabelStore) -> None:
+    paint(pins, [0, 1], 1, "ann")
+    assert paint(pins, [0], 1, "bob").changed == 0
+    pins.undo(SEQ, "ann")
+    assert shown(pins) == [1, 0, 0, 0]
+    pins.undo(SEQ, "bob")
+    assert shown(pins) == [0, 0, 0, 0]
+
+
+def test_undoing_a_label_that_others_use_keeps_it(pins: LabelStore) -> None:
+    label, _ = pins.create_label(SEQ, "ann", name="ann's", color="#123456")
+    paint(pins, [0], label.id, "bob")
+    commit = pins.undo(SEQ, "ann")
+    assert not commit.palette_changed
+    assert label in pins.palette(SEQ)
+    assert shown(pins) == [label.id, 0, 0, 0]
+    with pytest.raises(ConflictError):
+        pins.undo(SEQ, "ann")
+    pins.redo(SEQ, "ann")
+    assert label in pins.palette(SEQ)
+
+
+def test_undoing_an_unused_label_removes_it(pins: LabelStore) -> None:
+    label, _ = pins.create_label(SEQ, "ann", name="ann's")
+    assert pins.undo(SEQ, "ann").palette_changed
+    assert label not in pins.palette(SEQ)
+    pins.redo(SEQ, "ann")
+    assert label in pins.palette(SEQ)
+
+
+def test_a_deleted_label_comes_back_with_its_points_also_covered_ones(pins: LabelStore) -> None:
+    paint(pins, [0, 1, 2], 1, "ann")
+    paint(pins, [1], 2, "bob")
+    commit = pins.delete_label(SEQ, "cat", 1)
+    assert (commit.changed, shown(pins)) == (2, [0, 2, 0, 0])
+    pins.undo(SEQ, "bob")
+    assert shown(pins) == [0, 0, 0, 0]
+    commit = pins.undo(SEQ, "cat")
+    assert shown(pins) == [1, 1, 1, 0]
+    assert commit.changed == 3
+    assert pins.counts(SEQ) == {(0, 1): (3, 3)}
+
+
+def test_a_new_label_with_a_deleted_ones_id_starts_empty(pins: LabelStore) -> None:
+    paint(pins, [0, 1], 1, "ann")
+    paint(pins, [1], 2, "bob")
+    pins.delete_label(SEQ, "cat", 1)
+    pins.undo(SEQ, "bob")
+    label, commit = pins.create_label(SEQ, "dan", name="again", id=1)
+    assert label.id == 1
+    assert commit.changed == 0
+    assert shown(pins) == [0, 0, 0, 0]
+    assert pins.check(SEQ) == []
+
+
+def test_two_peoples_changes_of_a_label_are_undone_apart(pins: LabelStore) -> None:
+    pins.update_label(SEQ, "ann", 1, name="ball", color="#ff0000")
+    pins.update_label(SEQ, "bob", 1, color="#00FF00")
+    pins.undo(SEQ, "ann")
+    label = pins.palette(SEQ)[0]
+    assert (label.name, label.color) == ("one", "#00ff00")
+    pins.redo(SEQ, "ann")
+    pins.undo(SEQ, "bob")
+    label = pins.palette(SEQ)[0]
+    assert (label.name, label.color) == ("ball", "#ff0000")
+
+
+def test_the_same_undo_twice_undoes_once(pins: LabelStore) -> None:
+    paint(pins, [0], 1, "ann")
+    paint(pins, [1], 1, "ann")
+    first = pins.undo(SEQ, "ann", "u")
+    again = pins.undo(SEQ, "ann", "u")
+    assert again.repeated
+    assert again.revision == first.revision
+    assert shown(pins) == [1, 0, 0, 0]
