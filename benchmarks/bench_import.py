@@ -91,7 +91,7 @@ def write_scan(path: Path, points: int) -> None:
             rows = laspy.ScaleAwarePointRecord.zeros(count, header=header)
             rows.x, rows.y, rows.z = (xyz + [448_260.0, 5_411_930.0, 310.0]).T
             rows.red, rows.green, rows.blue = (rgb * 257).astype(np.uint16).T
-            rows.intensity = rng.integers(0, 4000, count)
+            rows.intensity = 900 + 600 * np.sin(xyz[:, 0]) + rng.normal(0, 40, count)
             writer.write_points(rows)
 
 

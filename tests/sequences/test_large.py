@@ -38,7 +38,8 @@ def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(partition, "MAX_CELLS", 40)
     monkeypatch.setattr(octree, "NODE_POINTS", 1000)
     monkeypatch.setattr(octree, "_KEPT", 500)
-    monkeypatch.setattr(octree, "_FEW", 60)
+    monkeypatch.setattr(octree, "_FEW", 120)
+    monkeypatch.setattr(octree, "_WHOLLY_UP", 60)
     monkeypatch.setattr(octree, "_HANDED_UP", 125)
 
 

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pointbrush.sequences.order import bounds
+
 LEAF_POINTS = 16
 _NODE_BYTES = 72
 _POINTERS = slice(40, 56)
@@ -36,10 +38,10 @@ def unpack(arrays: dict[str, NDArray[Any]], xyz: NDArray[np.float32]) -> cKDTree
     if "tree_nodes" not in arrays or len(xyz) == 0:
         return build(xyz)
     data = xyz.astype(np.float64)
-    nodes = np.frombuffer(arrays["tree_nodes"].tobytes(), "S1")
+    nodes = arrays["tree_nodes"].reshape(-1).view("S1")
     indices = arrays["tree_indices"].astype(np.intp)
-    bounds = (data.max(axis=0), data.min(axis=0))
-    state = (nodes, data, len(data), 3, LEAF_POINTS, *bounds, indices, None, None)
+    lo, hi = (bound.astype(np.float64) for bound in bounds(xyz))
+    state = (nodes, data, len(data), 3, LEAF_POINTS, hi, lo, indices, None, None)
     tree: Any = cKDTree.__new__(cKDTree)
     try:
         tree.__setstate__(state)

@@ -22,9 +22,11 @@ BITS = AXIS_BITS
 
 _VOXEL_BITS = 7
 _KEPT = 32768
-_FEW = 2048
+_FEW = 8192
+"""A child with no more points than this stays with its parent while there is room."""
 _HANDED_UP_BITS = 6
 _HANDED_UP = 8192
+_WHOLLY_UP = 2048
 
 Numbers = NDArray[np.int64]
 
@@ -60,7 +62,7 @@ def hand_up(codes: Numbers) -> Numbers:
 
     All cubes of one size give the density of one grid, so that the coarse levels are even.
     """
-    if len(codes) <= _FEW:
+    if len(codes) <= _WHOLLY_UP:
         return np.arange(len(codes))
     return _thin(_middles(codes, _HANDED_UP_BITS), min(_HANDED_UP, len(codes) // 2))
 

@@ -15,19 +15,25 @@ from numpy.typing import NDArray
 from pointbrush.sequences.order import bounds
 
 ROOM_STEP = 2.0**-10
-"""Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera or lidar."""
+"""Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera.
+
+Above 128 m it grows with the extent, 2 mm at 256 m, under the noise of a lidar.
+"""
 
 _STEPS = 65535
 _OBJECT_BITS = 13
+_SITE_BITS = 17
 _MIN_EXPONENT = -40
 
 
 def base_step(extent: float) -> float:
     """Finest grid step for a recording of this extent (metres, its longest side)."""
-    if extent >= 1.0 or extent <= 0.0:
+    if extent <= 0.0:
         return ROOM_STEP
-    exponent = math.ceil(math.log2(extent)) - _OBJECT_BITS
-    return math.ldexp(1.0, max(exponent, _MIN_EXPONENT))
+    bits = math.ceil(math.log2(extent))
+    if extent < 1.0:
+        return math.ldexp(1.0, max(bits - _OBJECT_BITS, _MIN_EXPONENT))
+    return max(ROOM_STEP, math.ldexp(1.0, bits - _SITE_BITS))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
