@@ -22,8 +22,9 @@ from pathlib import Path
 from typing import Any
 
 import httpx
-from annotator import Annotator, Labels
+from annotator import Annotator
 
+from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.sequences import import_frames
 
@@ -54,11 +55,10 @@ def serving(workspace: Path) -> Iterator[httpx.Client]:
             server.terminate()
 
 
-def add(recording: Recording, workspace: Path, name: str) -> list[Labels]:
-    """Import a recording under a name; returns its truth."""
+def add(frames: list[PointFrame], fps: float, workspace: Path, name: str) -> None:
+    """Import a recording under a name."""
     target = workspace / "sequences" / name
-    import_frames(recording.frames, target, sequence_id=name, name=name, fps=recording.fps)
-    return list(recording.truth)
+    import_frames(frames, target, sequence_id=name, name=name, fps=fps)
 
 
 def create_labels(api: httpx.Client, name: str, recording: Recording) -> None:
@@ -80,22 +80,23 @@ def main() -> None:
     kinds = [k.strip() for k in re.split(r",(?! passing)", given.kinds)]
     with tempfile.TemporaryDirectory() as folder:
         workspace = Path(folder)
-        recordings, truths = {}, {}
+        recordings, truths, sequences = {}, {}, {}
         for kind in kinds:
             name, options = KINDS[kind]
-            recordings[kind] = generate(name, given.seed, given.frames, **options)
-            recordings[kind].keep = given.frames
+            recordings[kind] = recording = generate(name, given.seed, given.frames, **options)
+            made = [(recording.frame(i), recording.truth[i]) for i in range(given.frames)]
+            truths[kind] = [truth for _, truth in made]
             for number, method in enumerate(methods):
-                sequence = f"{re.sub(r'[^a-z0-9]+', '-', kind)}-{number}"
-                truths[kind, method] = (sequence, add(recordings[kind], workspace, sequence))
-            recordings[kind].keep = 1
+                sequences[kind, method] = f"{re.sub(r'[^a-z0-9]+', '-', kind)}-{number}"
+                frames = [frame for frame, _ in made]
+                add(frames, recording.fps, workspace, sequences[kind, method])
         print(f"{given.frames} frames, seed {given.seed}; goal: mean IoU of every frame >= 0.9")
         print("  recording        method     strokes  corrected  1 frame in  fewer strokes   time")
         with serving(workspace) as api:
             for kind in kinds:
                 by_hand: int | None = None
                 for method in methods:
-                    sequence, truth = truths[kind, method]
+                    sequence, truth = sequences[kind, method], truths[kind]
                     create_labels(api, sequence, recordings[kind])
                     person, begun = Annotator(api, sequence, truth), time.perf_counter()
                     if method == "none":
