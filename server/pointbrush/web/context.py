@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from typing import Annotated
 
 from fastapi import Depends, Path, Request
@@ -36,6 +38,11 @@ async def body_within(request: Request, limit: int, what: str) -> bytes:
             raise TooLargeError(f"{what}: expected at most {limit} bytes, got more")
         pieces.append(piece)
     return b"".join(pieces)
+
+
+def one_of(names: Iterable[str]) -> str:
+    """A pattern that only these names match; plug-ins add names, so that no Literal would do."""
+    return f"^({'|'.join(sorted(map(re.escape, names)))})$"
 
 
 def etag(revision: int) -> str:

@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
+from starlette.routing import compile_path
 
 from pointbrush import errors
 from pointbrush.streaming.encoding import describe
@@ -74,9 +75,21 @@ async def _invalid(_request: Request, error: Exception) -> JSONResponse:
     return problem(400 if malformed else 422, describe(found), errors.BadInputError.title)
 
 
-async def _http(_request: Request, error: Exception) -> JSONResponse:
+async def _http(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101
-    return problem(error.status_code, str(error.detail), headers=error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == 405:
+        headers["Allow"] = ", ".join(methods_of(request.app, request.url.path)) or "GET"
+    return problem(error.status_code, str(error.detail), headers=headers)
+
+
+def methods_of(app: FastAPI, path: str) -> list[str]:
+    """All methods of a path: the router itself names only those of the first route it tries."""
+    found = set()
+    for template, item in app.openapi()["paths"].items():
+        if compile_path(template)[0].fullmatch(path):
+            found.update(verb.upper() for verb in item)
+    return sorted(found)
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:

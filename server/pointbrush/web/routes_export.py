@@ -10,8 +10,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import StreamingResponse
 
+from pointbrush.formats import EXPORTS
 from pointbrush.web.auth import Viewer
-from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.problems import responses
 
 router = APIRouter(tags=["export"])
@@ -90,7 +91,7 @@ def export_sequence(
     seq: SequenceId,
     workspace: Ws,
     _who: Viewer,
-    format: Annotated[str, Query(min_length=1, max_length=32)],
+    format: Annotated[str, Query(pattern=one_of(EXPORTS))],
     frames: FrameRange = None,
 ) -> Response:
     """Frames with their labels in the source's order, as a zip."""

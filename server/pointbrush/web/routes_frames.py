@@ -118,7 +118,9 @@ def put_annotation(
     who: Annotator,
     layer: Layer = "label",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
-    if_match_: Annotated[str | None, Header(alias="If-Match")] = None,
+    if_match_: Annotated[
+        str | None, Header(alias="If-Match", pattern=r'^(\*|"?[0-9]{1,18}"?)$')
+    ] = None,
 ) -> EditOut:
     """Replace a layer, as one edit; ``If-Match`` refuses it when the revision has moved on."""
     count = workspace.recording(seq)[i].count

@@ -16,6 +16,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats import FORMATS
 from pointbrush.jobs import Job
 from pointbrush.settings import Settings
 from pointbrush.streaming.encoding import describe
@@ -86,9 +87,9 @@ IMPORT_BODY: dict[str, Any] = {
                             "minItems": 1,
                             "items": {"type": "string", "format": "binary"},
                         },
-                        "name": {"type": "string"},
-                        "fps": {"type": "string"},
-                        "format": {"type": "string"},
+                        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
+                        "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
+                        "format": {"type": "string", "enum": sorted(FORMATS)},
                     },
                 }
             },
@@ -167,13 +168,20 @@ def _save(form: FormData, folder: Path) -> list[Path]:
     folder.mkdir(parents=True)
     paths = []
     for upload in uploads:
-        path = folder / file_name(upload.filename or "")
-        if path.exists():
-            raise BadInputError(f"files: expected different names, got {path.name!r} twice")
+        path = unused(folder / file_name(upload.filename or ""))
         with path.open("xb") as target:
             shutil.copyfileobj(upload.file, target, COPY_BLOCK)
         paths.append(path)
     return paths
+
+
+def unused(path: Path) -> Path:
+    """``path``, or the first of "name-2", "name-3", … that is not there yet."""
+    number, free = 1, path
+    while free.exists():
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free
 
 
 def file_name(given: str) -> str:

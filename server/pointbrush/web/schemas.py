@@ -5,8 +5,9 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from pointbrush.formats import FORMATS
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit, EditInfo
 from pointbrush.sequences import Manifest
@@ -20,15 +21,32 @@ from pointbrush.streaming.messages import (
     Uuid,
     Vec3,
 )
+from pointbrush.tracking import METHODS
+from pointbrush.web.context import one_of
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
 PaintId = Annotated[int, Field(ge=1, le=65534)]
+
+
+def integral(body: Any) -> Any:
+    """JSON does not tell 3.0 from 3, so that both are integers in its schema."""
+    if not isinstance(body, dict):
+        return body
+    return {
+        name: [_integer(item) for item in value] if isinstance(value, list) else _integer(value)
+        for name, value in body.items()
+    }
+
+
+def _integer(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 class Body(BaseModel):
     """Base of request bodies: unknown fields are refused, types are not coerced."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
+    _integral = model_validator(mode="before")(integral)
 
 
 class Bounds(BaseModel):
@@ -87,7 +105,7 @@ class ImportBody(Body):
     path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
-    format: Annotated[str, Field(min_length=1, max_length=32)] | None = None
+    format: Annotated[str, Field(pattern=one_of(FORMATS))] | None = None
     drop_invalid: bool = False
 
 
@@ -126,6 +144,7 @@ class LabelPatch(Body):
 class StrokeBody(Brush):
     """A whole stroke; see the contract.  The same ``id`` sent twice is applied once."""
 
+    _integral = model_validator(mode="before")(integral)
     id: Uuid | None = None
     samples: Annotated[list[Sample], Field(max_length=65536, default_factory=list)]
 
@@ -179,7 +198,7 @@ class TrackingBody(Body):
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
     start: FrameIndex
     stop: FrameIndex
-    method: Annotated[str, Field(min_length=1, max_length=64)] = "auto"
+    method: Annotated[str, Field(pattern=one_of(METHODS))] = "auto"
     overwrite: Literal["never", "tracked", "all"] = "tracked"
     id: Uuid | None = None
 
