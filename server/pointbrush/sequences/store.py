@@ -56,7 +56,11 @@ _CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
 class StoredFrame:
     """One frame; arrays are read-only, in stored order, shared by all threads.
 
-    ``source_index`` (N,) uint32: ``source_array[source_index]`` is in stored order.
+    ``xyz``           (N, 3) float32, local metres.
+    ``source_index``  (N,) uint32: ``source_array[source_index]`` is in stored order.
+    ``pose``          (4, 4) ``T_world_frame`` in the source's coordinates, or None.
+    ``viewpoint``     (3,) the sensor's position, local metres, or None.
+    ``timestamp``     seconds, or None.
     """
 
     def __init__(self, path: Path, index: int, manifest: Manifest) -> None:
