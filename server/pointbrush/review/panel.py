@@ -85,7 +85,12 @@ class ReviewPanel:
         doubts = doubtful_frames(self._workspace.tracks(self._sequence))
         ahead = [frame for frame in doubts if (frame - self.frame) * direction > 0]
         if ahead:
-            self._frame.value = min(ahead) if direction > 0 else max(ahead)
+            self.go_to(min(ahead) if direction > 0 else max(ahead))
+
+    def go_to(self, frame: int) -> None:
+        """Show ``frame``."""
+        slider: Any = self._frame  # viser types the value as read-only, and documents setting it
+        slider.value = frame
 
     def close(self) -> None:
         """Stop serving."""
