@@ -38,6 +38,8 @@ def back_up(database: Database, target: Path) -> None:
             _copy_file(database.path, partial)
         else:
             _copy_to_file(database, partial)
+        with contextlib.closing(sqlite3.connect(partial)) as copy:
+            copy.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
         with partial.open("rb+") as file:
             os.fsync(file.fileno())
         partial.rename(target)
@@ -88,7 +90,6 @@ def _copy_file(source: Path, target: Path) -> None:
         contextlib.closing(sqlite3.connect(target)) as copy,
     ):
         live.backup(copy)
-        copy.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
 
 
 def _copy_to_file(database: Database, target: Path) -> None:
@@ -97,9 +98,6 @@ def _copy_to_file(database: Database, target: Path) -> None:
         migrate(copy)
         with database.read() as reader, copy.write() as writer:
             _copy_rows(reader, writer)
-        with copy.engine.connect() as connection:
-            alone = connection.execution_options(isolation_level="AUTOCOMMIT")
-            alone.exec_driver_sql("PRAGMA journal_mode=DELETE")
     finally:
         copy.close()
 

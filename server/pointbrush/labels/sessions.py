@@ -48,11 +48,11 @@ class Sessions:
         self._cache = cache
         self._states: dict[str, SequenceState] = {}
         self._opening = threading.RLock()
+        with database.read() as connection:
+            self._seen = {name: seen for name, (_, seen) in revisions(connection).items()}
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
-        with database.read() as connection:
-            self._seen = {name: seen for name, (_, seen) in revisions(connection).items()}
 
     def close(self) -> None:
         """End the threads."""

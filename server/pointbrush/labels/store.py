@@ -35,8 +35,12 @@ class LabelStore:
         ``cache_bytes`` bounds the memory for blocks of points.
         """
         self._database = Database(url)
-        migrate(self._database)
-        self._sessions = Sessions(self._database, BlockCache(cache_bytes))
+        try:
+            migrate(self._database)
+            self._sessions = Sessions(self._database, BlockCache(cache_bytes))
+        except BaseException:
+            self._database.close()
+            raise
         self.tokens = Tokens(self._database)
 
     def close(self) -> None:

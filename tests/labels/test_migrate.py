@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import text
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels import LabelStore
+from pointbrush.labels.database import Database
+from pointbrush.labels.migrate import MIGRATIONS, migrate
+from pointbrush.labels.schema import HEAD, metadata
+
+
+def test_the_migrations_make_the_schema(url: str) -> None:
+    database = Database(url)
+    migrate(database)
+    migrate(database)
+    with database.read() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, metadata) == []
+        assert context.get_current_revision() == HEAD
+    database.close()
+
+
+def test_head_is_the_last_migration() -> None:
+    assert ScriptDirectory(MIGRATIONS).get_heads() == [HEAD]
+
+
+def test_a_database_of_a_newer_version_is_left_alone(url: str) -> None:
+    LabelStore(url).close()
+    database = Database(url)
+    with database.write() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    database.close()
+    with pytest.raises(BadInputError, match="newer pointbrush"):
+        LabelStore(url)
+
+
+def test_two_processes_that_start_at_once(url: str) -> None:
+    code = "import sys; from pointbrush.labels import LabelStore; LabelStore(sys.argv[1]).close()"
+    started = [subprocess.Popen([sys.executable, "-c", code, url]) for _ in range(3)]
+    assert [process.wait() for process in started] == [0, 0, 0]
+    LabelStore(url).close()
+
+
+def test_a_file_that_is_no_database(tmp_path: Path) -> None:
+    path = tmp_path / "labels.sqlite"
+    path.write_bytes(b"this is not a database" * 100)
+    with pytest.raises(Exception, match="not a database") as caught:
+        LabelStore(f"sqlite:///{path}")
+    assert not isinstance(caught.value, sqlite3.Error)

@@ -1,0 +1,136 @@
+"""Two processes on one database: each sees the other's commits, in order, each once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels import Commit, LabelStore, Write
+
+SEQ = "juggling"
+POINTS = [70_000, 100]
+
+OTHER = """
+import sys, time
+import numpy as np
+from pointbrush.labels import LabelStore, Write
+url, author, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
+store = LabelStore(url)
+for number in range(count):
+    write = Write(np.arange(number, number + 5), label=1 + number % 2, provenance=1)
+    store.apply("juggling", edit_id=None, author=author, kind="paint",
+                writes={number % 2: write}, summary=f"{time.time()}")
+store.close()
+"""
+
+
+def wait_until(done: Callable[[], bool], seconds: float = 20) -> None:
+    deadline = time.monotonic() + seconds
+    while not done() and time.monotonic() < deadline:
+        time.sleep(0.01)
+
+
+def start(url: str, author: str, count: int) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([sys.executable, "-c", OTHER, url, author, str(count)])
+
+
+@pytest.fixture
+def here(url: str, store: LabelStore) -> LabelStore:
+    store.forget(SEQ)
+    store.register(SEQ, POINTS)
+    store.create_label(SEQ, "ann", name="one")
+    store.create_label(SEQ, "ann", name="two")
+    return store
+
+
+def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
+    heard: list[Commit] = []
+    here.subscribe(heard.append)
+    first = here.revision(SEQ)
+    others = [start(url, name, 20) for name in ("bob", "cat")]
+    for number in range(20):
+        write = Write(np.arange(number, number + 5), label=1, provenance=1)
+        here.apply(SEQ, edit_id=None, author="ann", kind="paint", writes={0: write}, summary="")
+    for other in others:
+        assert other.wait() == 0
+    wait_until(lambda: len(heard) >= 60)
+    assert [commit.revision for commit in heard] == list(range(first + 1, first + 61))
+    copies = [np.zeros(n, np.uint16) for n in POINTS]
+    for commit in heard:
+        for frame, delta in commit.frames.items():
+            copies[frame][delta.indices] = delta.label
+    for frame, copy in enumerate(copies):
+        assert (here.values(SEQ, frame).label == copy).all()
+    cells = {(c.frame, c.label): (c.points, c.painted) for commit in heard for c in commit.cells}
+    assert {key: cell for key, cell in cells.items() if cell[0]} == here.counts(SEQ)
+    assert here.check(SEQ) == []
+
+
+def test_a_sequence_that_was_never_opened_here_is_heard_of_too(url: str, here: LabelStore) -> None:
+    there = LabelStore(url)
+    heard: list[int] = []
+    there.subscribe(lambda commit: heard.append(commit.revision))
+    here.apply(SEQ, edit_id=None, author="a", kind="paint", writes={}, summary="")
+    wait_until(lambda: bool(heard))
+    there.close()
+    assert heard == [3]
+
+
+def test_an_edit_reaches_the_other_process_soon(url: str, here: LabelStore) -> None:
+    there = LabelStore(url)
+    there.revision(SEQ)
+    arrived = threading.Event()
+    there.subscribe(lambda _: arrived.set())
+    time.sleep(0.3)  # let its watcher connect
+    started = time.monotonic()
+    here.update_label(SEQ, "ann", 1, name="new")
+    assert arrived.wait(5)
+    assert time.monotonic() - started < 1
+    there.close()
+
+
+def test_rules_see_what_another_process_committed(url: str, here: LabelStore) -> None:
+    there = LabelStore(url)
+    there.values(SEQ, 0)
+    here.apply(
+        SEQ,
+        edit_id="x",
+        author="ann",
+        kind="paint",
+        writes={0: Write(np.arange(10), label=1, provenance=1)},
+        summary="",
+    )
+    commit = there.apply(
+        SEQ,
+        edit_id=None,
+        author="bob",
+        kind="tracking",
+        writes={0: Write(np.arange(20), label=2, provenance=2, only="not_painted")},
+        summary="",
+    )
+    assert commit.changed == 10
+    assert there.values(SEQ, 0).label[:20].tolist() == [1] * 10 + [2] * 10
+    assert there.undo(SEQ, "ann").changed == 10
+    assert here.values(SEQ, 0).label[:20].tolist() == [0] * 10 + [2] * 10
+    assert there.find(SEQ, "x") is not None
+    there.close()
+
+
+def test_a_sequence_made_anew_elsewhere(url: str, here: LabelStore, tmp_path: Path) -> None:
+    there = LabelStore(url)
+    assert there.revision(SEQ) == 2
+    here.forget(SEQ)
+    with pytest.raises(NotFoundError):
+        there.values(SEQ, 0)
+    here.register(SEQ, [7])
+    assert there.revision(SEQ) == 0
+    assert len(there.values(SEQ, 0).label) == 7
+    there.close()
