@@ -12,6 +12,7 @@ from pointbrush.formats import FORMATS, read
 # What the reference parser read differently on purpose or by its own fault.
 DIFFERENT = {
     "las/PDAL__1.2-with-color-clipped.las": "its last point is cut off",
+    "e57/e57__las2e57_no_images_tag.e57": "the reference could not read its 153 points",
     "npy/PDAL__twodim.npy": "has no y and z",
     "text/PDAL__bunny_8.pts": "says 8 points and has 9",
 }
@@ -39,17 +40,24 @@ def test_every_file_loads_whole_or_says_why(shared):
             if "expected" not in str(error) or (readable and row["points"]):
                 wrong.append(f"{name}: {error}")
             continue
-        got = sum(len(frame) + frame.dropped for frame in frames)
+        # Counts of the reference are with the missing pixels of PCD, without those of E57.
+        missing = 0 if name.startswith("e57/") else sum(frame.dropped for frame in frames)
+        got = sum(len(frame) for frame in frames) + missing
         loaded += 1
         if name in MUST_FAIL:
             wrong.append(f"{name}: loaded {got} points, but it is damaged")
-        elif name.startswith(COUNTED) and row["points"] and got != int(row["points"]):
+        elif (
+            name.startswith(COUNTED)
+            and row["points"]
+            and name not in DIFFERENT
+            and got != int(row["points"])
+        ):
             wrong.append(f"{name}: expected {row['points']} points, got {got}")
     assert not wrong, "\n".join(wrong)
     assert loaded > 120
 
 
-@pytest.mark.parametrize("kind", ["ply", "pcd", "las", "npy", "text", "misc_pyntcloud"])
+@pytest.mark.parametrize("kind", ["ply", "pcd", "las", "npy", "text", "e57", "misc_pyntcloud"])
 def test_half_a_file_never_does_worse_than_raise(shared, tmp_path, kind):
     """Cut anywhere, a file raises, or is text whose lines end where it was cut."""
     for path in sorted((shared / "formats" / kind).iterdir()):

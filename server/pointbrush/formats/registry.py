@@ -14,6 +14,7 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth import read_depth
+from pointbrush.formats.e57 import read_e57
 from pointbrush.formats.kitti import read_bin, read_kitti
 from pointbrush.formats.las import read_las
 from pointbrush.formats.npy import read_npy, read_npz
@@ -51,6 +52,7 @@ BUILT_IN = (
     Format("ply", (".ply",), read_ply, "PLY", (b"ply\n", b"ply\r")),
     Format("pcd", (".pcd",), read_pcd, "PCD", (b"# .PCD", b"VERSION ")),
     Format("las", (".las", ".laz"), read_las, "LAS, LAZ and COPC", (b"LASF",)),
+    Format("e57", (".e57",), read_e57, "E57", (b"ASTM-E57",)),
     Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records"),
