@@ -81,11 +81,11 @@ export class Playback {
     this.link.send({ type: 'play', frame, speed, loop });
   }
 
-  pause(): void {
+  /** Stop at a frame; unless given, at the one on screen: what one sees is what one paused at. */
+  pause(at = this.shown?.index ?? state.frame.peek()): void {
     if (!state.playing.peek()) return;
     state.playing.value = false;
-    // What one sees is what one paused at.
-    if (this.shown) state.frame.value = this.shown.index;
+    state.frame.value = at;
     this.link.send({ type: 'pause', frame: state.frame.peek() });
     this.sync();
   }
@@ -156,8 +156,7 @@ export class Playback {
   private advance(): void {
     const now = performance.now();
     if (this.clock.ended(now)) {
-      state.frame.value = this.clock.frameAt(now);
-      this.pause();
+      this.pause(this.clock.frameAt(now));
       return;
     }
     const frame = this.clock.frameAt(now);

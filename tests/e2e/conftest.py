@@ -1,0 +1,103 @@
+"""A workspace with the small recording of ``data/``, a server on it, and Chromium."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+from pointbrush.formats import read
+from pointbrush.sequences import import_frames
+from tests.e2e.desk import CHROMIUM, FLAGS, Desk, launch
+from tests.e2e.server import LiveServer
+
+DATA = Path(__file__).parents[2] / "data" / "juggling"
+PAGE = Path(__file__).parents[2] / "server" / "pointbrush" / "web" / "page" / "index.html"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.e2e)
+
+
+@pytest.fixture(scope="session")
+def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace folder with the recording ``juggling``, to be copied."""
+    assert PAGE.is_file(), "the page is not built: run `make page`"
+    folder = tmp_path_factory.mktemp("template") / "workspace"
+    (folder / "sequences").mkdir(parents=True)
+    import_frames(
+        read(DATA),
+        folder / "sequences" / "juggling",
+        sequence_id="juggling",
+        name="Juggling",
+        fps=30.0,
+    )
+    return folder
+
+
+@pytest.fixture
+def server(template: Path, tmp_path: Path) -> Iterator[LiveServer]:
+    """A running server on a fresh copy of the recording."""
+    workspace = tmp_path / "workspace"
+    shutil.copytree(template, workspace)
+    live = LiveServer(workspace)
+    live.start()
+    yield live
+    live.stop()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    if not Path(CHROMIUM).exists():
+        pytest.skip(f"no browser at {CHROMIUM}")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def open_desk(
+    browser: Browser, server: LiveServer, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., Desk]]:
+    """Opens windows on the server; they must not have complained when the test ends."""
+    desks: list[Desk] = []
+
+    def open_one(**options: int) -> Desk:
+        desk = launch(browser, server.page_url, **options)
+        desks.append(desk)
+        desk.ready()
+        return desk
+
+    yield open_one
+    for number, desk in enumerate(desks):
+        if request.session.testsfailed:
+            desk.screenshot(f"{request.node.name}-{number}")
+        desk.context.close()
+    assert [desk.complaints for desk in desks] == [[] for _ in desks]
+
+
+@pytest.fixture
+def desk(open_desk: Callable[..., Desk]) -> Desk:
+    """A window with the recording on screen."""
+    return open_desk()
+
+
+@pytest.fixture(scope="session")
+def truth() -> Callable[[int, int], list[float]]:
+    """The middle of a labelled object in a frame, source coordinates."""
+
+    def middle(frame: int, label: int) -> list[float]:
+        with np.load(DATA / f"{frame:04}.npz") as arrays:
+            mine = arrays["xyz"][arrays["truth"] == label]
+        center = mine.mean(axis=0)
+        nearest = mine[np.linalg.norm(mine - center, axis=1).argmin()]
+        return [float(value) for value in nearest]
+
+    return middle

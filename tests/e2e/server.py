@@ -1,0 +1,118 @@
+"""The real command in a process of its own, which tests may kill."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+
+TOKEN = "end-to-end-token-of-the-owner"
+START_SECONDS = 30
+COMMAND = [sys.executable, "-c", "import sys; from pointbrush.cli import main; sys.exit(main())"]
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+class LiveServer:
+    """``pointbrush serve`` on one port; started, killed and started again."""
+
+    def __init__(self, workspace: Path) -> None:
+        self.workspace = workspace
+        self.port = free_port()
+        self.log = workspace.parent / f"{workspace.name}.log"
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def page_url(self) -> str:
+        return f"{self.url}/?token={TOKEN}"
+
+    def start(self) -> None:
+        environment = {
+            **os.environ,
+            "POINTBRUSH_TOKEN": TOKEN,
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+        }
+        with self.log.open("ab") as log:
+            self._process = subprocess.Popen(
+                [*COMMAND, "serve", "--workspace", str(self.workspace), "--port", str(self.port)],
+                stdout=log,
+                stderr=log,
+                env=environment,
+                start_new_session=True,
+            )
+        deadline = time.monotonic() + START_SECONDS
+        while not self._answers():
+            assert self._process.poll() is None, self.log.read_text()
+            assert time.monotonic() < deadline, "the server did not start"
+            time.sleep(0.05)
+
+    def _answers(self) -> bool:
+        try:
+            return httpx.get(f"{self.url}/healthz", timeout=1).status_code == 200
+        except httpx.TransportError:
+            return False
+
+    def kill(self) -> None:
+        """As a power cut would: nothing is tidied up."""
+        self._end(signal.SIGKILL)
+
+    def stop(self) -> None:
+        self._end(signal.SIGTERM)
+
+    def _end(self, number: signal.Signals) -> None:
+        if self._process is None:
+            return
+        if number is signal.SIGKILL:
+            # Job workers too: they are children of their own session.
+            os.killpg(self._process.pid, number)
+        else:
+            self._process.send_signal(number)
+        self._process.wait(20)
+        self._process = None
+
+    # ── REST ─────────────────────────────────────────────────────────────────────────────
+
+    def request(self, method: str, path: str, **options: Any) -> httpx.Response:
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        response = httpx.request(
+            method, f"{self.url}/api/v1/{path}", headers=headers, timeout=20, **options
+        )
+        response.raise_for_status()
+        return response
+
+    def annotation(self, sequence: str, frame: int, layer: str = "label") -> NDArray[Any]:
+        data = self.request(
+            "GET", f"sequences/{sequence}/frames/{frame}/annotation", params={"layer": layer}
+        ).content
+        return load_npy(data)
+
+    def create_label(self, sequence: str, name: str, color: str) -> int:
+        body = {"name": name, "color": color}
+        label: int = self.request("POST", f"sequences/{sequence}/labels", json=body).json()["id"]
+        return label
+
+
+def load_npy(data: bytes) -> NDArray[Any]:
+    from io import BytesIO
+
+    array: NDArray[Any] = np.load(BytesIO(data), allow_pickle=False)
+    return array

@@ -1,0 +1,299 @@
+"""The main job at the desk: play, paint, share, undo, survive, track, export."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+
+import numpy as np
+
+from tests.e2e.desk import Desk
+from tests.e2e.server import LiveServer
+
+SEQUENCE = "juggling"
+PERSON = 7
+Truth = Callable[[int, int], list[float]]
+Open = Callable[..., Desk]
+
+
+def painted(server: LiveServer, frame: int, label: int) -> int:
+    return int((server.annotation(SEQUENCE, frame) == label).sum())
+
+
+def paint_person(desk: Desk, truth: Truth, frame: int = 0, dx: float = 0.12) -> None:
+    x, y, z = truth(frame, PERSON)
+    desk.paint([[x, y, z], [x, y + dx, z]])
+    desk.settled()
+
+
+# ── time ─────────────────────────────────────────────────────────────────────────────────────
+
+
+def test_plays_pauses_and_steps(desk: Desk) -> None:
+    desk.press("Space")
+    desk.until("pb.state.playing.value && pb.state.frame.value >= 2")
+    before = desk.ask("pb.counters().pictures")
+    desk.until(f"pb.counters().pictures > {before + 3}")
+    desk.press("Space")
+    desk.until("!pb.state.playing.value")
+    paused = desk.ask("pb.state.frame.value")
+    desk.press("ArrowRight")
+    desk.until(f"pb.shown().frame === {(paused + 1) % 6}")
+    desk.press("ArrowLeft")
+    desk.until(f"pb.shown().frame === {paused}")
+    desk.until("pb.shown().points === pb.shown().total")
+
+
+def test_playing_does_not_wait_for_points_and_ends_without_loop(desk: Desk) -> None:
+    desk.press("l")
+    desk.press("Space")
+    desk.until("!pb.state.playing.value && pb.state.frame.value === 5")
+    desk.until("pb.shown().frame === 5 && pb.shown().points === pb.shown().total")
+
+
+def test_scrubs_on_the_timeline(desk: Desk) -> None:
+    box = desk.page.locator("#timeline canvas").first.bounding_box()
+    assert box is not None
+    y = box["y"] + 10
+    desk.page.mouse.move(box["x"] + box["width"] * 0.3, y)
+    desk.page.mouse.down()
+    desk.page.mouse.move(box["x"] + box["width"] * 0.95, y, steps=8)
+    desk.page.mouse.up()
+    desk.until("pb.state.frame.value === 5 && pb.shown().frame === 5")
+    desk.until("pb.shown().points === pb.shown().total")
+
+
+def test_every_point_arrives_once(desk: Desk, server: LiveServer) -> None:
+    points = server.request("GET", f"sequences/{SEQUENCE}").json()["points"]
+    for frame in range(3):
+        desk.until(f"pb.shown().frame === {frame} && pb.shown().points === {points[frame]}")
+        assert sum(desk.labels(frame).values()) == points[frame]
+        desk.press("ArrowRight")
+
+
+# ── painting ─────────────────────────────────────────────────────────────────────────────────
+
+
+def test_paints_with_the_mouse(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    label = server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until(f"pb.state.activeLabel.value === {label}")
+    x, y, z = truth(0, PERSON)
+    desk.paint([[x, y, z], [x, y + 0.12, z]], release=False)
+    # The page shows the paint before the server has the whole stroke.
+    desk.until(f"(pb.labels()[{label}] ?? 0) > 20")
+    assert painted(server, 0, label) == 0
+    desk.page.mouse.up()
+    desk.settled()
+    count = painted(server, 0, label)
+    assert count > 20
+    desk.until(f"pb.labels()[{label}] === {count} && pb.drawnLabels()[{label}] === {count}")
+    desk.until(f"new Map(pb.state.counts.value).get({label}) === {count}")
+    provenance = server.annotation(SEQUENCE, 0, "provenance")
+    assert int((provenance == 1).sum()) == count
+
+
+def test_another_window_sees_the_paint_and_the_palette(
+    open_desk: Open, server: LiveServer, truth: Truth
+) -> None:
+    one, other = open_desk(), open_desk(width=900, height=600)
+    one.press("n")
+    other.until("pb.state.palette.value.length === 1")
+    paint_person(one, truth)
+    count = painted(server, 0, 1)
+    assert count > 20
+    other.until(f"pb.labels()[1] === {count}")
+    before = other.ask("pb.counters().bytes")
+    server.request("PATCH", f"sequences/{SEQUENCE}/labels/1", json={"color": "#00ff00"})
+    other.until("pb.state.palette.value[0].color === '#00ff00'")
+    assert other.ask("pb.counters().bytes") == before, "recolouring must not send points"
+
+
+def test_undo_and_redo(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    paint_person(desk, truth)
+    count = painted(server, 0, 1)
+    desk.until("pb.state.undo.value !== null")
+    desk.press("Control+z")
+    desk.until("!(1 in pb.labels())")
+    desk.settled()
+    assert painted(server, 0, 1) == 0
+    desk.press("Control+Shift+z")
+    desk.until(f"pb.labels()[1] === {count}")
+    desk.settled()
+    assert painted(server, 0, 1) == count
+
+
+def test_eraser_and_deleting_noise(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    paint_person(desk, truth, dx=0.2)
+    before = painted(server, 0, 1)
+    desk.press("e")
+    desk.until("pb.state.tool.value === 'erase'")
+    paint_person(desk, truth, dx=0.0)
+    assert 0 < painted(server, 0, 1) < before
+    desk.press("x")
+    desk.until("pb.state.tool.value === 'delete'")
+    paint_person(desk, truth, dx=0.0)
+    deleted = int(server.annotation(SEQUENCE, 0, "deleted").sum())
+    assert deleted > 5
+    desk.until(f"pb.labels()[-1] === {deleted}")
+
+
+def test_a_locked_label_keeps_its_points(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    for name, color in (("kept", "#ff5d5d"), ("new", "#2fd5e0")):
+        server.create_label(SEQUENCE, name, color)
+    desk.until("pb.state.palette.value.length === 2")
+    desk.press("1")
+    paint_person(desk, truth, dx=0.0)
+    kept = painted(server, 0, 1)
+    server.request("PATCH", f"sequences/{SEQUENCE}/labels/1", json={"locked": True})
+    desk.until("pb.state.palette.value[0].locked")
+    desk.press("2")
+    paint_person(desk, truth, dx=0.2)
+    assert painted(server, 0, 1) == kept
+    assert painted(server, 0, 2) > 0
+    desk.until(f"pb.labels()[1] === {kept}")
+
+
+def test_lasso_takes_what_is_inside(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    desk.press("o")
+    x, y, z = truth(0, PERSON)
+    r = 0.25
+    desk.paint([[x - r, y - r, z], [x + r, y - r, z], [x + r, y + r, z], [x - r, y + r, z]])
+    desk.settled()
+    count = painted(server, 0, 1)
+    assert count > 200
+    desk.until(f"pb.labels()[1] === {count}")
+
+
+def test_fill_takes_the_region_under_the_cursor(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    desk.press("f")
+    desk.paint([truth(0, PERSON)])
+    desk.settled()
+    count = painted(server, 0, 1)
+    assert count > 50
+    desk.until(f"pb.labels()[1] === {count}")
+
+
+# ── faults ───────────────────────────────────────────────────────────────────────────────────
+
+
+def test_answered_strokes_survive_a_killed_server(
+    server: LiveServer, open_desk: Open, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk = open_desk()
+    desk.until("pb.state.activeLabel.value === 1")
+    paint_person(desk, truth)
+    server.kill()
+    desk.until("pb.state.connection.value.state === 'offline'")
+    server.start()
+    count = painted(server, 0, 1)
+    assert count > 20
+    desk.until("pb.state.connection.value.state === 'online'")
+    desk.until(f"pb.labels()[1] === {count}")
+    # The browser itself logs that it could not reach the server.
+    desk.complaints.clear()
+
+
+def test_strokes_painted_offline_arrive_once(
+    server: LiveServer, open_desk: Open, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk = open_desk()
+    desk.until("pb.state.activeLabel.value === 1")
+    server.kill()
+    desk.until("pb.state.connection.value.state === 'offline'")
+    x, y, z = truth(0, PERSON)
+    desk.paint([[x, y, z], [x, y + 0.12, z]])
+    assert desk.ask("pb.state.pending.value") == 1
+    preview = desk.labels()[1]
+    assert preview > 20
+    server.start()
+    desk.until("pb.state.connection.value.state === 'online'")
+    desk.settled()
+    count = painted(server, 0, 1)
+    assert abs(count - preview) <= 0.1 * preview
+    edits = server.request("GET", f"sequences/{SEQUENCE}/edits").json()
+    assert [edit["kind"] for edit in edits].count("paint") == 1
+    desk.complaints.clear()
+
+
+def test_strokes_survive_a_closed_window(server: LiveServer, open_desk: Open, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk = open_desk()
+    desk.until("pb.state.activeLabel.value === 1")
+    server.kill()
+    desk.until("pb.state.connection.value.state === 'offline'")
+    paint = truth(0, PERSON)
+    desk.paint([paint])
+    desk.page.wait_for_timeout(300)
+    desk.page.close()
+    server.start()
+    desk.page = desk.context.new_page()
+    desk.page.goto(server.page_url)
+    desk.ready()
+    desk.settled()
+    assert painted(server, 0, 1) > 5
+    desk.complaints.clear()
+
+
+def test_a_wrong_token_is_said_plainly(open_desk: Open, server: LiveServer) -> None:
+    desk = open_desk()
+    desk.context.clear_cookies()
+    server.kill()
+    desk.until("pb.state.connection.value.state === 'offline'")
+    server.start()
+    desk.until("pb.state.connection.value.state === 'refused'")
+    assert "token" in desk.ask("pb.state.connection.value.detail")
+    desk.complaints.clear()
+
+
+# ── the rest of the job ──────────────────────────────────────────────────────────────────────
+
+
+def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    paint_person(desk, truth, dx=0.3)
+    desk.until("(pb.state.timeline.value.rows.get(1)?.points[0] ?? 0) > 20")
+    button = desk.page.get_by_role("button", name="Track")
+    button.first.click()
+    desk.page.get_by_label("To", exact=True).fill("3")
+    desk.page.locator("form button[type=submit]").click()
+    desk.until("pb.state.jobs.value.some((j) => j.kind === 'tracking' && j.state === 'done')", 90)
+    tracked = [painted(server, frame, 1) for frame in range(1, 4)]
+    assert min(tracked) > 20
+    desk.press("ArrowRight")
+    desk.until(f"pb.shown().frame === 1 && pb.labels()[1] === {tracked[0]}")
+    desk.until("pb.state.timeline.value.rows.get(1)?.state[2] === 2")
+    desk.press("Control+z")
+    desk.until("!(1 in pb.labels(1))")
+    desk.settled()
+    assert [painted(server, frame, 1) for frame in range(1, 4)] == [0, 0, 0]
+    assert painted(server, 0, 1) > 20
+
+
+def test_exports(desk: Desk, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    desk.until("pb.state.activeLabel.value === 1")
+    paint_person(desk, truth)
+    count = painted(server, 0, 1)
+    with desk.page.expect_download() as started:
+        desk.page.get_by_role("button", name="Export").click()
+        desk.page.get_by_role("button", name="NPZ").click()
+    path = started.value.path()
+    with zipfile.ZipFile(path) as archive:
+        names = [name for name in archive.namelist() if name.endswith(".npz")]
+        assert len(names) == 6
+        with archive.open(sorted(names)[0]) as file:
+            labels = np.load(file)["label"]
+    assert int((labels == 1).sum()) == count
