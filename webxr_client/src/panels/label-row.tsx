@@ -36,7 +36,14 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
         {editing ? <NameField label={label} /> : <span class="name">{label.name}</span>}
         {!editing && label.category && <span class="category">{label.category}</span>}
       </div>
-      {!editing && <Counts id={label.id} />}
+      {!editing && (
+        <span class="label-state">
+          {label.locked && <Icon name="lock" />}
+          {!label.visible && <Icon name="hidden" />}
+          {solo && <Icon name="solo" />}
+          <Counts id={label.id} />
+        </span>
+      )}
       <div class="label-tools">
         <Toggle
           on={label.locked}

@@ -59,8 +59,11 @@ export function ConnectionStatus() {
   const connection = state.connection.value;
   const pending = state.pending.value;
   const saving = connection.state === 'online' && pending > 0;
-  const word = saving ? 'Saving' : WORDS[connection.state];
-  const tip = connection.detail || (saving ? 'Strokes are on their way' : 'Every stroke is stored');
+  const idle = connection.state === 'online' && !state.sequence.value;
+  const word = saving ? 'Saving' : idle ? 'Connected' : WORDS[connection.state];
+  const tip =
+    connection.detail ||
+    (saving ? 'Strokes are on their way' : idle ? 'The server answers' : 'Every stroke is stored');
   return (
     <span
       class="connection"
