@@ -170,9 +170,11 @@ def list_files(
         )
         for i in order
     ]
+    if entry.survey is not None:
+        topics = [entry.survey(path) for path in files]
+        return Listing(entry.name, frames, None, topics[0].fps, sum(t.count for t in topics))
     times = sorted(times) if times else None
-    count = None if entry.many else len(files)
-    return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), count)
+    return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), len(files))
 
 
 def _times(files: Sequence[Path], folder: Path) -> list[float] | None:

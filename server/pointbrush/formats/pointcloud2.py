@@ -1,0 +1,146 @@
+"""``sensor_msgs/PointCloud2``, serialised by ROS 1 or in CDR (ROS 2)."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.columns import frame_from_columns, unpack_rgb
+from pointbrush.formats.options import Extras, ReadOptions, require_count
+from pointbrush.frame import PointFrame
+
+TYPES = ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2")
+KINDS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
+MAX_FIELDS = 256
+
+
+@dataclass(slots=True)
+class _Reader:
+    """A cursor over serialised bytes; CDR aligns numbers to their size and ends texts in NUL."""
+
+    data: bytes
+    at: int
+    order: str
+    aligned: bool
+    base: int
+
+    def number(self, kind: str) -> Any:
+        size = struct.calcsize("=" + kind)
+        if self.aligned:
+            self.at += -(self.at - self.base) % size
+        (value,) = struct.unpack_from(self.order + kind, self.data, self.at)
+        self.at += size
+        return value
+
+    def text(self) -> str:
+        return self.bytes(self.number("I")).rstrip(b"\0").decode("utf-8", "replace")
+
+    def bytes(self, length: int) -> bytes:
+        part = self.data[self.at : self.at + length]
+        if len(part) < length:
+            raise struct.error
+        self.at += length
+        return part
+
+
+@dataclass(frozen=True, slots=True)
+class PointCloud2:
+    """A message as it stands; ``time`` in seconds, fields as (name, offset, kind)."""
+
+    time: float
+    height: int
+    width: int
+    fields: list[tuple[str, int, str]]
+    point_step: int
+    row_step: int
+    data: bytes
+
+
+def frame_of_message(
+    name: str, message: bytes, encoding: str, log_time: float, options: ReadOptions
+) -> PointFrame:
+    """The points of a message; ``encoding`` is ``ros1`` or ``cdr``.
+
+    Points with NaN are missing measurements.  Raises BadInputError for a message that is cut
+    off, or whose fields and steps do not fit its data.
+    """
+    try:
+        cloud = _parse(name, message, encoding)
+    except struct.error:
+        raise BadInputError(
+            f"{name}: expected a PointCloud2 message, got {len(message)} bytes; it is cut off"
+        ) from None
+    require_count(name, cloud.height * cloud.width, options.limits)
+    rows = _rows(name, cloud)
+    columns: dict[str, NDArray[Any]] = {field: rows[field] for field in rows.dtype.names or ()}
+    for field in ("rgb", "rgba"):
+        if field in columns:
+            columns[field] = unpack_rgb(columns[field])
+    organised = cloud.height > 1
+    extras = Extras(timestamp=cloud.time or log_time, viewpoint=np.zeros(3) if organised else None)
+    return frame_from_columns(name, columns, options, missing=True, extras=extras)
+
+
+def _parse(name: str, message: bytes, encoding: str) -> PointCloud2:
+    if encoding == "cdr":
+        if len(message) < 4 or message[1] not in (0, 1):
+            raise BadInputError(f"{name}: expected a CDR message, got {message[:4]!r}")
+        reader = _Reader(message, 4, "<" if message[1] else ">", True, 4)
+    else:
+        reader = _Reader(message, 0, "<", False, 0)
+        reader.number("I")  # sequence number
+    seconds, nanoseconds = reader.number("I"), reader.number("I")
+    reader.text()  # frame id
+    height, width = reader.number("I"), reader.number("I")
+    count = reader.number("I")
+    if count > MAX_FIELDS:
+        raise BadInputError(f"{name}: expected at most {MAX_FIELDS} fields, got {count}")
+    fields = []
+    for _ in range(count):
+        field, offset = reader.text(), reader.number("I")
+        kind, values = reader.number("B"), reader.number("I")
+        if values == 1 and 1 <= kind < len(KINDS):
+            fields.append((field, offset, KINDS[kind]))
+    big = reader.number("B")
+    point_step, row_step = reader.number("I"), reader.number("I")
+    data = reader.bytes(reader.number("I"))
+    ordered = [(field, offset, (">" if big else "<") + kind) for field, offset, kind in fields]
+    return PointCloud2(
+        seconds + nanoseconds / 1e9, height, width, ordered, point_step, row_step, data
+    )
+
+
+def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:
+    """The points as records; rows may be padded."""
+    count = cloud.height * cloud.width
+    fits = all(at + np.dtype(kind).itemsize <= cloud.point_step for _, at, kind in cloud.fields)
+    row = cloud.width * cloud.point_step
+    if not fits or (count and (cloud.row_step < row or cloud.point_step == 0)):
+        raise BadInputError(
+            f"{name}: expected fields within a point of {cloud.point_step} bytes and rows of {row} "
+            f"bytes or more, got rows of {cloud.row_step}"
+        )
+    needed = (cloud.height - 1) * cloud.row_step + row if count else 0
+    if len(cloud.data) < needed:
+        raise BadInputError(
+            f"{name}: expected {cloud.height} rows of {cloud.width} points = {needed} bytes, got "
+            f"{len(cloud.data)}"
+        )
+    named = {field: (at, kind) for field, at, kind in cloud.fields}
+    dtype = np.dtype(
+        {
+            "names": list(named),
+            "formats": [kind for _, kind in named.values()],
+            "offsets": [at for at, _ in named.values()],
+            "itemsize": max(cloud.point_step, 1),
+        }
+    )
+    if count == 0:
+        return np.empty(0, dtype)
+    shape, strides = (cloud.height, cloud.width), (cloud.row_step, cloud.point_step)
+    return np.ndarray(shape, dtype, cloud.data, 0, strides).reshape(-1)

@@ -1,0 +1,76 @@
+"""What bags of several kinds have in common: topics, their rate, and packed chunks."""
+
+from __future__ import annotations
+
+import bz2
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.lz4 import lz4_decompress
+
+MAX_CHUNK = 1 << 31
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic with point clouds: ``count`` messages (0 = not known) from ``start`` to ``end``."""
+
+    name: str
+    count: int = 0
+    start: float = 0.0
+    end: float = 0.0
+
+    @property
+    def fps(self) -> float | None:
+        """Messages per second, where count and times tell."""
+        if self.count < 2 or self.end <= self.start:
+            return None
+        rate = (self.count - 1) / (self.end - self.start)
+        # Recorded sensors run at whole rates; the first and last message blur it a little.
+        near = abs(rate - round(rate)) < 0.03 * rate and round(rate) > 0
+        return float(round(rate)) if near else round(rate, 3)
+
+
+def choose_topic(name: str, clouds: Mapping[str, int], others: set[str]) -> str:
+    """The topic with most point clouds; raises BadInputError naming the others when none has."""
+    if not clouds:
+        seen = ", ".join(sorted(others)[:8]) or "no messages"
+        raise BadInputError(f"{name}: expected messages of type PointCloud2, got {seen}")
+    return min(clouds, key=lambda topic: (-clouds[topic], topic))
+
+
+def unpack_chunk(name: str, packed: bytes, compression: str, size: int) -> bytes:
+    """A chunk of ``size`` bytes; raises BadInputError when damaged, TooLargeError beyond 2 GiB."""
+    if size > MAX_CHUNK:
+        raise TooLargeError(f"{name}: expected chunks of at most {MAX_CHUNK} bytes, got {size}")
+    if compression in ("", "none"):
+        return packed
+    if compression == "lz4":
+        return lz4_decompress(name, packed, size)
+    try:
+        if compression == "bz2":
+            data = bz2.BZ2Decompressor().decompress(packed, size + 1)
+        elif compression == "zstd":
+            data = _zstd(packed, size)
+        else:
+            raise BadInputError(
+                f"{name}: expected chunks packed by lz4, bz2 or zstd, got {compression[:40]!r}"
+            )
+    except (OSError, ValueError) as error:
+        if isinstance(error, BadInputError):
+            raise
+        raise BadInputError(f"{name}: expected a whole {compression} chunk, {error}") from None
+    if len(data) != size:
+        raise BadInputError(f"{name}: expected a chunk of {size} bytes, got {len(data)}")
+    return data
+
+
+def _zstd(packed: bytes, size: int) -> bytes:
+    import zstandard
+
+    try:
+        reader = zstandard.ZstdDecompressor(max_window_size=1 << 27).stream_reader(packed)
+        return reader.read(size + 1)
+    except zstandard.ZstdError as error:
+        raise ValueError(str(error)) from None

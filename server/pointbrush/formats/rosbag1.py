@@ -1,0 +1,185 @@
+"""ROS 1 bags (format 2.0) with PointCloud2 messages."""
+
+from __future__ import annotations
+
+import struct
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
+from pointbrush.formats.recording import Topic, choose_topic, unpack_chunk
+from pointbrush.frame import PointFrame
+
+MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, BAG, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
+
+
+@dataclass
+class _Index:
+    """Connections and the numbers of their messages, as the end of a bag lists them."""
+
+    topics: dict[int, str] = field(default_factory=dict)
+    types: dict[str, str] = field(default_factory=dict)
+    counts: Counter[int] = field(default_factory=Counter)
+    times: list[float] = field(default_factory=list)
+
+    def connect(self, header: dict[str, bytes], data: bytes) -> None:
+        number = _u32(header, "conn")
+        topic = header.get("topic", b"").decode("utf-8", "replace")
+        self.topics[number] = topic
+        self.types[topic] = _fields(data).get("type", b"").decode("utf-8", "replace")
+
+
+def read_rosbag1(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """The PointCloud2 messages of the topic that has most, in recorded order.
+
+    Raises BadInputError for a bag without such messages, cut off or damaged.
+    """
+    with _mapped(path) as data:
+        topic = survey_rosbag1(path).name
+        index = _Index()
+        for number, message, time in _messages(path.name, data, index):
+            if index.topics.get(number) == topic:
+                yield frame_of_message(f"{path.name} {topic}", message, "ros1", time, options)
+
+
+def survey_rosbag1(path: Path) -> Topic:
+    """The topic that is read, its number of messages and their times.
+
+    Raises BadInputError when no topic has point clouds.
+    """
+    with _mapped(path) as data:
+        index = _Index()
+        for at, operation, header, body, _ in _records(path.name, data, len(MAGIC), len(data)):
+            if operation == BAG:
+                end = _u64(header, "index_pos")
+                if end == 0:
+                    # Not closed properly: the chunks themselves have to tell.
+                    index = _scanned(path.name, data)
+                    break
+                if not at < end <= len(data):
+                    raise BadInputError(
+                        f"{path.name}: expected an index within {len(data)} bytes, got one at "
+                        f"{end}; the bag is cut off"
+                    )
+                _read_index(path.name, data, end, index)
+                break
+            _ = body
+    clouds: Counter[str] = Counter()
+    for number, topic in index.topics.items():
+        if index.types[topic] in TYPES:
+            clouds[topic] += index.counts[number]
+    topic = choose_topic(path.name, clouds, set(index.topics.values()))
+    start, stop = (min(index.times), max(index.times)) if index.times else (0.0, 0.0)
+    return Topic(topic, clouds[topic], start, stop)
+
+
+def _mapped(path: Path) -> mmap:
+    with path.open("rb") as file:
+        if path.stat().st_size == 0:
+            raise BadInputError(f"{path.name}: expected a bag, got an empty file (0 bytes)")
+        data = mmap(file.fileno(), 0, access=ACCESS_READ)
+    if data[: len(MAGIC)] != MAGIC:
+        start = data[: len(MAGIC)]
+        data.close()
+        raise BadInputError(f"{path.name}: expected a bag of format 2.0, got {start!r}")
+    return data
+
+
+def _read_index(name: str, data: mmap, start: int, index: _Index) -> None:
+    for _, operation, header, body, _ in _records(name, data, start, len(data)):
+        content = bytes(data[body[0] : body[1]])
+        if operation == CONNECTION:
+            index.connect(header, content)
+        elif operation == CHUNK_INFO:
+            index.times += [_time(header, "start_time"), _time(header, "end_time")]
+            for at in range(0, len(content) - 7, 8):
+                number, count = struct.unpack_from("<II", content, at)
+                index.counts[number] += count
+
+
+def _scanned(name: str, data: mmap) -> _Index:
+    index = _Index()
+    for number, _, time in _messages(name, data, index):
+        index.counts[number] += 1
+        index.times.append(time)
+    return index
+
+
+def _messages(name: str, data: mmap, index: _Index) -> Iterator[tuple[int, bytes, float]]:
+    """(connection, message, time) of every message, within chunks or not."""
+    for _, operation, header, body, _ in _records(name, data, len(MAGIC), len(data)):
+        if operation == CHUNK:
+            compression = header.get("compression", b"none").decode("ascii", "replace")
+            content = bytes(data[body[0] : body[1]])
+            chunk = unpack_chunk(name, content, compression, _u32(header, "size"))
+            records = _records(name, chunk, 0, len(chunk))
+            yield from _messages_of(records, chunk, index)
+        else:
+            yield from _messages_of(iter([(0, operation, header, body, 0)]), data, index)
+
+
+_Record = tuple[int, int, dict[str, bytes], tuple[int, int], int]
+
+
+def _messages_of(
+    records: Iterator[_Record], data: bytes | mmap, index: _Index
+) -> Iterator[tuple[int, bytes, float]]:
+    for _, operation, header, (start, end), _ in records:
+        if operation == CONNECTION:
+            index.connect(header, bytes(data[start:end]))
+        elif operation == MESSAGE:
+            yield _u32(header, "conn"), bytes(data[start:end]), _time(header, "time")
+
+
+def _records(name: str, data: bytes | mmap, at: int, end: int) -> Iterator[_Record]:
+    """(position, operation, header, (first, last) byte of the data, next position)."""
+    while at < end:
+        try:
+            (length,) = struct.unpack_from("<I", data, at)
+            header = _fields(bytes(data[at + 4 : at + 4 + length]))
+            (size,) = struct.unpack_from("<I", data, at + 4 + length)
+        except struct.error:
+            raise BadInputError(
+                f"{name}: expected a record at byte {at}, the bag is cut off"
+            ) from None
+        start = at + 8 + length
+        if start + size > end:
+            raise BadInputError(
+                f"{name}: expected a record of {size} bytes at byte {at}, the bag is cut off"
+            )
+        operation = header.get("op", b"")
+        if len(operation) != 1:
+            raise BadInputError(f"{name}: expected a record at byte {at}, it is damaged")
+        yield at, operation[0], header, (start, start + size), start + size
+        at = start + size
+
+
+def _fields(data: bytes) -> dict[str, bytes]:
+    fields: dict[str, bytes] = {}
+    at = 0
+    while at + 4 <= len(data):
+        (length,) = struct.unpack_from("<I", data, at)
+        key, _, value = data[at + 4 : at + 4 + length].partition(b"=")
+        fields[key.decode("ascii", "replace")] = value
+        at += 4 + length
+    return fields
+
+
+def _u32(header: dict[str, bytes], key: str) -> int:
+    return int.from_bytes(header.get(key, b"")[:4], "little")
+
+
+def _u64(header: dict[str, bytes], key: str) -> int:
+    return int.from_bytes(header.get(key, b"")[:8], "little")
+
+
+def _time(header: dict[str, bytes], key: str) -> float:
+    value = header.get(key, bytes(8)).ljust(8, b"\0")
+    seconds, nanoseconds = struct.unpack_from("<II", value)
+    return float(seconds + nanoseconds / 1e9)
