@@ -36,11 +36,11 @@ def test_flying_pins_fall_freely(options: dict[str, object]) -> None:
 
 def test_true_poses_in_camera_coordinates_fall_along_gravity() -> None:
     recording = generate(seed=3, frames=60)
-    juggle = scene().juggle
+    juggle, start = scene().juggle, scene().start
     down = np.linalg.inv(recording.scene.camera_pose)[:3, :3] @ [0, -9.81, 0]
     for k in range(juggle.pins):
         p = np.array([T[:3, 3] for T in recording.poses[k + 1]])
-        free = np.array([juggle.flying(k, i / 30) for i in range(60)])
+        free = np.array([juggle.flying(k, start + i / 30) for i in range(60)])
         inside = np.flatnonzero(free[:-2] & free[1:-1] & free[2:])
         bend = p[inside] - 2 * p[inside + 1] + p[inside + 2]
         np.testing.assert_allclose(bend, np.tile(down / 900, (inside.size, 1)), atol=1e-6)
@@ -55,8 +55,9 @@ def test_pins_tumble_twenty_to_forty_degrees_and_fly_some_fifteen_centimetres_a_
             if juggle.flying(k, i / 30) and juggle.flying(k, (i + 1) / 30):
                 turns.append(np.degrees(np.arccos(np.clip(a[:3, 1] @ b[:3, 1], -1, 1))))
                 steps.append(np.linalg.norm(b[:3, 3] - a[:3, 3]))
-    assert 12 < np.median(turns) < 40
-    assert 0.08 < np.median(steps) < 0.2
+    assert 20 < np.median(turns) < 40
+    assert 0.08 < np.median(steps)
+    assert 0.13 < np.quantile(steps, 0.95) < 0.2
 
 
 def test_pins_never_jump() -> None:

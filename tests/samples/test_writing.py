@@ -58,7 +58,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "cut")
     arguments = ["--frames", "1", "--step", "4", "--out", out, "--option", "pins=3"]
     assert main(arguments) == 0
-    assert "1 frames of juggling 0" in capsys.readouterr().out
+    assert "1 frames of Juggling" in capsys.readouterr().out
     assert main(arguments) == 1
     assert "expected a folder without" in capsys.readouterr().err
     with pytest.raises(SystemExit):

@@ -61,4 +61,5 @@ def generate(
         scene = KINDS[kind](seed, frames / FPS, **options)
     except TypeError as error:
         raise BadInputError(f"options of {kind}: {error}") from None
-    return Recording(f"{kind} {seed}", scene, frames, seed, sensor=Sensor(noise=noise))
+    name = kind.capitalize() + (f" {seed}" if seed else "")
+    return Recording(name, scene, frames, seed, sensor=Sensor(noise=noise))

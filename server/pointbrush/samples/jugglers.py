@@ -12,15 +12,16 @@ from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, along, vec, wobble, yaw
 from pointbrush.samples.juggling import ARM, Hand, Juggle, Stand
 from pointbrush.samples.lighting import Lights
-from pointbrush.samples.people import LOOKS, Look, Posture, body, shadow_balls, standing_feet
+from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.pins import COLORS, paint, pin
+from pointbrush.samples.posture import LOOKS, Look, Posture, standing_feet
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import Solid
 from pointbrush.samples.room import day_light, living_room
 from pointbrush.samples.siteswap import Rhythm, rhythm
 
-PASSING = {3: ("3", 0.30), 5: ("744", 0.16), 6: ("774", 0.16), 7: ("7", 0.165)}
-ALONE = {3: ("3", 0.30), 4: ("4", 0.27), 5: ("5", 0.25)}
+PASSING = {3: ("3", 0.36), 5: ("744", 0.17), 6: ("774", 0.168), 7: ("7", 0.17)}
+ALONE = {3: ("3", 0.34), 4: ("4", 0.29), 5: ("5", 0.26)}
 DWELL = 0.32
 
 PEOPLE_COLORS = ("#4e79ff", "#ff9a3c", "#52c46a")
@@ -63,10 +64,12 @@ class JugglingScene:
         )
         self._phases = rng.uniform(0, 2 * math.pi, (2, 8))
         self.stands = self._places(rng)
+        self.start: float = float(rng.uniform(0, 2)) if seed else 0.0
+        """When in the pattern the recording begins, seconds."""
         passing = options.passing and options.people == 2
         jugglers = self.stands if passing else self.stands[:1]
         hands = [Hand(stand, side) for side in (-1.0, 1.0) for stand in jugglers]
-        self.juggle = Juggle(_rhythm(options, len(hands)), hands, seconds, rng)
+        self.juggle = Juggle(_rhythm(options, len(hands)), hands, self.start + seconds, rng)
         self._paints = [paint(*_pin_colors(self, k)) for k in range(self._all_pins)]
 
     def _places(self, rng: np.random.Generator) -> list[Stand]:
@@ -118,7 +121,7 @@ class JugglingScene:
 
     def at(self, t: float) -> Moment:
         """See Scene."""
-        poses = {k + 1: self.juggle.pin(k, t) for k in range(self.juggle.pins)}
+        poses = {k + 1: self.juggle.pin(k, self.start + t) for k in range(self.juggle.pins)}
         postures = [self._posture(p, t) for p in range(self.options.people)]
         solids, balls = [], []
         for p, posture in enumerate(postures):
@@ -158,7 +161,8 @@ class JugglingScene:
         """(left, right) grip positions of person ``p``."""
         jugglers = len(self.juggle.hands) // 2
         if p < jugglers:
-            return self.juggle.hand(jugglers + p, t), self.juggle.hand(p, t)
+            now = self.start + t
+            return self.juggle.hand(jugglers + p, now), self.juggle.hand(p, now)
         stand, f = self.stands[p], self._phases[p]
         return (
             stand.at(
@@ -187,7 +191,7 @@ class JugglingScene:
 def _rhythm(options: JugglingOptions, hands: int) -> Rhythm:
     known = PASSING if hands == 4 else ALONE
     if options.pattern is not None:
-        found = rhythm(options.pattern, hands, 0.16 if hands == 4 else 0.30, DWELL)
+        found = rhythm(options.pattern, hands, 0.17 if hands == 4 else 0.34, DWELL)
         if found.pins != options.pins:
             raise BadInputError(
                 f"pattern: expected a siteswap of {options.pins} pins, got {found.pins}"

@@ -32,7 +32,7 @@ from pointbrush.samples.siteswap import Rhythm, Throw, schedule
 ARM = -GRIP
 """Metres from the grip to the pin's centre of mass."""
 RELEASE, CATCH, REST = math.radians(38), math.radians(52), math.radians(48)
-TUMBLE = 1.9
+TUMBLE = 2.3
 """Turns per second a flight is rounded to."""
 
 

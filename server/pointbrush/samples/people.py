@@ -1,123 +1,18 @@
-"""People: an articulated body of rounded cones, posed by what the hands, feet and eyes do.
-
-A body's own axes are x to its left, y up, z forward; a person with yaw 0 faces the camera.
-"""
+"""People: an articulated body of rounded cones, posed by what the hands, feet and eyes do."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
-from pointbrush.samples.geometry import (
-    UP,
-    Array,
-    Field,
-    axis_angle,
-    rigid,
-    two_bones,
-    unit,
-    vec,
-    yaw,
-)
+from pointbrush.samples.geometry import UP, Array, Field, axis_angle, rigid, unit, vec, yaw
+from pointbrush.samples.limbs import arm, leg
+from pointbrush.samples.posture import Look, Posture
 from pointbrush.samples.render import Solid
-from pointbrush.samples.room import egg, rod
 from pointbrush.samples.shapes import Cylinder
-from pointbrush.samples.textures import (
-    Color,
-    Material,
-    checked,
-    cloth,
-    face,
-    linear,
-    matte,
-    noise,
-    plain,
-    striped,
-)
-
-UPPER_ARM, FOREARM, THIGH, SHANK = 0.29, 0.325, 0.43, 0.42
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """How a person looks; colours are "#rrggbb"."""
-
-    shirt: str
-    second: str | None = None
-    pattern: str = "plain"
-    trousers: str = "#2f3a4c"
-    skin: str = "#c99b7d"
-    hair: str = "#2b2018"
-    shoes: str = "#d8d8d4"
-    height: float = 1.76
-    build: float = 1.0
-    sleeves: float = 0.5
-    """Share of the upper arm (under 1) or of the whole arm (up to 2) that is covered."""
-    long_hair: bool = False
-
-    def shirt_material(self) -> Material:
-        """Return the shirt's cloth."""
-        color, second = linear(self.shirt), linear(self.second or self.shirt)
-        if self.pattern == "stripes":
-            return Material(partial(striped, color=color, second=second, width=0.075), 0.6)
-        if self.pattern == "checks":
-            return Material(partial(checked, color=color, second=second, width=0.06), 0.55)
-        return Material(partial(cloth, color=color), 0.6)
-
-
-LOOKS: tuple[Look, ...] = (
-    Look("#b8402f", trousers="#2c3b57", skin="#c89a7c", hair="#3a281a", height=1.80),
-    Look(
-        "#e3e1da",
-        "#3b5a80",
-        "stripes",
-        "#57524a",
-        "#d8ae92",
-        "#8a5a2b",
-        "#7a3b30",
-        1.70,
-        0.93,
-        1.7,
-        True,
-    ),
-    Look(
-        "#3f6b4a", "#b9b08a", "checks", "#23252b", "#8d5e43", "#15110e", "#23252b", 1.84, 1.08, 1.9
-    ),
-    Look("#6a5a8c", trousers="#b0a58c", skin="#e0b79d", hair="#c9a25e", height=1.66, build=0.95),
-)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Foot:
-    """A foot: the ankle's position, heading, and pitch (toes down is positive), radians."""
-
-    ankle: Array
-    heading: float
-    pitch: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Posture:
-    """What a body does at one moment; positions in the room, index 0 left and 1 right."""
-
-    pelvis: Array
-    facing: float
-    feet: tuple[Foot, Foot]
-    hands: tuple[Array, Array]
-    lean: float = 0.03
-    side: float = 0.0
-    twist: float = 0.0
-    gaze: Array | None = None
-    breath: float = 0.0
-    elbows: Array = field(default_factory=lambda: vec(0.55, -0.75, -0.35))
-
-
-def body_axes(facing: float) -> Array:
-    """(3, 3) columns left, up, forward of a body in the room."""
-    return yaw(facing)
+from pointbrush.samples.solids import egg, rod
+from pointbrush.samples.textures import Color, Material, cloth, face, linear, matte, noise, plain
 
 
 def body(look: Look, posture: Posture, label: int) -> list[Solid]:
@@ -130,10 +25,10 @@ def body(look: Look, posture: Posture, label: int) -> list[Solid]:
     return [
         *_torso(look, posture, R, hips, s, label),
         *_head(look, posture, R, chest, s, label),
-        *_arm(look, posture, R, chest, s, label, 0),
-        *_arm(look, posture, R, chest, s, label, 1),
-        *_leg(look, posture, hips, s, label, 0),
-        *_leg(look, posture, hips, s, label, 1),
+        *arm(look, posture, R, chest, s, label, 0),
+        *arm(look, posture, R, chest, s, label, 1),
+        *leg(look, posture, hips, s, label, 0),
+        *leg(look, posture, hips, s, label, 1),
     ]
 
 
@@ -212,10 +107,10 @@ def _torso(
             0.45,
         ),
         rod(
-            at(-0.115, 0.43, -0.01),
-            at(0.115, 0.43, -0.01),
-            0.075 * s,
-            0.075 * s,
+            at(-0.115, 0.445, -0.012),
+            at(0.115, 0.445, -0.012),
+            0.064 * s,
+            0.064 * s,
             shirt,
             label,
             1.0,
@@ -285,101 +180,3 @@ def _hair(p: Field, *, color: Color) -> Field:
     strands = p * np.array([[1], [0.2], [1]], np.float32)
     tone = 0.4 + 1.2 * noise(strands.astype(np.float32), 0.012, 2)
     return np.asarray(np.array(color, np.float32)[:, None] * tone, np.float32)
-
-
-def _arm(
-    look: Look, posture: Posture, R: Array, chest: Array, s: float, label: int, which: int
-) -> list[Solid]:
-    side = 1.0 if which == 0 else -1.0
-    skin = Material(partial(plain, color=linear(look.skin), grain=0.08), 0.75)
-    shirt = look.shirt_material()
-    shoulder = chest + R @ (vec(side * 0.182 * look.build, -0.055, -0.01) * s)
-    hand = posture.hands[which]
-    pole = R @ (posture.elbows * vec(side, 1, 1))
-    elbow = two_bones(shoulder, hand, UPPER_ARM * s, FOREARM * s, pole)
-    reach = elbow + unit(hand - elbow) * FOREARM * s
-    wrist = elbow + (reach - elbow) * 0.78
-    covered = look.sleeves
-    hem = shoulder + (elbow - shoulder) * min(covered, 1.0)
-    b = s * look.build
-    parts = [rod(shoulder, hem, 0.062 * b, 0.052 * b, shirt, label, roughness=0.5)]
-    if covered < 1:
-        parts.append(rod(shoulder, elbow, 0.046 * b, 0.038 * b, skin, label))
-    else:
-        cuff = elbow + (wrist - elbow) * min(covered - 1, 1.0)
-        parts.append(rod(elbow, cuff, 0.048 * b, 0.04 * b, shirt, label, roughness=0.5))
-    parts.append(rod(elbow, wrist, 0.039 * b, 0.027 * b, skin, label, 0.9))
-    across = R[:, 0]
-    parts.append(rod(wrist, reach, 0.028 * s, 0.036 * s, skin, label, 0.8, across))
-    thumb = reach + R @ vec(-side * 0.035, 0.02, 0.015)
-    parts.append(rod(wrist, thumb, 0.014, 0.012, skin, label))
-    return parts
-
-
-def _leg(
-    look: Look, posture: Posture, hips: Array, s: float, label: int, which: int
-) -> list[Solid]:
-    side = 1.0 if which == 0 else -1.0
-    foot = posture.feet[which]
-    b = s * look.build
-    trousers = Material(partial(cloth, color=linear(look.trousers), fold=0.16), 0.5)
-    shoe = matte(look.shoes, infrared=0.5)
-    sole = matte("#e8e6df" if look.shoes != "#e8e6df" else "#333333")
-    hip = posture.pelvis + hips @ vec(side * 0.088 * b, -0.03 * s, 0)
-    toes = yaw(foot.heading) @ axis_angle(vec(1, 0, 0), foot.pitch)
-    knee = two_bones(hip, foot.ankle, THIGH * s, SHANK * s, toes @ vec(side * 0.12, 0, 1))
-    ankle = foot.ankle
-    drop = 0.085 * s
-    heel = ankle + toes @ vec(0, -drop + 0.045, -0.035)
-    ball = ankle + toes @ vec(side * 0.012, -drop + 0.036, 0.14)
-    tip = ankle + toes @ vec(side * 0.008, -drop + 0.03, 0.19)
-    across = toes[:, 0]
-    return [
-        rod(hip, knee, 0.092 * b, 0.066 * b, trousers, label, roughness=0.45),
-        rod(
-            knee,
-            ankle + (knee - ankle) * 0.10,
-            0.064 * b,
-            0.056 * b,
-            trousers,
-            label,
-            roughness=0.5,
-        ),
-        rod(ankle, heel, 0.04 * s, 0.043 * s, shoe, label),
-        rod(heel, ball, 0.043, 0.036, shoe, label, 0.95, across),
-        rod(ankle, ball, 0.04, 0.03, shoe, label),
-        rod(ball, tip, 0.036, 0.029, shoe, label, 0.95, across),
-        rod(
-            heel - toes @ vec(0, 0.025, 0),
-            tip - toes @ vec(0, 0.012, 0),
-            0.02,
-            0.018,
-            sole,
-            label,
-            2.0,
-            toes[:, 1],
-        ),
-    ]
-
-
-def hanging_hands(
-    posture_pelvis: Array, facing: float, height: float, swing: float = 0.0
-) -> tuple[Array, Array]:
-    """Return hands hanging at the sides; ``swing`` moves the left forward, the right back."""
-    s = height / 1.75
-    axes = yaw(facing)
-    left = posture_pelvis + axes @ (vec(0.24, -0.145 + 0.1 * abs(swing), 0.02 + 0.26 * swing) * s)
-    right = posture_pelvis + axes @ (vec(-0.24, -0.145 + 0.1 * abs(swing), 0.02 - 0.26 * swing) * s)
-    return left, right
-
-
-def standing_feet(
-    place: Array, facing: float, height: float, apart: float = 0.13
-) -> tuple[Foot, Foot]:
-    """Return feet planted under a person who stands at ``place`` on the floor."""
-    axes = yaw(facing)
-    y = 0.085 * height / 1.75
-    return (
-        Foot(place + axes @ vec(apart, y, 0.03), facing + math.radians(10)),
-        Foot(place + axes @ vec(-apart, y, -0.03), facing - math.radians(10)),
-    )

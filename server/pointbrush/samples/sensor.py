@@ -71,11 +71,12 @@ def measure(
     far = np.where(np.isfinite(depth), depth, 20).astype(np.float32)
     if sensor.noise > 0:
         far, label, amplitude = _jitter(far, label, amplitude, rng)
-    strength = amplitude / np.maximum(far, 0.3) ** 2 * _vignette(height, width)
+    bright = amplitude * _vignette(height, width)
+    strength = bright / np.maximum(far, 0.3) ** 2
     measured = far
     if sensor.noise > 0:
         measured, label = _fly(far, label, rng, sensor.noise)
-        weak = np.clip(0.055 / np.maximum(strength, 1e-4), 0.7, 2.2)
+        weak = np.clip(0.45 / np.maximum(bright, 1e-4), 0.8, 2.5)
         white = rng.standard_normal((height, width), dtype=np.float32)
         shared = gaussian_filter(rng.standard_normal((height, width), dtype=np.float32), 1.2) * 4.2
         sigma = deviation(far) * weak * np.float32(sensor.noise)

@@ -12,10 +12,11 @@ from pointbrush.errors import BadInputError
 from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, axis_angle, rigid, smoothstep, vec, wobble, yaw
 from pointbrush.samples.lighting import Lamp, Lights
-from pointbrush.samples.people import LOOKS, Foot, Posture, body
+from pointbrush.samples.people import body
+from pointbrush.samples.posture import LOOKS, Foot, Posture
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import Solid
-from pointbrush.samples.room import block, disc
+from pointbrush.samples.solids import block, disc
 from pointbrush.samples.textures import Material, cloth, linear, matte, planks, wallpaper, wood
 from pointbrush.samples.things import THINGS, Thing
 

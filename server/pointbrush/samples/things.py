@@ -15,8 +15,8 @@ import numpy as np
 
 from pointbrush.samples.geometry import Array, axis_angle, rigid, vec
 from pointbrush.samples.render import Solid
-from pointbrush.samples.room import block, disc, egg, rod
 from pointbrush.samples.shapes import Lathe
+from pointbrush.samples.solids import block, disc, egg, rod
 from pointbrush.samples.textures import (
     Material,
     banded,

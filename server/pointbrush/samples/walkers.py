@@ -11,15 +11,8 @@ from pointbrush.errors import BadInputError
 from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, smoothstep, vec, wobble, yaw
 from pointbrush.samples.lighting import Lights
-from pointbrush.samples.people import (
-    LOOKS,
-    Foot,
-    Look,
-    Posture,
-    body,
-    hanging_hands,
-    shadow_balls,
-)
+from pointbrush.samples.people import body, shadow_balls
+from pointbrush.samples.posture import LOOKS, Foot, Look, Posture, hanging_hands
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import Solid
 from pointbrush.samples.room import day_light, living_room
