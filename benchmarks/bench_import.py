@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -130,9 +131,10 @@ def import_scan(path: Path, target: Path) -> None:
         progress=mark,
     )
     seconds = time.perf_counter() - start
+    used = sum(os.times()[:2])
     done.set()
     watcher.join()
-    print(json.dumps({"seconds": seconds, "peak": peak * 1024, "marks": marks}))
+    print(json.dumps({"seconds": seconds, "cpu": used, "peak": peak * 1024, "marks": marks}))
 
 
 def large(points: int, folder: Path) -> None:
@@ -151,7 +153,8 @@ def large(points: int, folder: Path) -> None:
     )
     figures = json.loads(child.stdout)
     seconds = figures["seconds"]
-    print(f"  import {seconds:8.1f} s  {points / seconds / 1e6:6.2f} M points/s")
+    print(f"  import {seconds:8.1f} s  {points / seconds / 1e6:6.2f} M points/s,", end=" ")
+    print(f"{figures['cpu']:.1f} s of processor time")
     print(f"  peak memory {figures['peak'] / 2**30:.2f} GiB (without the page cache)")
     print("  until", {name: round(value, 1) for name, value in figures["marks"].items()})
     probe(target)

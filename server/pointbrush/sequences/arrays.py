@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import mmap
 from collections.abc import Mapping
-from hashlib import blake2b
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +29,12 @@ Arrays = dict[str, NDArray[Any]]
 
 def digest(data: bytes | memoryview) -> str:
     """Checksum as kept in ``checksums.json``."""
-    return blake2b(data, digest_size=16).hexdigest()
+    return sha256(data).hexdigest()
 
 
 def file_digest(path: Path) -> str:
     """Checksum of a file, read piece by piece."""
-    checksum = blake2b(digest_size=16)
+    checksum = sha256()
     with path.open("rb") as file:
         while piece := file.read(_PIECE):
             checksum.update(piece)

@@ -13,23 +13,21 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.columns import POINT_FIELDS, Grid, frame_meta, to_local
+from pointbrush.sequences.columns import Grid
 from pointbrush.sequences.growing import LargeWriter
-from pointbrush.sequences.partition import Cell, Key, Partition, edge_exponent, group
-from pointbrush.sequences.segment import Rows, Segment, encode_cube
+from pointbrush.sequences.partition import Cell, Key, Partition
+from pointbrush.sequences.rows import Part, Parts, Rows
+from pointbrush.sequences.segment import Segment, encode_cube
 
-MAX_SOURCE_POINTS = 2**32 - 1
 _WORKERS = 2
 _SCAN_SHARE = 0.5
 
-Job = tuple[Rows, NDArray[np.float32], int]
 T = TypeVar("T")
 A = TypeVar("A")
 
@@ -66,23 +64,23 @@ class LargeFrame:
         self._temporary.mkdir()
         self.folder.mkdir()
         with ThreadPoolExecutor(_WORKERS, "octree") as pool:
-            source = _Rows()
-            partition = self._partition(pool, source.jobs(chunks, grid), grid, total)
+            parts = Parts(chunks, grid)
+            partition = self._partition(pool, parts, grid, total)
             cells, root = partition.finish()
             with LargeWriter(self.folder, self._temporary, partition.rows) as writer:
                 above = self._subtrees(pool, partition, cells, root, grid, writer)
                 self._ancestors(partition, above, root, grid, writer)
                 self._report(0.97, "writing the tables")
-                writer.finish(source.meta)
+                writer.finish(parts.meta)
         shutil.rmtree(self._temporary)
         return writer.error
 
     def _partition(
-        self, pool: ThreadPoolExecutor, jobs: Iterator[Job], grid: Grid, total: int | None
+        self, pool: ThreadPoolExecutor, parts: Parts, grid: Grid, total: int | None
     ) -> Partition:
         """Sort all rows into cubes; reading goes on while other threads group."""
         partition: Partition | None = None
-        for groups in _ahead(pool, lambda job: group(*job), jobs):
+        for groups in _ahead(pool, Part.groups, parts):
             if partition is None:
                 partition = Partition(
                     self._temporary, groups.rows.dtype, grid.shift, groups.exponent
@@ -156,48 +154,3 @@ class _Branch:
     def __init__(self, up: Rows, segments: list[int]) -> None:
         self.up = up
         self.segments = segments
-
-
-class _Rows:
-    """Point frames → packed rows and the positions to group them by."""
-
-    def __init__(self) -> None:
-        self._dtype: np.dtype[Any] | None = None
-        self._count = 0
-        self.meta: dict[str, Any] = {}
-
-    def jobs(self, chunks: Iterable[PointFrame], grid: Grid) -> Iterator[Job]:
-        """Arguments of ``group`` for each chunk."""
-        exponent: int | None = None
-        for chunk in chunks:
-            if len(chunk) == 0:
-                continue
-            local = to_local(chunk.xyz, grid.shift)
-            if exponent is None:
-                exponent = edge_exponent(float(np.ptp(local, axis=0).max()))
-            yield self._pack(chunk), local, exponent
-
-    def _pack(self, chunk: PointFrame) -> Rows:
-        columns: dict[str, NDArray[Any]] = {
-            name: column
-            for name in ("xyz", *POINT_FIELDS)
-            if (column := getattr(chunk, name)) is not None
-        }
-        layout = [(name, column.dtype, column.shape[1:]) for name, column in columns.items()]
-        dtype = np.dtype([*layout, ("source_index", np.dtype(np.uint32), ())])
-        if self._dtype is None:
-            self._dtype = dtype
-            self.meta = frame_meta(chunk)
-        if dtype != self._dtype:
-            raise BadInputError(
-                f"expected every part of the frame to have {self._dtype.names}, got {dtype.names}"
-            )
-        stop = self._count + len(chunk)
-        if stop > MAX_SOURCE_POINTS:
-            raise BadInputError(f"expected at most {MAX_SOURCE_POINTS:,} points in a frame")
-        rows = np.empty(len(chunk), dtype)
-        for name, column in columns.items():
-            rows[name] = column
-        rows["source_index"] = np.arange(self._count, stop, dtype=np.uint32)
-        self._count = stop
-        return rows

@@ -21,9 +21,7 @@ from pointbrush.sequences.columns import (
 )
 from pointbrush.sequences.octree import Node, build, hand_up, sort_codes
 from pointbrush.sequences.order import morton_codes
-
-Rows = NDArray[Any]
-"""Structured: ``xyz`` in source coordinates, ``source_index``, and the point fields given."""
+from pointbrush.sequences.rows import Rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
