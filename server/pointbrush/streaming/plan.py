@@ -17,6 +17,8 @@ LOOKAHEAD = 0.25
 LARGEST_PIECE = 2 * 2**20
 REFINE_SECONDS = 0.05
 """A refinement's message is cut to about this time on the link, so that a seek can overtake."""
+AT_ONCE_SECONDS = 0.012
+"""A frame that takes less than this on the link is not split: nobody would see its first part."""
 SMALLEST_REFINEMENT = 64 * 1024
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
 UP_PERIOD = 0.3
@@ -104,7 +106,7 @@ class Plan:
         return Piece(frame, first, stop, final=stop == table.chunks)
 
     def _refinement(self, table: FrameTable, first: int, stop: int) -> int:
-        if first == 0:
+        if first == 0 and table.size(0, stop) > self.link.rate * AT_ONCE_SECONDS:
             return min(stop, table.stops[0])
         share = max(SMALLEST_REFINEMENT, int(self.link.rate * REFINE_SECONDS))
         return table.stop_within(first, stop, share)

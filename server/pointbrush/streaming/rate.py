@@ -107,10 +107,13 @@ class Link:
             sample = max(sample, min(carried, 2 * self.rate))
             self.rate += RAISE * max(sample - self.rate, 0.0)
         else:
+            # Kept falling in value, so that the first is the greatest of those remembered.
+            while self._samples and self._samples[-1][1] <= sample:
+                self._samples.pop()
             self._samples.append((now, sample))
             while self._samples[0][0] < now - MEMORY:
                 self._samples.popleft()
-            self.rate = max(value for _, value in self._samples)
+            self.rate = self._samples[0][1]
 
     def _learn_floor(self, trip: float, now: float) -> None:
         trip = max(trip, 0.0)

@@ -85,7 +85,7 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 
 def methods_of(app: FastAPI, path: str) -> list[str]:
     """All methods of a path: the router itself names only those of the first route it tries."""
-    found = set()
+    found: set[str] = set()
     for template, item in app.openapi()["paths"].items():
         if compile_path(template)[0].fullmatch(path):
             found.update(verb.upper() for verb in item)

@@ -1,0 +1,262 @@
+"""Streaming: against a bare uvicorn WebSocket, four and a hundred viewers, poor links.
+
+python benchmarks/bench_streaming.py [throughput|four|hundred|links]...
+"""
+
+from __future__ import annotations
+
+import asyncio
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT))
+
+from bare_websocket import PROTOCOL  # noqa: E402
+
+from pointbrush.frame import PointFrame  # noqa: E402
+from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
+from pointbrush.streaming.encoding import encode_frame  # noqa: E402
+from tests.streaming.client import Viewer, viewer  # noqa: E402
+from tests.streaming.shaping import shaped  # noqa: E402
+
+POINTS, FRAMES, FPS = 217_088, 45, 30.0
+TOKEN = "a-token-for-the-benchmark"
+SECONDS = 5.0
+
+
+def kinect(seed: int) -> PointFrame:
+    """A 512 x 424 depth image of a wavy wall, unprojected, with colours that vary smoothly."""
+    rng = np.random.default_rng(seed)
+    v, u = np.mgrid[0:424, 0:512].reshape(2, -1)
+    depth = 2.5 + 0.4 * np.sin(u / 60 + seed / 9) + 0.3 * np.cos(v / 45)
+    depth += rng.normal(0, 0.0015, POINTS) * depth**2
+    xyz = np.column_stack([(u - 256) * depth / 365, (v - 212) * depth / 365, depth])
+    shade = 120 + 60 * np.sin(u / 40) + 40 * np.cos(v / 30)
+    rgb = shade[:, None] + np.array([20, 0, -20]) + rng.normal(0, 6, (POINTS, 3))
+    return PointFrame(xyz.astype(np.float32), rgb=rgb.clip(0, 255).astype(np.uint8))
+
+
+def recording(workspace: Path) -> Path:
+    """Import the recording; distinct frames are few, as only their bytes matter."""
+    made = [kinect(seed) for seed in range(9)]
+    target = workspace / "sequences" / "kinect"
+    frames = (made[i % len(made)] for i in range(FRAMES))
+    import_frames(frames, target, sequence_id="kinect", name="kinect", fps=FPS)
+    return target
+
+
+@contextmanager
+def running(*command: str) -> Iterator[str]:
+    """A server in a process of its own; yields its URL."""
+    process = subprocess.Popen(
+        [sys.executable, *command], stdout=subprocess.PIPE, text=True, cwd=ROOT / "benchmarks"
+    )
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert "ready at" in line, line
+        yield line.split("ready at ")[1].split("/?")[0].strip()
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+def pointbrush(workspace: Path) -> Iterator[str]:
+    """Our server."""
+    return running(  # type: ignore[return-value]
+        "-m", "pointbrush.cli", "serve", "--workspace", str(workspace), "--port", "0",
+        "--token", TOKEN,
+    )  # fmt: skip
+
+
+async def pull(client: Viewer, seconds: float) -> tuple[float, float]:
+    """Complete frames and megabytes a second, one frame after the other as fast as they come."""
+    await client.open("kinect")
+    frame, done, nbytes = 0, 0, client.nbytes
+    start = time.perf_counter()
+    while time.perf_counter() - start < seconds:
+        held = client.frames.get(frame)
+        if held is None or not held.final:
+            await client.receive()
+            continue
+        del client.frames[frame]
+        await client.send(type="forget", frames=[frame])
+        frame, done = (frame + 1) % FRAMES, done + 1
+        await client.send(type="seek", frame=frame)
+    elapsed = time.perf_counter() - start
+    return done / elapsed, (client.nbytes - nbytes) / elapsed / 1e6
+
+
+async def drink(client: Viewer, seconds: float) -> float:
+    """Megabytes a second that a bare socket pushes at the same client."""
+    start = time.perf_counter()
+    while time.perf_counter() - start < seconds:
+        await client.receive()
+        client.frames.clear()
+    return client.nbytes / (time.perf_counter() - start) / 1e6
+
+
+async def throughput(workspace: Path) -> None:
+    """Our server against a bare one that sends the same bytes, in turns."""
+    sequence = open_sequence(workspace / "sequences" / "kinect")
+    messages = Path(workspace.parent / "messages")
+    messages.mkdir(exist_ok=True)
+    for i in range(9):
+        data = encode_frame("kinect", sequence[i], 0, len(sequence[i].chunks), final=True)
+        (messages / f"{i}").write_bytes(data)
+    with (
+        running("bare_websocket.py", str(messages)) as bare_url,
+        pointbrush(workspace) as our_url,  # type: ignore[attr-defined]
+    ):
+        ours, bare, rates = [], [], []
+        for _ in range(4):
+            async with viewer(bare_url, "", protocol=PROTOCOL, auto_credit=False) as client:
+                bare.append(await drink(client, SECONDS / 2))
+            async with viewer(our_url, TOKEN) as client:
+                rate, megabytes = await pull(client, SECONDS / 2)
+                rates.append(rate)
+                ours.append(megabytes)
+    ratio = statistics.median(o / b for o, b in zip(ours, bare, strict=True))
+    print(
+        f"throughput: {statistics.median(rates):.0f} frames/s, {statistics.median(ours):.0f} MB/s; "
+        f"bare uvicorn {statistics.median(bare):.0f} MB/s; ratio {ratio:.2f}"
+    )
+
+
+async def follow(client: Viewer, seconds: float) -> None:
+    """Open, play, and read for a while."""
+    await client.open("kinect")
+    await client.until("frame")
+    await client.send(type="play", frame=0)
+    client.arrivals.clear()
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        try:
+            await client.receive(left)
+        except TimeoutError:
+            return
+        for frame in [f for f in client.frames if client.frames[f].points]:
+            # A cache of one frame: every frame is sent again in every round.
+            if frame != client.arrivals[-1][1] if client.arrivals else False:
+                del client.frames[frame]
+                await client.send(type="forget", frames=[frame])
+
+
+def summary(clients: list[Viewer], seconds: float) -> str:
+    """Frames a second of the slowest viewer, and points a frame."""
+    rates = [len({(a[1], round(a[0] * 2)) for a in c.arrivals}) / seconds for c in clients]
+    points = [a[2] for c in clients for a in c.arrivals]
+    return (
+        f"{min(rates):.1f} to {max(rates):.1f} frames/s, "
+        f"median {statistics.median(points):,.0f} points a frame"
+    )
+
+
+async def several(url: str, count: int, seconds: float) -> list[Viewer]:
+    """``count`` viewers of one playing recording."""
+    from contextlib import AsyncExitStack
+
+    async with AsyncExitStack() as stack:
+        clients = [await stack.enter_async_context(viewer(url, TOKEN)) for _ in range(count)]
+        await asyncio.gather(*(follow(client, seconds) for client in clients))
+        return clients
+
+
+async def four(workspace: Path) -> None:
+    """Four viewers at 30 frames a second."""
+    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+        clients = await several(url, 4, SECONDS)
+    print(f"four viewers: {summary(clients, SECONDS)}")
+
+
+async def paint(url: str, seconds: float) -> list[float]:
+    """Seconds from a stroke's end to its durable answer."""
+    times = []
+    async with viewer(url, TOKEN) as client:
+        await client.open("kinect")
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            stroke = str(uuid.uuid4())
+            brush = {"label": 1, "radius": 0.05}
+            await client.send(type="stroke_begin", id=stroke, frame=0, brush=brush)
+            sample = {"origin": [0.01 * (len(times) % 50), 0.0, 2.6]}
+            await client.send(type="stroke_samples", id=stroke, samples=[sample])
+            start = time.perf_counter()
+            await client.send(type="stroke_end", id=stroke)
+            await client.until("stroke_result", final=True, id=stroke)
+            times.append(time.perf_counter() - start)
+            await asyncio.sleep(0.1)
+    return times
+
+
+async def hundred(workspace: Path) -> None:
+    """A hundred followers of one recording, and somebody who paints meanwhile."""
+    import httpx
+
+    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+        httpx.post(
+            f"{url}/api/v1/sequences/kinect/labels",
+            json={"name": "pin"},
+            headers={"Authorization": f"Bearer {TOKEN}"},
+        )
+        alone = await paint(url, 2)
+        times, clients = await asyncio.gather(paint(url, SECONDS), several(url, 100, SECONDS))
+    skew = skews(clients)
+    print(
+        f"hundred viewers: {summary(clients, SECONDS)}; "
+        f"skew p95 {1e3 * np.percentile(skew, 95):.0f} ms of {1e3 / FPS:.0f}; stroke answer p50 "
+        f"{1e3 * np.percentile(times, 50):.1f} p95 {1e3 * np.percentile(times, 95):.1f} ms "
+        f"(alone {1e3 * np.percentile(alone, 50):.1f} and {1e3 * np.percentile(alone, 95):.1f})"
+    )
+
+
+def skews(clients: list[Viewer]) -> list[float]:
+    """How late each viewer gets each frame, against the first viewer who got it."""
+    first: dict[tuple[int, int], float] = {}
+    seen: list[tuple[tuple[int, int], float]] = []
+    for client in clients:
+        begun, turn, last = client.arrivals[0][0], 0, -1
+        for moment, frame, _ in client.arrivals:
+            turn += frame < last and last - frame > FRAMES // 2
+            last = frame
+            key = (turn, frame)
+            # Against the viewer's own start, as each has its own clock.
+            first[key] = min(first.get(key, np.inf), moment - begun)
+            seen.append((key, moment - begun))
+    return [moment - first[key] for key, moment in seen]
+
+
+async def links(workspace: Path) -> None:
+    """One viewer behind a link of 5, 20 and 100 Mbit/s."""
+    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+        for megabits in (5, 20, 100):
+            async with shaped(url, megabits * 1e6) as slow:
+                clients = await several(slow, 1, 2 * SECONDS)
+            used = clients[0].nbytes * 8 / (2 * SECONDS) / 1e6
+            print(f"{megabits} Mbit/s: {summary(clients, 2 * SECONDS)}; {used:.1f} Mbit/s used")
+
+
+PARTS = {"throughput": throughput, "four": four, "hundred": hundred, "links": links}
+
+
+def main() -> None:
+    """Run the parts asked for, or all."""
+    with tempfile.TemporaryDirectory() as folder:
+        workspace = Path(folder) / "workspace"
+        recording(workspace)
+        for name in sys.argv[1:] or PARTS:
+            asyncio.run(PARTS[name](workspace))
+
+
+if __name__ == "__main__":
+    main()
