@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 import numpy as np
-from sqlalchemy import Connection, and_, func, select
+from sqlalchemy import Connection, Integer, and_, bindparam, func, select
 
 from pointbrush.labels.packing import BLOCK, Change, States, decode_change, decode_states
 from pointbrush.labels.schema import edit_blocks, snapshots
@@ -17,6 +17,8 @@ Place = tuple[int, int, int]
 SNAPSHOT_EVERY = 64
 """Edits of a block after which it is kept whole again, so that reading it stays quick."""
 CACHE_BYTES = 256 << 20
+ENTRY_BYTES = 512
+"""What a block costs in memory beside its states."""
 
 
 @dataclass(slots=True, eq=False)
@@ -60,9 +62,9 @@ class BlockCache:
             self._blocks.move_to_end((number, place))
             return found[0]
 
-    def put(self, number: int, place: Place, block: Block, size: int) -> None:
-        """Keep a block of ``size`` points; the least recently used ones make room."""
-        cost = size * 8 + 256  # an absent block counts as if filled: it may be, while here
+    def put(self, number: int, place: Place, block: Block) -> None:
+        """Keep a block, or weigh it again; the least recently used ones make room."""
+        cost = ENTRY_BYTES + (0 if block.states is None else block.states.nbytes)
         with self._lock:
             previous = self._blocks.pop((number, place), None)
             self._bytes += cost - (previous[1] if previous else 0)
@@ -83,6 +85,36 @@ def block_size(points: int, block: int) -> int:
     return min(BLOCK, points - block * BLOCK)
 
 
+_RANGE = tuple(bindparam(name, type_=Integer) for name in ("of_sequence", "frame", "layer"))
+_SNAPSHOTS = select(snapshots.c.block, snapshots.c.data).where(
+    snapshots.c.sequence == _RANGE[0],
+    snapshots.c.frame == _RANGE[1],
+    snapshots.c.layer == _RANGE[2],
+    snapshots.c.block.between(bindparam("first"), bindparam("last")),
+)
+_SINCE = (
+    select(edit_blocks.c.block, edit_blocks.c.data)
+    .join(
+        snapshots,
+        and_(
+            snapshots.c.sequence == edit_blocks.c.sequence,
+            snapshots.c.frame == edit_blocks.c.frame,
+            snapshots.c.layer == edit_blocks.c.layer,
+            snapshots.c.block == edit_blocks.c.block,
+        ),
+        isouter=True,
+    )
+    .where(
+        edit_blocks.c.sequence == _RANGE[0],
+        edit_blocks.c.frame == _RANGE[1],
+        edit_blocks.c.layer == _RANGE[2],
+        edit_blocks.c.block.between(bindparam("first"), bindparam("last")),
+        edit_blocks.c.revision > func.coalesce(snapshots.c.revision, 0),
+    )
+    .order_by(edit_blocks.c.block, edit_blocks.c.revision)
+)
+
+
 def load_blocks(
     connection: Connection, number: int, frame: int, layer: int, first: int, last: int, points: int
 ) -> dict[int, Block]:
@@ -90,40 +122,13 @@ def load_blocks(
 
     Absent from the result: blocks that nothing ever wrote.
     """
-    here = and_(
-        snapshots.c.sequence == number,
-        snapshots.c.frame == frame,
-        snapshots.c.layer == layer,
-        snapshots.c.block.between(first, last),
-    )
+    here = {
+        "of_sequence": number, "frame": frame, "layer": layer, "first": first, "last": last,
+    }  # fmt: skip
     blocks = {
-        block: Block(decode_states(data), 0)
-        for block, data in connection.execute(
-            select(snapshots.c.block, snapshots.c.data).where(here)
-        )
+        block: Block(decode_states(data), 0) for block, data in connection.execute(_SNAPSHOTS, here)
     }
-    since = (
-        select(edit_blocks.c.block, edit_blocks.c.data)
-        .join(
-            snapshots,
-            and_(
-                snapshots.c.sequence == edit_blocks.c.sequence,
-                snapshots.c.frame == edit_blocks.c.frame,
-                snapshots.c.layer == edit_blocks.c.layer,
-                snapshots.c.block == edit_blocks.c.block,
-            ),
-            isouter=True,
-        )
-        .where(
-            edit_blocks.c.sequence == number,
-            edit_blocks.c.frame == frame,
-            edit_blocks.c.layer == layer,
-            edit_blocks.c.block.between(first, last),
-            edit_blocks.c.revision > func.coalesce(snapshots.c.revision, 0),
-        )
-        .order_by(edit_blocks.c.block, edit_blocks.c.revision)
-    )
-    for block, data in connection.execute(since):
+    for block, data in connection.execute(_SINCE, here):
         held = blocks.setdefault(block, Block(None, 0))
         held.apply(decode_change(data), block_size(points, block))
     return blocks

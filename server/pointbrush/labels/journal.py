@@ -49,6 +49,13 @@ _DROP_REDO = (
     )
     .values(state=schema.DROPPED)
 )
+_CHANGE_AT = select(edit_blocks.c.data).where(
+    edit_blocks.c.sequence == bindparam("of_sequence"),
+    edit_blocks.c.revision == bindparam("of_revision"),
+    edit_blocks.c.frame == bindparam("frame"),
+    edit_blocks.c.layer == bindparam("layer"),
+    edit_blocks.c.block == bindparam("block"),
+)
 _INSERT_EDIT, _INSERT_BLOCK = insert(edits), insert(edit_blocks)
 
 
@@ -223,15 +230,17 @@ def iterate_changes(
 
 def change_at(connection: Connection, number: int, revision: int, place: Place) -> Change | None:
     """What an edit did to one place."""
-    table = edit_blocks.c
-    query = select(table.data).where(
-        table.sequence == number,
-        table.revision == revision,
-        table.frame == place[0],
-        table.layer == place[1],
-        table.block == place[2],
-    )
-    data = connection.execute(query).scalar_one_or_none()
+    frame, layer, block = place
+    data = connection.execute(
+        _CHANGE_AT,
+        {
+            "of_sequence": number,
+            "of_revision": revision,
+            "frame": frame,
+            "layer": layer,
+            "block": block,
+        },
+    ).scalar_one_or_none()
     return None if data is None else decode_change(data)
 
 
@@ -263,16 +272,16 @@ def _those(
 
 def redone_since(
     connection: Connection, number: int, since: int, after: int, before: int
-) -> list[int]:
-    """Edits between two revisions, in force, that were redone after ``since``; in order."""
-    query = select(edits.c.revision).where(
+) -> list[tuple[int, int]]:
+    """Edits between two revisions, in force, redone after ``since``: in order, and when."""
+    query = select(edits.c.revision, edits.c.redone).where(
         edits.c.sequence == number,
         edits.c.redone > since,
         edits.c.state.in_(schema.IN_FORCE),
         edits.c.revision > after,
         edits.c.revision < before,
     )
-    return sorted(connection.execute(query).scalars())
+    return sorted((row.revision, row.redone) for row in connection.execute(query))
 
 
 # ── stacks ───────────────────────────────────────────────────────────────────────────────────

@@ -13,7 +13,15 @@ from sqlalchemy import Connection, Row, bindparam, select
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.blocks import Block, BlockCache, Place, block_size, load_blocks
-from pointbrush.labels.packing import DELETED_BIT, LABEL_BITS, VALUE_BITS, Change, States
+from pointbrush.labels.packing import (
+    BLOCK,
+    DELETED_BIT,
+    LABEL_BITS,
+    LABELS,
+    VALUE_BITS,
+    Change,
+    States,
+)
 from pointbrush.labels.schema import counts, labels, sequences
 from pointbrush.labels.types import Cell, Label
 
@@ -21,6 +29,7 @@ Count = tuple[int, int, int]
 """Points, painted ones among them (both without deleted points), and all that hold the label."""
 FrameLabel = tuple[int, int]
 NONE: Count = (0, 0, 0)
+DELETION_RUN = 64
 
 
 class SequenceState:
@@ -96,7 +105,15 @@ class SequenceState:
     def block(self, connection: Connection, place: Place) -> Block:
         """A block, from memory or the database."""
         found = self._blocks.get(self.number, place)
-        return found or self.block_run(connection, place[0], place[1], place[2], place[2])[0]
+        if found is not None:
+            return found
+        frame, layer, block = place
+        if layer == LABELS:
+            return self.block_run(connection, frame, layer, block, block)[0]
+        # Deletions are rare: to learn of many blocks at once that they have none costs nothing.
+        first = block - block % DELETION_RUN
+        last = min(first + DELETION_RUN, -(-self.frame_points(frame) // BLOCK)) - 1
+        return self.block_run(connection, frame, layer, first, last)[block - first]
 
     def block_run(
         self, connection: Connection, frame: int, layer: int, first: int, last: int
@@ -113,8 +130,7 @@ class SequenceState:
             for block in missing:
                 held = loaded.get(block) or Block(None, 0)
                 found[block - first] = held
-                size = block_size(points, block)
-                self._blocks.put(self.number, (frame, layer, block), held, size)
+                self._blocks.put(self.number, (frame, layer, block), held)
         return [block for block in found if block is not None]
 
     def adopt(self, changes: Iterable[tuple[Place, Change]]) -> list[Place]:
@@ -125,6 +141,7 @@ class SequenceState:
             block = self._blocks.get(self.number, place)
             if block is not None:
                 block.apply(change, block_size(self.frame_points(place[0]), place[2]))
+                self._blocks.put(self.number, place, block)
         return places
 
     def cached(self, place: Place) -> Block | None:

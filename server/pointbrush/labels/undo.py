@@ -8,6 +8,7 @@ whose writer is E (undo), or that nothing later wrote (redo), change.
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,20 @@ from pointbrush.labels.writes import locked_error
 Indices = NDArray[np.int64]
 
 
+@dataclass(slots=True, eq=False)
+class _Uncovered:
+    """Points of one place that lose their last edit; ``words`` becomes what lies under it.
+
+    ``link``: the oldest edit on the way down so far.
+    """
+
+    place: Place
+    indices: Indices
+    now: States
+    words: States
+    link: int
+
+
 def undo(draft: Draft, edit: Row[Any]) -> None:
     """Fill ``draft`` with what the sequence is without ``edit``; marks it undone.
 
@@ -34,12 +49,19 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
     """
     connection, number = draft.connection, draft.state.number
     journal.set_state(connection, number, edit.revision, state=schema.UNDONE)
+    uncovered = []
     for place, change in journal.iterate_changes(connection, number, edit.revision):
         now = draft.words(place, change.indices)
         mine = writer_of(now) == np.uint64(edit.revision)
-        indices = change.indices[mine]
-        older = _without(connection, number, place, edit.revision, indices, change.before[mine])
-        draft.put(place, indices, now[mine], older)
+        if mine.any():
+            before = change.before[mine]  # a copy
+            uncovered.append(
+                _Uncovered(place, change.indices[mine], now[mine], before, edit.revision)
+            )
+    _follow_chains(connection, number, uncovered)
+    _lay_redone_over(connection, number, uncovered, edit.revision)
+    for one in uncovered:
+        draft.put(one.place, one.indices, one.now, one.words)
     _require_unlocked(draft)
     _palette(draft, edit)
     _tracks(draft, edit)
@@ -61,50 +83,62 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
     _tracks(draft, edit)
 
 
-def _without(
-    connection: Connection,
-    number: int,
-    place: Place,
-    revision: int,
-    indices: Indices,
-    before: States,
-) -> States:
-    """The words of the last edits in force before ``revision``.
+def _follow_chains(connection: Connection, number: int, uncovered: list[_Uncovered]) -> None:
+    """Go down from the words an edit found to those of an edit that is in force.
 
-    ``before``: the words it found.  Their writers may have been undone since; then what *those*
-    found counts, and so on.  This chain can only miss an edit that was undone while a link of
-    it was made, and redone afterwards: those few are laid over it in order.
+    The writer of a word that it found may have been undone since: then what *that* one found
+    counts, and so on.
     """
-    result = before.copy()
-    known: dict[int, bool] = {}
-    link = revision
-    while True:
-        writers = writer_of(result)
-        present = journal.unique_revisions(writers)
-        new = [writer for writer in present if writer not in known]
-        undone = journal.out_of_force(connection, number, new)
-        known.update({writer: writer in undone for writer in new})
-        gone = [writer for writer in present if known[writer]]
-        if not gone:
-            break
-        link = min(link, *gone)
-        for writer in gone:
-            rows = np.flatnonzero(writers == np.uint64(writer))
-            change = journal.change_at(connection, number, writer, place)
-            if change is None:
-                raise AssertionError(f"journal: edit {writer} wrote {place} but has no record")
-            at, mine = match_sorted(change.indices, indices[rows])
-            result[rows[mine]] = change.before[at]
-    oldest = int(writer_of(result).min()) if len(result) else 0
-    for other in journal.redone_since(connection, number, link, oldest, revision):
-        change = journal.change_at(connection, number, other, place)
+    undone: dict[int, bool] = {}
+    open_ends = uncovered
+    while open_ends:
+        present = {id(one): journal.unique_revisions(writer_of(one.words)) for one in open_ends}
+        new = sorted({writer for found in present.values() for writer in found} - undone.keys())
+        gone = journal.out_of_force(connection, number, new)
+        undone.update({writer: writer in gone for writer in new})
+        open_ends = [
+            one
+            for one in open_ends
+            if _step_down(connection, number, one, [w for w in present[id(one)] if undone[w]])
+        ]
+
+
+def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> bool:
+    writers = writer_of(one.words)
+    for writer in gone:
+        rows = np.flatnonzero(writers == np.uint64(writer))
+        change = journal.change_at(connection, number, writer, one.place)
         if change is None:
-            continue
-        at, mine = match_sorted(change.indices, indices)
-        rows = np.flatnonzero(mine)
-        newer = writer_of(result[rows]) < np.uint64(other)
-        result[rows[newer]] = change.after[at[newer]]
-    return result
+            raise AssertionError(f"journal: edit {writer} wrote {one.place} but has no record")
+        at, mine = match_sorted(change.indices, one.indices[rows])
+        one.words[rows[mine]] = change.before[at]
+        one.link = min(one.link, writer)
+    return bool(gone)
+
+
+def _lay_redone_over(
+    connection: Connection, number: int, uncovered: list[_Uncovered], revision: int
+) -> None:
+    """Put in place what the chains cannot know of.
+
+    A chain misses an edit only if that was undone when a link of the chain was made, and redone
+    afterwards; those few are laid over in the order of the journal.
+    """
+    if not uncovered:
+        return
+    oldest = min(int(writer_of(one.words).min()) for one in uncovered)
+    link = min(one.link for one in uncovered)
+    for other, redone in journal.redone_since(connection, number, link, oldest, revision):
+        for one in uncovered:
+            if redone <= one.link:
+                continue
+            change = journal.change_at(connection, number, other, one.place)
+            if change is None:
+                continue
+            at, mine = match_sorted(change.indices, one.indices)
+            rows = np.flatnonzero(mine)
+            newer = writer_of(one.words[rows]) < np.uint64(other)
+            one.words[rows[newer]] = change.after[at[newer]]
 
 
 def _require_unlocked(draft: Draft) -> None:

@@ -1,0 +1,152 @@
+"""The label store: a durable stroke in an empty sequence and after 100,000 edits, side by side.
+
+python benchmarks/bench_labels.py [--edits 100000] [--strokes 500] [--database URL]
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels import LabelStore, Write
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.journal import Entry
+
+POINTS = 217_088
+FRAMES = 90
+AUTHORS = [f"person {number}" for number in range(4)]
+BATCH = 1_000
+NUMBERS = itertools.count()
+
+
+def stroke(rng: np.random.Generator, runs: int, length: int) -> NDArray[np.int64]:
+    """Points as a ball has them in progressive order: short runs in every level of a frame."""
+    starts = np.sort(rng.integers(0, POINTS - length, runs))
+    return np.unique((starts[:, None] + np.arange(length)).ravel())
+
+
+def fill(store: LabelStore, sequence: str, edits: int) -> None:
+    """Give a sequence a long history, many edits in a transaction; half of it in frame 0."""
+    sessions = store._sessions
+    rng = np.random.default_rng(1)
+    with sessions.reading(sequence) as (_, state):
+        pass
+    for start in range(0, edits, BATCH):
+        with state.lock, store._database.write() as connection:
+            for number in range(start, min(start + BATCH, edits)):
+                draft = Draft(connection, state)
+                frame = 0 if number % 2 else int(rng.integers(1, FRAMES))
+                write = Write(stroke(rng, 3, 20), label=1 + number % 3, provenance=1)
+                draft.write(frame, write)
+                entry = Entry(f"fill {number}", AUTHORS[number % 4], "paint", "paint 60 points")
+                _, effect = sessions._append(draft, entry)
+                sessions._adopt(draft, effect)
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Milliseconds that ``work`` takes."""
+    start = time.perf_counter()
+    work()
+    return (time.perf_counter() - start) * 1e3
+
+
+def paint(store: LabelStore, sequence: str, points: NDArray[np.int64], label: int) -> None:
+    """One stroke, durable."""
+    store.apply(
+        sequence,
+        edit_id=f"stroke {next(NUMBERS)}",
+        author=AUTHORS[0],
+        kind="paint",
+        writes={0: Write(points, label=label, provenance=1)},
+        summary=f"paint {len(points):,} points",
+    )
+
+
+def row(name: str, times: list[float]) -> None:
+    """A line of the table."""
+    middle, high, highest = np.percentile(times, [50, 95, 100])
+    print(f"| {name} | {len(times)} | {middle:.2f} | {high:.2f} | {highest:.1f} |", flush=True)
+
+
+def strokes(store: LabelStore, count: int) -> None:
+    """Strokes and undos, alternately in both sequences, so that the machine's load is shared."""
+    rng = np.random.default_rng(2)
+    drawn: dict[str, list[float]] = {"empty": [], "long": []}
+    undone: dict[str, list[float]] = {"empty": [], "long": []}
+    for number in range(count):
+        points = stroke(rng, 60, 25)
+        for sequence in drawn:
+            work = timed(lambda s=sequence, p=points, n=number: paint(store, s, p, 1 + n % 3))
+            drawn[sequence].append(work)
+            if number % 5 == 4:
+                undone[sequence].append(timed(lambda s=sequence: store.undo(s, AUTHORS[0])))
+    row("stroke, about 1,500 points, empty sequence", drawn["empty"])
+    row("stroke, the same, long history", drawn["long"])
+    row("undo of it, empty sequence", undone["empty"])
+    row("undo of it, long history", undone["long"])
+
+
+def others(store: LabelStore, url: str) -> None:
+    """Opening, reading, a tracking run over all frames."""
+    rng = np.random.default_rng(3)
+
+    def reopen() -> None:
+        again = LabelStore(url)
+        again.palette("long")
+        again.counts("long")
+        again.values("long", 0)
+        again.stacks("long", AUTHORS[0])
+        again.edits("long")
+        again.close()
+
+    row("open the long history: palette, counts, a frame, undo, 100 lines", [timed(reopen)] * 1)
+    row("values of a frame", [timed(lambda: store.values("long", 0)) for _ in range(50)])
+    writes = {frame: Write(stroke(rng, 200, 25), label=2, provenance=2) for frame in range(FRAMES)}
+
+    def run() -> None:
+        store.apply(
+            "long", edit_id=None, author="tracker", kind="tracking", writes=writes, summary=""
+        )
+
+    row(f"tracking run, 5,000 points in each of {FRAMES} frames", [timed(run)])
+    row("undo of it", [timed(lambda: store.undo("long", "tracker"))])
+    row("redo of it", [timed(lambda: store.redo("long", "tracker"))])
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--edits", type=int, default=100_000)
+    parser.add_argument("--strokes", type=int, default=500)
+    parser.add_argument("--database", default="")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        url = given.database or f"sqlite:///{Path(folder) / 'labels.sqlite'}"
+        store = LabelStore(url)
+        for sequence in ("empty", "long"):
+            store.forget(sequence)
+            store.register(sequence, [POINTS] * FRAMES)
+            for name in ("one", "two", "three"):
+                store.create_label(sequence, "setup", name=name)
+        filling = timed(lambda: fill(store, "long", given.edits)) / 1e3
+        print(f"{given.edits:,} edits made in {filling:.0f} s; milliseconds:\n")
+        print("| | n | p50 | p95 | max |\n|---|---|---|---|---|")
+        strokes(store, given.strokes)
+        others(store, url)
+        if store._database.path is not None:
+            size = store._database.path.stat().st_size / 2**20
+            print(f"\ndatabase: {size:.0f} MiB")
+        for sequence in ("empty", "long"):
+            store.forget(sequence)
+        store.close()
+
+
+if __name__ == "__main__":
+    main()
