@@ -1,0 +1,152 @@
+"""What a tracking method takes and gives.
+
+Points are in stored order and local coordinates throughout; transforms name their direction.
+Everything a method yields pickles, so that it can run in another process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+State = Literal["painted", "tracked", "occluded", "lost"]
+Overwrite = Literal["never", "tracked", "all"]
+
+PAINTED = 1
+"""Provenance of a point that a person painted."""
+
+
+class TrackFrame(Protocol):
+    """One frame as tracking sees it; ``StoredFrame`` is one.
+
+    ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``intensity`` (N,) float32 or
+    None; ``kdtree`` over ``xyz``; ``viewpoint`` (3,) sensor position or None where unknown;
+    ``pose`` (4, 4) ``T_world_frame`` or None where the sensor stands still.
+    """
+
+    @property
+    def xyz(self) -> F32:
+        """(N, 3) positions."""
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """(N, 3) colours."""
+
+    @property
+    def intensity(self) -> F32 | None:
+        """(N,) intensities."""
+
+    @property
+    def kdtree(self) -> cKDTree:
+        """The stored tree."""
+
+    @property
+    def viewpoint(self) -> F64 | None:
+        """(3,) sensor position."""
+
+    @property
+    def pose(self) -> F64 | None:
+        """``T_world_frame``."""
+
+
+Frames = Callable[[int], TrackFrame]
+"""Frame number → frame."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seed:
+    """The points of ``label`` in the start frame: ``indices`` (M,) int64, stored order."""
+
+    label: int
+    indices: I64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameKnowledge:
+    """What is already written on a frame: (N,) arrays in stored order."""
+
+    label: NDArray[np.uint16]
+    provenance: NDArray[np.uint8]
+    deleted: Mask
+
+
+Known = Callable[[int], FrameKnowledge | None]
+"""Frame number → what is known of it, None where nothing is."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrackOptions:
+    """How a run treats what is already there, and when it stops.
+
+    ``overwrite``      which labelled points a run may take: "never" any, "tracked" those that
+                       nobody painted, "all".
+    ``locked``         labels whose points are never taken.
+    ``continue_lost``  go on looking after the first lost frame of a label.
+    ``until_painted``  a label's run ends at the next frame where it is painted, so that a
+                       correction re-tracks only up to what a person has confirmed.
+    """
+
+    overwrite: Overwrite = "tracked"
+    locked: frozenset[int] = field(default_factory=frozenset)
+    continue_lost: bool = False
+    until_painted: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackState:
+    """How a label fared in one frame.
+
+    ``pose`` (4, 4) float64 ``T_frame_start``; ``rmse`` metres over the inliers of the fit;
+    ``inliers`` share 0..1 of the visible model that was found; ``confidence`` 0..1;
+    ``points`` number of points assigned.
+    """
+
+    pose: F64
+    rmse: float
+    inliers: float
+    confidence: float
+    points: int
+    state: State
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameResult:
+    """What a run found in frame ``frame``.
+
+    ``assignments``  label → sorted stored indices (int64); labels share no point.  The start
+                     frame, and a label that is not found, have none.
+    ``tracks``       label → state; a label that was stopped is absent.
+    """
+
+    frame: int
+    assignments: Mapping[int, I64]
+    tracks: Mapping[int, TrackState]
+
+
+class Method(Protocol):
+    """A way of carrying labels from frame to frame.
+
+    ``track`` yields one FrameResult per entry of ``order``, ``order[0]`` (the start frame)
+    first.  ``order`` ascends or descends; frames may be asked for in any order.  It must not
+    raise on any frame content: what cannot be tracked is flagged.  Seeds are checked before.
+    """
+
+    def track(
+        self,
+        frames: Frames,
+        order: Sequence[int],
+        seeds: Sequence[Seed],
+        known: Known,
+        options: TrackOptions,
+    ) -> Iterator[FrameResult]:
+        """Carry ``seeds`` through ``order``; see the class."""

@@ -1,0 +1,65 @@
+"""The tracking methods by name: ours, and those that installed packages add.
+
+A package adds one with an entry point of the group ``pointbrush.tracking`` whose object, called
+without arguments, returns a ``Method``.  Source: docs/tracking.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
+from importlib.metadata import entry_points
+
+from pointbrush.errors import BadInputError
+from pointbrush.tracking.auto import AutoTracker
+from pointbrush.tracking.between import BothSides
+from pointbrush.tracking.interface import Method
+from pointbrush.tracking.paper import PaperTracker
+
+GROUP = "pointbrush.tracking"
+COLOUR_NEIGHBOURS = 12
+
+
+def _colour_icp() -> Method:
+    return PaperTracker(k=COLOUR_NEIGHBOURS)
+
+
+_BUILT_IN: dict[str, Callable[[], Method]] = {
+    "auto": AutoTracker,
+    "icp": PaperTracker,
+    "color-icp": _colour_icp,
+}
+
+
+@cache
+def _plugins() -> dict[str, Callable[[], Method]]:
+    return {
+        entry.name: partial(_load, entry.name)
+        for entry in entry_points(group=GROUP)
+        if entry.name not in _BUILT_IN
+    }
+
+
+def _load(name: str) -> Method:
+    entry = next(e for e in entry_points(group=GROUP) if e.name == name)
+    method: Method = entry.load()()
+    if not callable(getattr(method, "track", None)):
+        raise BadInputError(f"method {name}: expected an object with track(), got {method!r}")
+    return method
+
+
+class _Methods(Mapping[str, Callable[[], Method]]):
+    """Name → factory of a method that runs checked and from both sides of painted frames."""
+
+    def __getitem__(self, name: str) -> Callable[[], Method]:
+        factory = _BUILT_IN.get(name) or _plugins()[name]
+        return lambda: BothSides(factory())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([*_BUILT_IN, *_plugins()])
+
+    def __len__(self) -> int:
+        return len(_BUILT_IN) + len(_plugins())
+
+
+METHODS: Mapping[str, Callable[[], Method]] = _Methods()
