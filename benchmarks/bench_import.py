@@ -1,4 +1,4 @@
-"""Import: a Kinect-like frame step by step, and a large scan from LAS into the octree.
+"""Import: a frame of the sample recording step by step, and a large scan from LAS into the octree.
 
 python benchmarks/bench_import.py [--points 5000000] [--keep FOLDER]
 
@@ -21,7 +21,7 @@ from pathlib import Path
 import laspy
 import numpy as np
 
-from pointbrush.frame import PointFrame
+from pointbrush.samples import generate
 from pointbrush.sequences import import_large, open_sequence
 from pointbrush.sequences.codec import decode_vertices, encode_vertices
 from pointbrush.sequences.columns import Grid, encode_frame
@@ -31,26 +31,6 @@ from pointbrush.sequences.quantise import ROOM_STEP, quantise
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000
-
-
-def kinect_like(seed: int = 0) -> PointFrame:
-    """512 x 424 valid pixels of a room with boxes, with depth noise and textured colours."""
-    rng = np.random.default_rng(seed)
-    v, u = np.mgrid[0:424, 0:512]
-    ray = np.stack([(u - 256) / 366, (v - 212) / 366, np.ones_like(u)], axis=2).reshape(-1, 3)
-    depth = np.full(len(ray), 4.5)
-    with np.errstate(divide="ignore"):
-        for axis, value in ((0, 2.5), (0, -2.5), (1, 1.2), (1, -1.3)):
-            hit = value / ray[:, axis]
-            depth = np.where(hit > 0, np.minimum(depth, hit), depth)
-    for centre, near in (([-0.6, 0.5], 2.0), ([0.9, 0.3], 2.6), ([0.1, -0.2], 3.1)):
-        inside = (np.abs(ray[:, :2] * near - centre) < [0.25, 0.7]).all(axis=1)
-        depth = np.where(inside, np.minimum(depth, near + 0.2 * ray[:, 0]), depth)
-    depth += rng.normal(0, 0.0015, len(ray)) * depth**2
-    xyz = (ray * depth[:, None]).astype(np.float32)
-    shade = 128 + 60 * np.sin(xyz * 9) + 30 * np.cos(xyz[:, [1, 2, 0]] * 41)
-    shade += rng.normal(0, 3, xyz.shape)
-    return PointFrame(xyz, rgb=np.clip(shade, 0, 255).astype(np.uint8))
 
 
 def town(count: int, rng: np.random.Generator, station: int) -> tuple[np.ndarray, np.ndarray]:
@@ -192,7 +172,7 @@ def probe(target: Path) -> None:
 
 def small() -> None:
     """The steps of one Kinect-like frame, best of five."""
-    frame = kinect_like()
+    frame = next(iter(generate("juggling", frames=1).frames))
     xyz = frame.xyz
     order, _ = progressive(morton_order(xyz))
     stored = xyz[order]
@@ -205,7 +185,9 @@ def small() -> None:
     arrays = pack(build(stored))
     grid = Grid(np.zeros(3), ROOM_STEP, None)
     encoded = encode_frame(frame, grid)
-    print(f"Kinect-like frame of {len(xyz):,} points: {len(encoded.wire) / len(xyz):.2f} bytes a")
+    print(
+        f"Frame of the sample recording, {len(xyz):,} points: {len(encoded.wire) / len(xyz):.2f} bytes a"
+    )
     print(f"  point at {encoded.error * 1e3:.2f} mm; decimated by four {decimated(encoded):.2f}")
     for name, run in {
         "order": lambda: progressive(morton_order(xyz)),

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.sequences.order import bounds
 
-LEAF_POINTS = 16
+LEAF_POINTS = 32
 _NODE_BYTES = 72
 _POINTERS = slice(40, 56)
 _STATE_LENGTH = 10
