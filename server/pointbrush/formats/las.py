@@ -95,9 +95,11 @@ def _is_8_bit(rows: NDArray[Any]) -> bool:
 def _frame(
     name: str, header: LasHeader, rows: NDArray[Any], eight_bit: bool, options: ReadOptions
 ) -> PointFrame:
-    columns: dict[str, Array] = {
-        axis: rows[axis] * header.scales[i] + header.offsets[i] for i, axis in enumerate("xyz")
-    }
+    # An absurd scale gives infinities, which are refused as such.
+    with np.errstate(over="ignore", invalid="ignore"):
+        columns: dict[str, Array] = {
+            axis: rows[axis] * header.scales[i] + header.offsets[i] for i, axis in enumerate("xyz")
+        }
     columns["intensity"] = rows["intensity"]
     columns |= {extra: rows[extra] for extra in ("label", "instance") if extra in header.extra}
     if "red" in (rows.dtype.names or ()):

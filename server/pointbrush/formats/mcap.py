@@ -21,12 +21,20 @@ FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 0
 
 @dataclass
 class _Channels:
-    """Schemas, and (topic, type, encoding) of each channel."""
+    """Schemas, and (topic, type, encoding) of each channel of the file ``name``."""
 
+    name: str
     schemas: dict[int, str] = field(default_factory=dict)
     channels: dict[int, tuple[str, str, str]] = field(default_factory=dict)
 
     def add(self, operation: int, content: bytes) -> None:
+        """Take note of a schema or a channel; raises BadInputError for one that is cut off."""
+        try:
+            self._add(operation, content)
+        except struct.error:
+            raise BadInputError(f"{self.name}: expected a record, it is cut off") from None
+
+    def _add(self, operation: int, content: bytes) -> None:
         if operation == SCHEMA:
             (number,) = struct.unpack_from("<H", content)
             self.schemas[number] = _text(content, 2)[0]
@@ -51,7 +59,7 @@ def read_mcap(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     """
     topic = survey_mcap(path).name
     with _mapped(path) as data:
-        known = _Channels()
+        known = _Channels(path.name)
         for channel, time, message in _messages(path.name, data, known):
             if known.clouds().get(channel) == topic:
                 encoding = known.channels[channel][2]
@@ -64,7 +72,7 @@ def survey_mcap(path: Path) -> Topic:
     Raises BadInputError when no topic has point clouds.
     """
     with _mapped(path) as data:
-        known = _Channels()
+        known = _Channels(path.name)
         counts: Counter[int] = Counter()
         start = end = 0.0
         summary = _summary_start(path.name, data)
@@ -139,13 +147,12 @@ def _chunk(name: str, content: bytes) -> bytes:
 def _message(
     name: str, operation: int, content: bytes, known: _Channels
 ) -> Iterator[tuple[int, float, bytes]]:
-    try:
-        known.add(operation, content)
-        if operation == MESSAGE:
-            channel, _, time = struct.unpack_from("<HIQ", content)
-            yield channel, time / 1e9, content[22:]
-    except struct.error:
-        raise BadInputError(f"{name}: expected a record, it is cut off") from None
+    known.add(operation, content)
+    if operation == MESSAGE:
+        if len(content) < 22:
+            raise BadInputError(f"{name}: expected a message, it is cut off")
+        channel, _, time = struct.unpack_from("<HIQ", content)
+        yield channel, time / 1e9, content[22:]
 
 
 def _records(name: str, data: bytes | mmap, at: int, end: int) -> Iterator[tuple[int, bytes]]:

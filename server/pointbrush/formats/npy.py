@@ -117,7 +117,8 @@ def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> Non
             else np.lib.format.read_array_header_2_0
         )
         shape, _, dtype = reader(file, max_header_size=1 << 20)
-    except (ValueError, EOFError, SyntaxError, TypeError, OverflowError) as error:
+    # The header is Python text that NumPy hands to Python's parser: errors of any kind.
+    except Exception as error:
         message = str(error).split("\n")[0]
         raise BadInputError(f"{name}: expected a NumPy array, {message}") from None
     if dtype.hasobject:

@@ -1,0 +1,297 @@
+"""PointCloud2 in ROS 1 bags, ROS 2 bags and MCAP, written here by hand from the specifications."""
+
+from __future__ import annotations
+
+import bz2
+import sqlite3
+import struct
+from contextlib import closing
+
+import numpy as np
+import pytest
+import zstandard
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats import open_source, read
+from pointbrush.formats.lz4 import lz4_decompress
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.pointcloud2 import frame_of_message
+
+STEP = 24
+FIELDS = (("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 16, 7), ("rgb", 20, 7))
+
+
+def cloud(value: float, height: int = 2, width: int = 10) -> bytes:
+    rows = np.zeros((height, width, STEP), np.uint8)
+    numbers = rows.view("<f4")
+    numbers[..., :3] = value
+    numbers[0, 0, 0] = np.nan
+    numbers[..., 4] = value
+    numbers.view("<u4")[..., 5] = 0xFF102030
+    # Rows are padded by 8 bytes.
+    return np.pad(rows.reshape(height, -1), ((0, 0), (0, 8))).tobytes()
+
+
+class Writer:
+    def __init__(self, cdr: bool, big: bool = False):
+        self.cdr, self.out, self.order = cdr, b"", ">" if big else "<"
+
+    def number(self, kind: str, value: int) -> None:
+        if self.cdr:
+            self.out += bytes(-len(self.out) % struct.calcsize("=" + kind))
+        self.out += struct.pack(self.order + kind, value)
+
+    def text(self, value: str) -> None:
+        data = value.encode() + (b"\0" if self.cdr else b"")
+        self.number("I", len(data))
+        self.out += data
+
+
+def message(value: float, *, cdr: bool, big: bool = False, height: int = 2, width: int = 10):
+    writer = Writer(cdr, big)
+    if not cdr:
+        writer.number("I", 7)
+    writer.number("I", 100 + int(value))
+    writer.number("I", 500_000_000)
+    writer.text("lidar")
+    writer.number("I", height)
+    writer.number("I", width)
+    writer.number("I", len(FIELDS))
+    for name, offset, kind in FIELDS:
+        writer.text(name)
+        writer.number("I", offset)
+        writer.number("B", kind)
+        writer.number("I", 1)
+    writer.number("B", 0)
+    writer.number("I", STEP)
+    writer.number("I", STEP * width + 8)
+    data = cloud(value, height, width)
+    writer.number("I", len(data))
+    writer.out += data
+    writer.number("B", 0)
+    return (bytes([0, 0 if big else 1, 0, 0]) if cdr else b"") + writer.out
+
+
+def check(source) -> None:
+    frames = list(source.frames)
+    assert [float(frame.xyz[0, 0]) for frame in frames] == [0, 1, 2]
+    assert [frame.timestamp for frame in frames] == [100.5, 101.5, 102.5]
+    assert [(len(frame), frame.dropped) for frame in frames] == [(19, 1)] * 3
+    assert frames[2].intensity.tolist() == [2] * 19
+    assert frames[0].rgb[0].tolist() == [0x10, 0x20, 0x30]
+    assert (source.count, source.fps) == (3, 10)
+
+
+# ── ROS 1 ────────────────────────────────────────────────────────────────────────────────────
+
+
+def record(data: bytes, **header: bytes) -> bytes:
+    fields = b"".join(
+        struct.pack("<I", len(key) + 1 + len(value)) + key.encode() + b"=" + value
+        for key, value in header.items()
+    )
+    return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
+
+
+def stamp(seconds: float) -> bytes:
+    return struct.pack("<II", int(seconds), round(seconds % 1 * 1e9))
+
+
+def connection(number: int, topic: bytes, kind: bytes) -> bytes:
+    data = struct.pack("<I", 5 + len(kind)) + b"type=" + kind
+    return record(data, op=b"\x07", conn=struct.pack("<I", number), topic=topic)
+
+
+def rosbag1(compression: str = "none", indexed: bool = True, kind=b"sensor_msgs/PointCloud2"):
+    known = connection(0, b"/points", kind) + connection(1, b"/imu", b"sensor_msgs/Imu")
+    inner = known
+    for i in range(3):
+        inner += record(b"junk", op=b"\x02", conn=struct.pack("<I", 1), time=stamp(10 + i / 10))
+        body = message(i, cdr=False)
+        inner += record(body, op=b"\x02", conn=struct.pack("<I", 0), time=stamp(10 + i / 10))
+    packed = bz2.compress(inner) if compression == "bz2" else inner
+    chunk = record(
+        packed, op=b"\x05", compression=compression.encode(), size=struct.pack("<I", len(inner))
+    )
+    magic = b"#ROSBAG V2.0\n"
+
+    def bag(position: int) -> bytes:
+        return record(
+            bytes(200), op=b"\x03", index_pos=struct.pack("<Q", position), conn_count=bytes(4)
+        )
+
+    start = len(magic) + len(bag(0)) + len(chunk)
+    info = record(
+        struct.pack("<IIII", 0, 3, 1, 3),
+        op=b"\x06",
+        start_time=stamp(10),
+        end_time=stamp(10.2),
+    )
+    if not indexed:
+        return magic + bag(0) + chunk
+    return magic + bag(start) + chunk + known + info
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2"])
+@pytest.mark.parametrize("indexed", [True, False])
+def test_ros_1_bags(tmp_path, compression, indexed):
+    (tmp_path / "a.bag").write_bytes(rosbag1(compression, indexed))
+    check(open_source([tmp_path / "a.bag"]))
+
+
+def test_bags_without_clouds_name_what_they_have(tmp_path):
+    (tmp_path / "a.bag").write_bytes(rosbag1(kind=b"sensor_msgs/Image"))
+    with pytest.raises(BadInputError, match="PointCloud2, got /imu, /points"):
+        open_source([tmp_path / "a.bag"])
+
+
+def test_cut_off_bags_raise(tmp_path):
+    data = rosbag1()
+    for size in range(0, len(data), 97):
+        (tmp_path / "a.bag").write_bytes(data[:size])
+        with pytest.raises(BadInputError, match=r"a\.bag.*expected"):
+            list(read(tmp_path / "a.bag"))
+
+
+# ── ROS 2 ────────────────────────────────────────────────────────────────────────────────────
+
+
+@pytest.mark.parametrize("big", [False, True])
+def test_ros_2_bags(tmp_path, big):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "metadata.yaml").write_text("version: 5")
+    with closing(sqlite3.connect(tmp_path / "run" / "run_0.db3")) as database:
+        database.executescript(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT);"
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INT, timestamp INT, data BLOB);"
+            "INSERT INTO topics VALUES (1, '/imu', 'sensor_msgs/msg/Imu'),"
+            " (2, '/points', 'sensor_msgs/msg/PointCloud2');"
+        )
+        for i in (2, 0, 1):
+            row = (2, int(1e10 + i * 1e8), message(i, cdr=True, big=big))
+            database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?,?,?)", row)
+        database.commit()
+    check(open_source([tmp_path / "run"]))
+    assert sorted(path.name for path in (tmp_path / "run").iterdir()) == [
+        *("metadata.yaml", "run_0.db3")
+    ]
+
+
+@pytest.mark.parametrize("data", [b"", b"SQLite format 3\0" + bytes(200), b"not a database" * 99])
+def test_damaged_ros_2_bags_raise(tmp_path, data):
+    (tmp_path / "a.db3").write_bytes(data)
+    with pytest.raises(BadInputError, match=r"a\.db3: expected"):
+        open_source([tmp_path / "a.db3"])
+
+
+# ── MCAP ─────────────────────────────────────────────────────────────────────────────────────
+
+MAGIC = b"\x89MCAP0\r\n"
+
+
+def op(code: int, content: bytes) -> bytes:
+    return struct.pack("<BQ", code, len(content)) + content
+
+
+def text(value: str) -> bytes:
+    return struct.pack("<I", len(value)) + value.encode()
+
+
+def mcap(compression: str, encoding: str, statistics: bool) -> bytes:
+    cdr = encoding == "cdr"
+    kind = "sensor_msgs/msg/PointCloud2" if cdr else "sensor_msgs/PointCloud2"
+    known = op(3, struct.pack("<H", 1) + text(kind) + text("ros2msg") + text(""))
+    channel = struct.pack("<HH", 4, 1) + text("/points") + text(encoding)
+    known += op(4, channel + struct.pack("<I", 0))
+    inner = known + b"".join(
+        op(5, struct.pack("<HIQQ", 4, i, int(1e10 + i * 1e8), 0) + message(i, cdr=cdr))
+        for i in range(3)
+    )
+    packed = zstandard.compress(inner) if compression == "zstd" else inner
+    chunk = struct.pack("<QQQI", 0, 0, len(inner), 0) + text(compression)
+    out = MAGIC + op(1, text("ros2") + text("test"))
+    out += op(6, chunk + struct.pack("<Q", len(packed)) + packed) + op(0x0F, bytes(4))
+    summary = 0
+    if statistics:
+        summary = len(out)
+        numbers = struct.pack("<QHIIIIQQ", 3, 1, 1, 0, 0, 1, int(1e10), int(1e10 + 2e8))
+        out += known + op(0x0B, numbers + struct.pack("<IHQ", 10, 4, 3))
+    return out + op(2, struct.pack("<QQI", summary, 0, 0)) + MAGIC
+
+
+@pytest.mark.parametrize("compression", ["", "zstd"])
+@pytest.mark.parametrize("encoding", ["cdr", "ros1"])
+@pytest.mark.parametrize("statistics", [True, False])
+def test_mcap(tmp_path, compression, encoding, statistics):
+    (tmp_path / "a.mcap").write_bytes(mcap(compression, encoding, statistics))
+    check(open_source([tmp_path / "a.mcap"]))
+
+
+def test_cut_off_mcap_raises(tmp_path):
+    data = mcap("zstd", "cdr", True)
+    for size in range(0, len(data), 41):
+        (tmp_path / "a.mcap").write_bytes(data[:size])
+        with pytest.raises(BadInputError, match=r"a\.mcap.*expected"):
+            list(read(tmp_path / "a.mcap"))
+
+
+# ── messages and LZ4 ─────────────────────────────────────────────────────────────────────────
+
+
+def test_cut_off_messages_raise():
+    whole = message(1, cdr=True)
+    for size in range(0, len(whole) - 1, 13):
+        with pytest.raises(BadInputError):
+            frame_of_message("a", whole[:size], "cdr", 0.0, ReadOptions())
+
+
+def test_messages_whose_numbers_do_not_fit_raise():
+    good = message(1, cdr=False)
+    at = good.index(b"lidar") + 5
+    tall = good[:at] + struct.pack("<I", 3) + good[at + 4 :]
+    with pytest.raises(BadInputError, match="expected 3 rows of 10 points"):
+        frame_of_message("a", tall, "ros1", 0.0, ReadOptions())
+    wide = good[: at + 4] + struct.pack("<I", 11) + good[at + 8 :]
+    with pytest.raises(BadInputError, match="rows of 264 bytes or more, got rows of 248"):
+        frame_of_message("a", wide, "ros1", 0.0, ReadOptions())
+    huge = good[:at] + struct.pack("<II", 2**31, 2**31) + good[at + 8 :]
+    with pytest.raises(TooLargeError, match="points"):
+        frame_of_message("a", huge, "ros1", 0.0, ReadOptions())
+
+
+# lz4.frame.compress(b"pointbrush " * 30 + bytes(range(40)), store_size=False) of python-lz4.
+LZ4 = bytes.fromhex(
+    "04224d186040823a000000bf706f696e746272757368200b00ff2df019000102030405060708090a0b0c0d0e0f10"
+    "1112131415161718191a1b1c1d1e1f202122232425262700000000"
+)
+
+
+def frame_of(block: bytes) -> bytes:
+    return b"\x04\x22\x4d\x18\x60\x40\x82" + struct.pack("<I", len(block)) + block + bytes(4)
+
+
+@pytest.mark.parametrize(
+    ("block", "expected"),
+    [
+        (b"\x50hello", b"hello"),
+        (b"\x11a\x01\x00\x50world", b"a" * 6 + b"world"),
+        (b"\x3fabc\x03\x00\xff\x05\x00", b"abc" * 94),
+        (b"\xf0\x05" + b"x" * 20, b"x" * 20),
+    ],
+)
+def test_lz4_blocks(block, expected):
+    assert lz4_decompress("a", frame_of(block), len(expected)) == expected
+    with pytest.raises(BadInputError, match="LZ4"):
+        lz4_decompress("a", frame_of(block), len(expected) + 1)
+    with pytest.raises(BadInputError, match="LZ4"):
+        lz4_decompress("a", frame_of(block)[:-5], len(expected))
+
+
+def test_an_lz4_frame_of_another_program():
+    expected = b"pointbrush " * 30 + bytes(range(40))
+    assert lz4_decompress("a", LZ4, len(expected)) == expected
+
+
+def test_a_real_lz4_bag(shared):
+    with pytest.raises(BadInputError, match=r"PointCloud2, got .*Depth_0/image/data"):
+        open_source([shared / "formats" / "bags" / "librealsense__single_depth_color_640x480.bag"])
