@@ -185,10 +185,9 @@ def small() -> None:
     arrays = pack(build(stored))
     grid = Grid(np.zeros(3), ROOM_STEP, None)
     encoded = encode_frame(frame, grid)
-    print(
-        f"Frame of the sample recording, {len(xyz):,} points: {len(encoded.wire) / len(xyz):.2f} bytes a"
-    )
-    print(f"  point at {encoded.error * 1e3:.2f} mm; decimated by four {decimated(encoded):.2f}")
+    print(f"frame of the sample recording, {len(xyz):,} points, within {encoded.error:.5f} m:")
+    print(f"  {len(encoded.wire) / len(xyz):.2f} bytes a point,", end=" ")
+    print(f"{decimated(encoded):.2f} in the levels that hold a quarter")
     for name, run in {
         "order": lambda: progressive(morton_order(xyz)),
         "quantise": lambda: quantise(stored, ROOM_STEP),
