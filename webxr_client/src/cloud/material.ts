@@ -16,6 +16,7 @@ export class PointUniforms {
   readonly pixelsPerMetre = { value: 500 };
   readonly pixelLimits = { value: new Vector2(1.5, 48) };
   readonly colourMode = { value: 0 };
+  readonly hasIntensity = { value: 0 };
   readonly heightRow = { value: new Vector4() };
   readonly gain = { value: 1 };
   readonly labelBlend = { value: 0.7 };
@@ -39,6 +40,7 @@ export class PointUniforms {
     if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
     if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
     this.colourMode.value = COLOR_MODES[mode];
+    this.hasIntensity.value = fields.includes('intensity') ? 1 : 0;
     this.pointSize = view.pointSize;
     // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
     this.gain.value = view.brightness ** (1 / 2.2);
@@ -100,7 +102,16 @@ export function pointMaterial(
   table: ChunkTable,
   row: number,
 ): RawShaderMaterial {
-  const { palette, pixelsPerMetre, pixelLimits, colourMode, heightRow, gain, labelBlend } = shared;
+  const {
+    palette,
+    pixelsPerMetre,
+    pixelLimits,
+    colourMode,
+    hasIntensity,
+    heightRow,
+    gain,
+    labelBlend,
+  } = shared;
   const { hideUnlabeled, showDeleted, brushMode, brushA, brushB } = shared;
   const { brushRadius, brushColour, brushOnlyUnlabeled } = shared;
   return new RawShaderMaterial({
@@ -110,7 +121,7 @@ export function pointMaterial(
     uniforms: {
       chunkTable: { value: table.texture },
       chunkRow: { value: row },
-      palette, pixelsPerMetre, pixelLimits, colourMode, heightRow, gain, labelBlend,
+      palette, pixelsPerMetre, pixelLimits, colourMode, hasIntensity, heightRow, gain, labelBlend,
       hideUnlabeled, showDeleted, brushMode, brushA, brushB,
       brushRadius, brushColour, brushOnlyUnlabeled,
     }, // prettier-ignore

@@ -18,6 +18,7 @@ uniform int chunkRow;           // >= 0: every point of this draw is of this chu
 uniform float pixelsPerMetre;   // at distance 1: viewport height / 2 * point size setting
 uniform vec2 pixelLimits;
 uniform int colourMode;         // 0 rgb, 1 intensity, 2 height, 3 plain
+uniform int hasIntensity;
 uniform vec4 heightRow;         // local xyz1 -> height 0..1
 uniform float gain;
 uniform float labelBlend;
@@ -78,7 +79,11 @@ void main() {
   }
 
   vec3 base;
-  if (colourMode == 0) base = colour.rgb;
+  if (colourMode == 0) {
+    base = colour.rgb;
+    // Where no camera saw a lidar's point its colour is 0, 0, 0: the intensity stands in.
+    if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(colour.a));
+  }
   else if (colourMode == 1) base = ramp(colour.a);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
   else base = vec3(0.72, 0.74, 0.77);

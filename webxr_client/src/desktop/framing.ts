@@ -1,61 +1,92 @@
 /** Where to look from: the sensor's own view where there is one, else an overview. */
 import { Vector3, type Matrix4 } from 'three';
-import type { CloudFrame } from '../cloud/frame';
 import type { ViewPreset } from '../actions';
+import type { CloudFrame } from '../cloud/frame';
 
 export interface View {
   readonly eye: Vector3;
   readonly target: Vector3;
 }
 
-export interface Extent {
-  readonly low: Vector3;
-  readonly high: Vector3;
-}
-
-/** Points looked at to find out how the recording lies round its sensor. */
+/** Points looked at to find out how the recording lies. */
 const SAMPLES = 2000;
 /** Mean of unit directions from a sensor that sees one way is longer than this. */
 const ONE_WAY = 0.6;
+/** Stray points beyond these parts of the others do not count. */
+const [LOW, HIGH] = [0.04, 0.96];
 
-/**
- * The view of the sensor at the local origin, if the points lie to one side of it as a camera's
- * do; else null.  Room coordinates.
- */
-export function sensorView(frame: CloudFrame, room: Matrix4, fov: number): View | null {
+/** Some points of a frame, evenly taken, in room coordinates. */
+function sample(frame: CloudFrame, room: Matrix4): Vector3[] {
   const piece = frame.pieces[0];
-  if (!piece) return null;
-  const eye = new Vector3().applyMatrix4(room);
-  const mean = new Vector3();
-  const at = new Vector3();
-  const distances: number[] = [];
+  if (!piece) return [];
+  const points: Vector3[] = [];
   const step = Math.max(1, Math.floor(piece.count / SAMPLES));
   for (let i = 0; i < piece.count; i += step) {
-    const word = (k: number): number =>
-      piece.origin[k]! + piece.words[i * 6 + k]! * piece.scale[k]!;
-    at.set(word(0), word(1), word(2)).applyMatrix4(room).sub(eye);
-    const distance = at.length();
-    if (distance < 1e-6) continue;
-    distances.push(distance);
-    mean.addScaledVector(at, 1 / distance);
+    const at = (k: 0 | 1 | 2): number => piece.origin[k] + piece.words[i * 6 + k]! * piece.scale[k];
+    points.push(new Vector3(at(0), at(1), at(2)).applyMatrix4(room));
   }
-  if (distances.length === 0 || mean.length() / distances.length < ONE_WAY) return null;
-  distances.sort((a, b) => a - b);
-  const middle = distances[distances.length >> 1]!;
-  const target = mean.normalize().multiplyScalar(middle).add(eye);
-  // A little behind the sensor, so that its whole picture fits with some room around.
-  eye.addScaledVector(mean, -0.02 * middle * (60 / fov));
-  return { eye, target };
+  return points;
 }
 
-/** A view of the whole extent. */
-export function presetView(preset: ViewPreset, extent: Extent, fov: number, aspect: number): View {
-  const target = extent.low.clone().add(extent.high).multiplyScalar(0.5);
-  const size = extent.high.clone().sub(extent.low);
-  const radius = Math.max(0.3, 0.5 * Math.hypot(size.x, size.y, size.z));
+function quantile(values: number[], part: number): number {
+  values.sort((a, b) => a - b);
+  return values[Math.floor(part * (values.length - 1))] ?? 0;
+}
+
+/**
+ * From the sensor (the local origin): its own view if the points lie to one side of it, as a
+ * camera's do; from behind and above it if they lie around it, as a lidar's do; else null.
+ */
+function sensorView(points: readonly Vector3[], room: Matrix4): View | null {
+  const sensor = new Vector3().applyMatrix4(room);
+  const mean = new Vector3();
+  const distances: number[] = [];
+  for (const point of points) {
+    const distance = point.distanceTo(sensor);
+    if (distance < 1e-6) continue;
+    distances.push(distance);
+    mean.addScaledVector(point, 1 / distance).addScaledVector(sensor, -1 / distance);
+  }
+  const [near, middle, far] = [0.05, 0.5, 0.95].map((part) => quantile(distances, part));
+  if (!middle || !near || !far) return null;
+  const oneWay = mean.length() / distances.length;
+  const forward = mean.normalize();
+  if (oneWay > ONE_WAY) {
+    const target = forward.clone().multiplyScalar(middle).add(sensor);
+    // A little behind the sensor, so that its whole picture fits with some room around.
+    return { eye: sensor.addScaledVector(forward, -0.02 * middle), target };
+  }
+  // Far from all points the origin is only where somebody's coordinates begin.
+  if (oneWay > 0.9 || near > 0.3 * far) return null;
+  const eye = new Vector3(-0.6, 0.75, 0.9).multiplyScalar(1.3 * middle).add(sensor);
+  return { eye, target: sensor };
+}
+
+/** The view that a preset asks for; room coordinates. */
+export function viewOf(
+  preset: ViewPreset,
+  frame: CloudFrame,
+  room: Matrix4,
+  fov: number,
+  aspect: number,
+): View | null {
+  const points = sample(frame, room);
+  if (points.length === 0) return null;
+  const sensor = preset === 'sensor' ? sensorView(points, room) : null;
+  if (sensor) return sensor;
+  const bound = (part: number): Vector3 =>
+    new Vector3(
+      quantile(points.map((p) => p.x), part),
+      quantile(points.map((p) => p.y), part),
+      quantile(points.map((p) => p.z), part),
+    ); // prettier-ignore
+  const [low, high] = [bound(LOW), bound(HIGH)];
+  const target = low.clone().add(high).multiplyScalar(0.5);
+  const radius = Math.max(0.3, 0.55 * low.distanceTo(high));
   const half = Math.tan((fov * Math.PI) / 360) * Math.min(1, aspect);
-  const distance = (radius / half) * 0.78;
-  const eye = directionOf(preset).multiplyScalar(distance).add(target);
+  const eye = directionOf(preset)
+    .multiplyScalar((radius / half) * 0.85)
+    .add(target);
   return { eye, target };
 }
 

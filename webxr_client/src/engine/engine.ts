@@ -4,7 +4,7 @@ import { actions, bindActions, type TrackRequest, type ViewPreset } from '../act
 import type { CloudFrame } from '../cloud/frame';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
-import { presetView, sensorView } from '../desktop/framing';
+import { viewOf } from '../desktop/framing';
 import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
 import { Link } from '../net/link';
@@ -314,14 +314,16 @@ export class Engine {
     this.unframed = false;
     const [low, high] = this.viewer.bounds(info);
     const { camera, room } = this.viewer;
-    const overview = presetView(preset, { low, high }, camera.fov, camera.aspect);
-    const sensor = preset === 'sensor' ? sensorView(frame, room.matrix, camera.fov) : null;
-    const { eye, target } = sensor ?? overview;
+    const view = viewOf(preset, frame, room.matrix, camera.fov, camera.aspect);
+    if (!view) return;
+    const { eye, target } = view;
     const size = low.distanceTo(high);
     camera.near = Math.min(0.05, Math.max(0.01, size / 2000)) * (size > 200 ? 10 : 1);
     camera.far = Math.max(100, size * 6);
     camera.updateProjectionMatrix();
     this.camera.walkSpeed = Math.max(0.5, size / 8);
+    // A brush for what one sees: 5 cm in a room, as much larger in a street.
+    if (jump) setRadius(0.05 * Math.max(0.4, eye.distanceTo(target) / 3));
     this.camera.lookAt(eye, target, jump);
     this.viewer.invalidate();
   }

@@ -15,6 +15,12 @@ const TIGHT = 1;
 /** A run's box is larger than the patch in it: measured on patches of known spacing. */
 const BOX_EXCESS = 0.7;
 
+/** Steps from point to point looked at in a run. */
+const STEPS = 6;
+/** The shorter steps are this much below the spacing of a grid with noise. */
+const STEP_EXCESS = 1.15;
+const steps = new Float32Array(STEPS);
+
 export type Vector = readonly [number, number, number];
 
 export function blockCount(points: number): number {
@@ -43,7 +49,8 @@ export function finishChunk(
   const rule = findRule(runs);
   for (let run = 0; run < runs; run++) {
     const usual = rule.grows ? rule.factor * distances[run]! : rule.factor;
-    const spacing = Math.min(rule.most * usual, Math.max(rule.least * usual, spacings[run]!));
+    const found = Math.min(rule.most * usual, Math.max(rule.least * usual, spacings[run]!));
+    const spacing = rule.share * found;
     const stamp = chunk * SIZE_CODES + sizeCode(spacing);
     const stop = Math.min(count, (run + 1) * RUN) * 6;
     for (let i = run * RUN * 6 + 5; i < stop; i += 6) vertices[i] = stamp;
@@ -57,6 +64,8 @@ interface Rule {
   /** How far a run may depart from the rule. */
   readonly least: number;
   readonly most: number;
+  /** Part of the spacing that a point should fill. */
+  readonly share: number;
 }
 
 function findRule(runs: number): Rule {
@@ -67,8 +76,10 @@ function findRule(runs: number): Rule {
   return {
     grows: best === grows,
     factor: best.median,
-    least: holds ? 0.75 : 0.2,
-    most: holds ? 1.4 : 3,
+    least: holds ? 0.75 : 0.15,
+    most: holds ? 1.4 : 1.7,
+    // Scattered points and single scan lines make no surface, however large their discs.
+    share: holds ? 1 : 0.5,
   };
 }
 
@@ -118,7 +129,9 @@ function measureRuns(
     if (fresh || hiY > blocks[block + 4]!) blocks[block + 4] = hiY;
     if (fresh || hiZ > blocks[block + 5]!) blocks[block + 5] = hiZ;
     const n = stop - first;
-    spacings[run] = spacing((hiX - loX) * scaleX, (hiY - loY) * scaleY, (hiZ - loZ) * scaleZ, n);
+    const patch = spacing((hiX - loX) * scaleX, (hiY - loY) * scaleY, (hiZ - loZ) * scaleZ, n);
+    const near = n > STEPS + 4 ? STEP_EXCESS * nearStep(vertices, first, scale) : patch;
+    spacings[run] = Math.min(patch, Math.max(near, 0.3 * patch));
     distances[run] = Math.max(
       1e-6,
       Math.hypot(
@@ -128,6 +141,28 @@ function measureRuns(
       ),
     );
   }
+}
+
+/**
+ * The second shortest step between neighbours of a run, metres.  On a lidar's rings it is the
+ * distance along the ring, where the patch's area would count the gaps between the rings.
+ */
+function nearStep(vertices: Uint16Array, first: number, scale: Vector): number {
+  for (let k = 0, i = (first + 4) * 6; k < STEPS; k++, i += 6) {
+    const x = (vertices[i]! - vertices[i + 6]!) * scale[0];
+    const y = (vertices[i + 1]! - vertices[i + 7]!) * scale[1];
+    const z = (vertices[i + 2]! - vertices[i + 8]!) * scale[2];
+    steps[k] = x * x + y * y + z * z;
+  }
+  let shortest = Infinity;
+  let second = Infinity;
+  for (const step of steps) {
+    if (step < shortest) {
+      second = shortest;
+      shortest = step;
+    } else if (step < second) second = step;
+  }
+  return Math.sqrt(second);
 }
 
 /** Distance between `n` points spread over a patch with these extents: an area, or a line. */
