@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import NotFoundError
-from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels import Commit, LabelStore, Write, sessions
 
 SEQ = "juggling"
 POINTS = [70_000, 100]
@@ -121,6 +121,33 @@ def test_rules_see_what_another_process_committed(url: str, here: LabelStore) ->
     assert there.undo(SEQ, "ann").changed == 10
     assert here.values(SEQ, 0).label[:20].tolist() == [0] * 10 + [2] * 10
     assert there.find(SEQ, "x") is not None
+    there.close()
+
+
+def test_a_process_that_was_away_for_long(
+    url: str, here: LabelStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sessions, "GAP", 5)
+    there = LabelStore(url)
+    there.values(SEQ, 0)
+    heard: list[Commit] = []
+    there._sessions.outbox.subscribe(heard.append)  # hears, but does not look by itself
+    for number in range(10):
+        here.apply(
+            SEQ,
+            edit_id=None,
+            author="ann",
+            kind="paint",
+            writes={0: Write(np.arange(number, number + 2), label=1, provenance=1)},
+            summary="",
+        )
+    here.delete_label(SEQ, "ann", 2)
+    assert there.values(SEQ, 0).label.sum() == 11
+    assert len(there.palette(SEQ)) == 1
+    assert [commit.revision for commit in heard] == [13]
+    here.update_label(SEQ, "ann", 1, name="x")
+    assert there.palette(SEQ)[0].name == "x"
+    assert [commit.base for commit in heard] == [12, 13]
     there.close()
 
 

@@ -33,8 +33,9 @@ CHUNK = 500
 SQLITE_PRAGMAS = (
     "PRAGMA journal_mode=WAL",
     "PRAGMA synchronous=FULL",
+    "PRAGMA fullfsync=ON",  # macOS: through the drive's own cache; elsewhere nothing
     "PRAGMA wal_autocheckpoint=16384",
-    "PRAGMA cache_size=-32768",
+    "PRAGMA cache_size=-8192",
     "PRAGMA temp_store=MEMORY",
 )
 
@@ -95,6 +96,13 @@ class Database:
             self._upserts[table.name] = self._upsert(table)
         connection.execute(self._upserts[table.name], rows)
 
+    def insert_new(
+        self, connection: Connection, table: Table, key: str, row: dict[str, Any]
+    ) -> None:
+        """Insert a row unless there is one with its ``key``."""
+        statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
+        connection.execute(statement.on_conflict_do_nothing(index_elements=[key]), row)
+
     def _upsert(self, table: Table) -> Any:
         keys = [column.name for column in table.primary_key]
         statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
@@ -139,7 +147,7 @@ def _sqlite_engine(url: URL) -> Engine:
         url,
         connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
         pool_size=8,
-        max_overflow=56,
+        max_overflow=24,
     )
 
     @event.listens_for(engine, "connect")

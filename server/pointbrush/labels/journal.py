@@ -244,6 +244,15 @@ def change_at(connection: Connection, number: int, revision: int, place: Place) 
     return None if data is None else decode_change(data)
 
 
+def labels_that_came_or_went(connection: Connection, row: Row[Any]) -> set[int]:
+    """Labels that an edit, or the one it undoes or redoes, created or deleted."""
+    query = select(edit_labels.c.label, edit_labels.c.fields).where(
+        edit_labels.c.sequence == row.sequence,
+        edit_labels.c.revision.in_([row.revision, row.target or row.revision]),
+    )
+    return {label for label, fields in connection.execute(query) if "exists" in json.loads(fields)}
+
+
 def out_of_force(connection: Connection, number: int, revisions: Sequence[int]) -> set[int]:
     """Those of ``revisions`` that are undone."""
     return _those(connection, number, revisions, edits.c.state.in_((schema.UNDONE, schema.DROPPED)))

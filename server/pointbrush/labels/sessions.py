@@ -32,8 +32,8 @@ from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
 from pointbrush.labels.upkeep import Upkeep
 
-BATCH = 256
-"""Edits of another process that are taken in at once."""
+GAP = 2_000
+"""Edits of another process beyond which everything is read anew instead."""
 
 
 class Sessions:
@@ -126,25 +126,30 @@ class Sessions:
                 state.forget_blocks()
                 state.reset(connection, row)
         elif revision > state.revision:
-            self._take_in(connection, state)
+            self._take_in(connection, state, revision)
 
-    def _take_in(self, connection: Connection, state: SequenceState) -> None:
+    def _take_in(self, connection: Connection, state: SequenceState, revision: int) -> None:
         first = state.revision
-        while rows := journal.rows_since(connection, state.number, state.revision, BATCH):
-            for row in rows:
-                changes = journal.iterate_changes(connection, state.number, row.revision)
-                state.adopt(changes)
-                state.revision = row.revision
+        if revision - first > GAP:
+            state.forget_blocks()
+        else:
+            for row in journal.rows_since(connection, state.number, first, GAP):
+                state.adopt(journal.iterate_changes(connection, state.number, row.revision))
+        state.revision = revision
         state.reload_palette(connection)
         state.reload_counts(connection)
         if self.outbox.wanted:
             self._publish(connection, state, first)
 
     def _publish(self, connection: Connection, state: SequenceState, after: int) -> None:
-        while rows := journal.rows_since(connection, state.number, after, BATCH):
-            for row in rows:
-                self.outbox.put(self.load(connection, state, row))
-                after = row.revision
+        """Tell of commits made elsewhere; after a long absence only of the last one.
+
+        Those who listen see the gap between its base and what they have.
+        """
+        if state.revision - after > GAP:
+            after = state.revision - 1
+        for row in journal.rows_since(connection, state.number, after, GAP):
+            self.outbox.put(self.load(connection, state, row))
 
     # ── writing ──────────────────────────────────────────────────────────────────────────
 
@@ -231,10 +236,11 @@ class Sessions:
         """A past commit, whose deltas hold the values of *now* where later edits matter."""
         labels = json.loads(row.labels)
         changes = journal.changes_of(connection, state.number, row.revision)
-        frames = deltas_of(connection, state, changes, labels)
+        turned = journal.labels_that_came_or_went(connection, row) if labels else set()
+        frames = deltas_of(connection, state, changes, turned)
         touched = {frame for frame, _, _ in changes} | set(frames)
         keys = {key: state.counts[key] for key in state.counts if key[0] in touched}
-        keys.update(state.counts_of(labels))
+        keys.update(state.counts_of(turned))
         return Commit(
             sequence=state.id,
             edit_id=row.id,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import delete, insert
+from sqlalchemy import delete
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import backup, check, history, palette, plans, reading, schema
@@ -15,7 +15,13 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import decode_points, encode_points, find_sequence, revisions
+from pointbrush.labels.state import (
+    decode_points,
+    encode_points,
+    find_revision,
+    find_sequence,
+    revisions,
+)
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.writes import require_paintable
@@ -69,29 +75,32 @@ class LabelStore:
         counts = [int(n) for n in points]
         if any(n < 0 for n in counts):
             raise BadInputError("points: expected counts of 0 or more")
-        with self._database.write() as connection:
+        with self._database.read() as connection:
             row = find_sequence(connection, sequence)
-            if row is None:
-                fields = {
-                    "id": sequence,
-                    "revision": 0,
-                    "highest_label": 0,
-                    "points": encode_points(counts),
-                }
-                connection.execute(insert(schema.sequences), fields)
-            elif decode_points(row.points).tolist() != counts:
-                raise ConflictError(
-                    f"sequence: expected {sequence!r} to keep its frames, got other point counts"
-                )
+        if row is None:
+            fields = {
+                "id": sequence,
+                "revision": 0,
+                "highest_label": 0,
+                "points": encode_points(counts),
+            }
+            with self._database.write() as connection:
+                self._database.insert_new(connection, schema.sequences, "id", fields)
+                row = find_sequence(connection, sequence)
+        if row is None or decode_points(row.points).tolist() != counts:
+            raise ConflictError(
+                f"sequence: expected {sequence!r} to keep its frames, got other point counts"
+            )
 
     def forget(self, sequence: str) -> None:
         """Remove a sequence with its whole history; an unknown one is no error."""
         with self._database.write() as connection:
-            row = find_sequence(connection, sequence)
-            if row is not None:
+            found = find_revision(connection, sequence, lock=True)
+            if found is not None:
+                number, _ = found
                 for table in schema.PER_SEQUENCE:
-                    connection.execute(delete(table).where(table.c.sequence == row.number))
-                here = schema.sequences.c.number == row.number
+                    connection.execute(delete(table).where(table.c.sequence == number))
+                here = schema.sequences.c.number == number
                 connection.execute(delete(schema.sequences).where(here))
         self._sessions.forget(sequence)
 
