@@ -50,3 +50,10 @@ def test_a_room_has_a_millimetre_and_an_object_a_tenth() -> None:
     assert quantise(room, base_step(8.0)).error == pytest.approx(0.0005, rel=0.05)
     thing = room / 20
     assert quantise(thing, base_step(0.4)).error < 0.0001 / 2
+
+
+@pytest.mark.parametrize(
+    ("extent", "step"), [(1.0, 2**-10), (5.0, 2**-10), (200.0, 2**-9), (5e3, 2**-8), (0.0, 2**-10)]
+)
+def test_the_grid_follows_the_extent(extent: float, step: float) -> None:
+    assert base_step(extent) == step

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from pointbrush.sequences.order import bounds
 
 ROOM_STEP = 2.0**-10
-"""Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera.
-
-Above 128 m it grows with the extent, 2 mm at 256 m, under the noise of a lidar.
-"""
+"""Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera."""
+SITE_STEP = 2.0**-8
+"""Grid of a recording of more than 256 m: 3.9 mm, under the noise of a lidar."""
 
 _STEPS = 65535
 _OBJECT_BITS = 13
@@ -33,7 +32,7 @@ def base_step(extent: float) -> float:
     bits = math.ceil(math.log2(extent))
     if extent < 1.0:
         return math.ldexp(1.0, max(bits - _OBJECT_BITS, _MIN_EXPONENT))
-    return max(ROOM_STEP, math.ldexp(1.0, bits - _SITE_BITS))
+    return min(max(ROOM_STEP, math.ldexp(1.0, bits - _SITE_BITS)), SITE_STEP)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
