@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.columns import frame_from_columns, unpack_rgb
 from pointbrush.formats.lzf import lzf_decompress
+from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
-from pointbrush.formats.ply import parse_numbers
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]

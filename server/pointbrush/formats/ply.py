@@ -5,7 +5,6 @@ The vertices become the points; faces and other elements are passed over.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.frame import PointFrame
 
@@ -239,24 +239,6 @@ def _ascii_columns(
         else:
             columns[prop.name] = _typed(name, prop, values)
     return columns
-
-
-def parse_numbers(name: str, text: bytes) -> NDArray[np.float64]:
-    """All whitespace-separated numbers; raises BadInputError naming the first that is none."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)
-            return np.fromstring(text, dtype=np.float64, sep=" ")
-    except (ValueError, DeprecationWarning):
-        for line_number, line in enumerate(text.splitlines(), start=1):
-            for word in line.split():
-                try:
-                    float(word)
-                except ValueError:
-                    raise BadInputError(
-                        f"{name}: expected numbers, got {word[:40]!r} in data line {line_number}"
-                    ) from None
-        raise BadInputError(f"{name}: expected numbers, got text that is none") from None
 
 
 def _token_starts(

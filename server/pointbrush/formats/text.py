@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns, roles
+from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.frame import PointFrame
 
@@ -96,15 +97,17 @@ def _table(
     width = len(_words(lines[rows[0]], separator))
     if width > MAX_COLUMNS:
         raise BadInputError(f"{name}: expected at most {MAX_COLUMNS} columns, got {width}")
-    try:
-        table = np.loadtxt(
-            (lines[row] for row in rows), np.float64, delimiter=separator, comments=None, ndmin=2
-        )
-    except ValueError:
-        raise _complaint(name, lines, rows, separator, width) from None
-    if table.shape != (len(rows), width):
+    wanted = [lines[row] for row in rows]
+    if {len(line.split(separator)) for line in wanted} != {width}:
         raise _complaint(name, lines, rows, separator, width)
-    return table
+    body = "\n".join(wanted)
+    try:
+        numbers = parse_numbers(name, body.replace(separator or "\n", " ").encode())
+    except BadInputError:
+        raise _complaint(name, lines, rows, separator, width) from None
+    if numbers.size != len(rows) * width:
+        raise _complaint(name, lines, rows, separator, width)
+    return numbers.reshape(len(rows), width)
 
 
 def _complaint(
