@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -159,14 +159,16 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
         if not any(manifest.source.startswith("sample") for manifest in workspace.sequences()):
             job = workspace.import_sample(frames=given.sample_frames)
             follow(workspace, job)
-        run(workspace, settings)
+        # Ctrl+C is how a server ends; it drains first, and that is no failure.
+        with suppress(KeyboardInterrupt):
+            run(workspace, settings)
 
 
 def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001
     """Serve the workspace until interrupted."""
     from pointbrush.web.server import run
 
-    with closing(Workspace(settings)) as workspace:
+    with closing(Workspace(settings)) as workspace, suppress(KeyboardInterrupt):
         run(workspace, settings)
 
 
