@@ -8,10 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from sqlalchemy import (
-    ColumnElement,
     Connection,
     Row,
     and_,
@@ -253,30 +250,17 @@ def labels_that_came_or_went(connection: Connection, row: Row[Any]) -> set[int]:
     return {label for label, fields in connection.execute(query) if "exists" in json.loads(fields)}
 
 
-def out_of_force(connection: Connection, number: int, revisions: Sequence[int]) -> set[int]:
-    """Those of ``revisions`` that are undone."""
-    return _those(connection, number, revisions, edits.c.state.in_((schema.UNDONE, schema.DROPPED)))
-
-
-def by_others(
-    connection: Connection, number: int, revisions: Sequence[int], author: str
-) -> set[int]:
-    """Those of ``revisions`` that are not ``author``'s."""
-    return _those(connection, number, revisions, edits.c.author != author)
-
-
-def _those(
-    connection: Connection, number: int, revisions: Sequence[int], what: ColumnElement[bool]
-) -> set[int]:
-    found: set[int] = set()
+def by_others(connection: Connection, number: int, revisions: Sequence[int], author: str) -> bool:
+    """Whether any of ``revisions`` is not ``author``'s."""
     for start in range(0, len(revisions), CHUNK):
         query = select(edits.c.revision).where(
             edits.c.sequence == number,
             edits.c.revision.in_(revisions[start : start + CHUNK]),
-            what,
+            edits.c.author != author,
         )
-        found.update(connection.execute(query).scalars())
-    return found
+        if connection.execute(query.limit(1)).first() is not None:
+            return True
+    return False
 
 
 def redone_since(
@@ -316,8 +300,3 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
 def drop_redo(connection: Connection, number: int, author: str) -> None:
     """``author`` went on: what they had undone stays undone."""
     connection.execute(_DROP_REDO, {"of_sequence": number, "of_author": author})
-
-
-def unique_revisions(writers: NDArray[np.uint64]) -> list[int]:
-    """The writers, each once, without 0."""
-    return [int(n) for n in np.unique(writers) if n]

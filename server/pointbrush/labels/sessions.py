@@ -135,6 +135,7 @@ class Sessions:
         else:
             for row in journal.rows_since(connection, state.number, first, GAP):
                 state.adopt(journal.iterate_changes(connection, state.number, row.revision))
+                state.turn(row.kind, row.target)
         state.revision = revision
         state.reload_palette(connection)
         state.reload_counts(connection)
@@ -167,9 +168,11 @@ class Sessions:
                 if first is not None:
                     return first
                 draft = Draft(connection, state)
-                commit, effect = self._append(draft, plan(draft))
+                entry = plan(draft)
+                commit, effect = self._append(draft, entry)
             # Committed: only now may memory change.
             self._adopt(draft, effect)
+            state.turn(entry.kind, entry.target)
             self.outbox.put(commit)
         self.outbox.drain()
         return commit

@@ -22,7 +22,7 @@ from pointbrush.labels.packing import (
     Change,
     States,
 )
-from pointbrush.labels.schema import counts, labels, sequences
+from pointbrush.labels.schema import DROPPED, UNDONE, counts, edits, labels, sequences
 from pointbrush.labels.types import Cell, Label
 
 Count = tuple[int, int, int]
@@ -52,8 +52,23 @@ class SequenceState:
         self.exists = _only_unlabeled()
         self.locked = np.zeros(1 << 16, np.bool_)
         self.counts.clear()
+        self._undone: set[int] | None = None  # read when first needed
         self.reload_palette(connection)
         self.reload_counts(connection)
+
+    def undone(self, connection: Connection) -> set[int]:
+        """Revisions of the edits that are out of force."""
+        if self._undone is None:
+            query = select(edits.c.revision).where(
+                edits.c.sequence == self.number, edits.c.state.in_((UNDONE, DROPPED))
+            )
+            self._undone = set(connection.execute(query).scalars())
+        return self._undone
+
+    def turn(self, kind: str, target: int | None) -> None:
+        """Take note of a committed undo or redo of ``target``."""
+        if self._undone is not None and target is not None:
+            (self._undone.add if kind == "undo" else self._undone.discard)(target)
 
     # ── palette and counts ───────────────────────────────────────────────────────────────
 
@@ -149,7 +164,8 @@ class SequenceState:
         return self._blocks.get(self.number, place)
 
     def forget_blocks(self) -> None:
-        """Drop all blocks in memory."""
+        """Drop all blocks in memory, and what is known of single edits."""
+        self._undone = None
         self._blocks.drop(self.number)
 
 

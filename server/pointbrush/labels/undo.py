@@ -58,7 +58,7 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
             uncovered.append(
                 _Uncovered(place, change.indices[mine], now[mine], before, edit.revision)
             )
-    _follow_chains(connection, number, uncovered)
+    _follow_chains(connection, number, uncovered, draft.state.undone(connection))
     _lay_redone_over(connection, number, uncovered, edit.revision)
     for one in uncovered:
         draft.put(one.place, one.indices, one.now, one.words)
@@ -83,27 +83,20 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
     _tracks(draft, edit)
 
 
-def _follow_chains(connection: Connection, number: int, uncovered: list[_Uncovered]) -> None:
+def _follow_chains(
+    connection: Connection, number: int, uncovered: list[_Uncovered], undone: set[int]
+) -> None:
     """Go down from the words an edit found to those of an edit that is in force.
 
     The writer of a word that it found may have been undone since: then what *that* one found
     counts, and so on.
     """
-    undone: dict[int, bool] = {}
-    open_ends = uncovered
-    while open_ends:
-        present = {id(one): journal.unique_revisions(writer_of(one.words)) for one in open_ends}
-        new = sorted({writer for found in present.values() for writer in found} - undone.keys())
-        gone = journal.out_of_force(connection, number, new)
-        undone.update({writer: writer in gone for writer in new})
-        open_ends = [
-            one
-            for one in open_ends
-            if _step_down(connection, number, one, [w for w in present[id(one)] if undone[w]])
-        ]
+    for one in uncovered:
+        while gone := undone.intersection(writer_of(one.words).tolist()):
+            _step_down(connection, number, one, sorted(gone))
 
 
-def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> bool:
+def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> None:
     writers = writer_of(one.words)
     for writer in gone:
         rows = np.flatnonzero(writers == np.uint64(writer))
@@ -113,7 +106,6 @@ def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[
         at, mine = match_sorted(change.indices, one.indices[rows])
         one.words[rows[mine]] = change.before[at]
         one.link = min(one.link, writer)
-    return bool(gone)
 
 
 def _lay_redone_over(
