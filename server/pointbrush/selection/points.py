@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pointbrush.ranges import ranges
+
 
 class Blocks(Protocol):
     """Bounding boxes of runs of spatially adjacent points, and of the chunks that hold the runs.
@@ -76,13 +78,13 @@ class Points:
         """Numbers of the blocks whose boxes pass ``touches(lo, hi)``; chunks are culled first."""
         chunks = np.flatnonzero(touches(self.blocks.chunk_lo, self.blocks.chunk_hi))
         first = self.blocks.chunk_first
-        numbers = spans(first[chunks], first[chunks + 1])
+        numbers = ranges(first[chunks], first[chunks + 1])
         kept = touches(self.blocks.lo[numbers], self.blocks.hi[numbers])
         return np.asarray(numbers[kept])
 
     def numbers(self, blocks: NDArray[np.int64]) -> NDArray[np.int64]:
         """Stored numbers of all points in ``blocks``, ascending when ``blocks`` is."""
-        return spans(self.blocks.first[blocks], self.blocks.first[blocks + 1])
+        return ranges(self.blocks.first[blocks], self.blocks.first[blocks + 1])
 
     def spacing(self, blocks: NDArray[np.int64]) -> NDArray[np.float64]:
         """Typical distance between neighbouring points of the surface in each block, metres.
@@ -100,13 +102,3 @@ class Points:
             area / count * share[np.minimum(level, len(share) - 1)]
         )
         return spacing
-
-
-def spans(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Concatenated ``arange(start[i], stop[i])`` without a Python loop."""
-    lengths = stop - start
-    total = int(lengths.sum())
-    if total == 0:
-        return np.empty(0, np.int64)
-    offset = np.repeat(start - np.concatenate(([0], np.cumsum(lengths)[:-1])), lengths)
-    return offset + np.arange(total)

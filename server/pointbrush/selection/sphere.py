@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import Points, spans
+from pointbrush.ranges import ranges
+from pointbrush.selection.points import Points
 
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
@@ -24,7 +25,7 @@ def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> N
     block_lo, block_hi = points.blocks.lo[near], points.blocks.hi[near]
     first = points.blocks.first[near]
     counts = points.blocks.first[near + 1] - first
-    numbers = spans(first, first + counts)
+    numbers = ranges(first, first + counts)
     xyz = np.take(points.xyz, numbers, axis=0).astype(np.float64)
     borders = np.concatenate([[0], np.cumsum(counts)])
     inside, whole = np.zeros(len(numbers), np.bool_), np.zeros(len(near), np.bool_)
@@ -38,7 +39,7 @@ def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> N
         whole[blocks[(distance.reshape(-1, 8) <= radius * radius).all(axis=1)]] = True
         # 4. The other boxes' points, one by one, unless an earlier segment took them.
         blocks = blocks[~whole[blocks]]
-        open_ = spans(borders[blocks], borders[blocks + 1])
+        open_ = ranges(borders[blocks], borders[blocks + 1])
         open_ = open_[~inside[open_]]
         distance = _distance_squared(xyz[open_] - starts[k], stops[k] - starts[k])
         inside[open_[distance <= radius * radius]] = True

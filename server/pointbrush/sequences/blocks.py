@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.ranges import ranges
+
 BLOCK_POINTS = 256
 
 
@@ -51,14 +53,6 @@ def _meet(
     for axis in range(3):
         meet &= (a_lo[:, axis] <= hi[axis]) & (a_hi[:, axis] >= lo[axis])
     return meet
-
-
-def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The integers of all ranges ``start[i]:stop[i]``, one after the other."""
-    length = stop - start
-    begin = np.cumsum(length) - length
-    numbers: NDArray[np.int64] = np.repeat(start - begin, length)
-    return numbers + np.arange(len(numbers))
 
 
 def cut(chunk_first: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
