@@ -10,4 +10,5 @@ def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
     """The integers of all ranges ``start[i]:stop[i]`` (n,), one range after the other."""
     length = stop - start
     begin = np.cumsum(length) - length
-    return np.arange(int(length.sum()), dtype=np.int64) + np.repeat(start - begin, length)
+    offset = np.repeat(start - begin, length)
+    return np.asarray(np.arange(len(offset), dtype=np.int64) + offset)
