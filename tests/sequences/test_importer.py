@@ -368,7 +368,7 @@ def test_damaged_files_are_refused_when_opened(tmp_path: Path) -> None:
     whole = file.read_bytes()
     for broken in (b"", whole[:30], b"x" + whole[1:], whole[: len(whole) // 2]):
         file.write_bytes(broken)
-        with pytest.raises(BadInputError, match="expected an array file"):
+        with pytest.raises(BadInputError, match="expected stored arrays"):
             open_sequence(tmp_path / "s")[0]
     file.unlink()
     with pytest.raises(NotFoundError):

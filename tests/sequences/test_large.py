@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.errors import BadInputError, CancelledError, TooLargeError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import (
     Manifest,
@@ -194,6 +194,31 @@ def test_failures_leave_nothing(tmp_path: Path, small_limits: None) -> None:
     with pytest.raises(BadInputError, match="at least one frame"):
         put([], tmp_path / "s")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("message", ["read", "ordered", "writing", "checksums"])
+def test_cancelling_at_any_stage_leaves_nothing(
+    tmp_path: Path, small_limits: None, message: str
+) -> None:
+    def cancel(_: float, said: str) -> None:
+        if said.startswith(message):
+            raise CancelledError("cancelled by its user")
+
+    with pytest.raises(CancelledError):
+        import_large(
+            importer.split(site(30_000)), tmp_path / "s", sequence_id="s", name="n", progress=cancel
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["xyz.npy", "chunks.npy", "meta.json"])
+def test_damage_is_found_and_refused(tmp_path: Path, small_limits: None, name: str) -> None:
+    put(importer.split(site(30_000)), tmp_path / "s")
+    file = tmp_path / "s" / "frames" / "000000" / name
+    file.write_bytes(b"\x00" + file.read_bytes()[1:])
+    assert [problem for problem in verify(tmp_path / "s") if name in problem]
+    with pytest.raises(BadInputError, match="expected stored arrays"):
+        open_sequence(tmp_path / "s")[0]
 
 
 @settings(max_examples=30, deadline=None)

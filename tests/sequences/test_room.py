@@ -88,6 +88,32 @@ def test_what_a_camera_sees_stands_on_its_floor(y_down: bool, pitch: float, know
     assert np.corrcoef(points[:, 2], room[:, 2])[0, 1] < -0.7
 
 
+def test_map_coordinates_have_z_up_whatever_the_planes_say() -> None:
+    wall = np.random.default_rng(0).uniform(0, 1, (4000, 3)) * [40, 0.01, 12]
+    finder = RoomFinder(np.array([448_000.0, 5_411_000.0, 0.0]))
+    finder.add(wall.astype(np.float32), None)
+    assert finder.room(camera=False)[1, :3] == pytest.approx([0, 0, 1], abs=0.05)
+
+
+def test_a_tall_room_does_not_lie_on_its_wall() -> None:
+    shaft = hall() * [0.5, 0.5, 1.2]
+    _, T_room_local = stand(shaft)
+    assert T_room_local[1, :3] == pytest.approx([0, 0, 1], abs=0.02)
+
+
+def test_what_lies_off_the_axis_was_not_seen_by_a_camera() -> None:
+    _, T_room_local = stand(hall() * [0.2, 0.2, 0.2] + [0, 6, 9])
+    assert T_room_local[1, :3] == pytest.approx([0, 0, 1], abs=0.02)
+
+
+@pytest.mark.parametrize("points", [6, 8])
+def test_the_corners_of_a_solid(points: int) -> None:
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
+    corners = signs if points == 8 else np.concatenate([np.eye(3), -np.eye(3)])
+    room, _ = stand(corners)
+    assert room[:, 1].min() == pytest.approx(0, abs=0.1)
+
+
 @pytest.mark.parametrize("count", [0, 1, 3, 50])
 def test_too_few_or_equal_points_still_give_a_room(count: int) -> None:
     room, T_room_local = stand(np.full((count, 3), 2.0))
@@ -124,7 +150,7 @@ def test_thinning_forgets_density() -> None:
 @pytest.mark.parametrize("scene", ["dgp_scene_01", "dgp_scene_02"])
 def test_a_real_lidar_stands_on_the_street(shared: Path, scene: str) -> None:
     xyz = np.load(shared / "realdata" / scene / "npz" / "0000.npz")["xyz"].astype(float)
-    floor = find_floor(xyz[::7], np.zeros((0, 3)), camera=False)
+    floor = find_floor(xyz[::7], np.zeros((0, 3)))
     assert floor.found
     assert floor.up == pytest.approx([0, 0, 1], abs=0.03)
     ring = np.linalg.norm(xyz[:, :2], axis=1)

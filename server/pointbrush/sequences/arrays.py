@@ -66,14 +66,13 @@ def open_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
 
     Raises NotFoundError when it is absent, BadInputError when it is damaged.
     """
-    if path.is_dir():
-        meta = json.loads((path / "meta.json").read_text())
-        return {file.stem: _open_npy(file) for file in sorted(path.glob("*.npy"))}, meta
-    data = map_file(path)
     try:
-        return _parse(data)
-    except (ValueError, KeyError, TypeError) as error:
-        raise BadInputError(f"{path.name}: expected an array file, got {error}") from error
+        if path.is_dir():
+            meta = json.loads((path / "meta.json").read_bytes())
+            return {file.stem: _open_npy(file) for file in sorted(path.glob("*.npy"))}, meta
+        return _parse(map_file(path))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise BadInputError(f"{path.name}: expected stored arrays, got {error}") from error
 
 
 def map_file(path: Path) -> memoryview:

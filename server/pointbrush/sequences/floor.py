@@ -8,18 +8,22 @@ any below, and the sensor above.  Nothing here is random, so an import can be re
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 Vector = NDArray[np.float64]
+Kind = Literal["camera", "survey", "unknown"]
+"""Points of a depth image (y down, z forward), in map coordinates (z up), or of anything."""
 
 _MOST = 6000
 _NEIGHBOURS = 12
 _PLANES = 250
 _MIN_SHARE = 0.04
+_FEW = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +58,12 @@ def thin(points: Vector, cells: int = 96) -> Vector:
     reach = float((high - low).max())
     size = max(2 * reach / cells, 1e-9)
     lo, hi = (low + high) / 2 - reach - 2 * size, (low + high) / 2 + reach + 2 * size
-    points = points[((points >= lo) & (points <= hi)).all(axis=1)]
+    inside = ((points >= lo) & (points <= hi)).all(axis=1)
+    if 2 * int(inside.sum()) > len(points):
+        points = points[inside]
+    else:  # hardly any middle: keep all, in cells to suit
+        lo, hi = points.min(axis=0), points.max(axis=0)
+        size = max(float((hi - lo).max()) / cells, 1e-9)
     cell = np.floor((points - lo) / size).astype(np.int64) + 4
     keys = (cell[:, 0] * 2**20 + cell[:, 1]) * 2**20 + cell[:, 2]
     _, group, counts = np.unique(keys, return_inverse=True, return_counts=True)
@@ -65,30 +74,47 @@ def thin(points: Vector, cells: int = 96) -> Vector:
 
 def frustum_depth(points: Vector) -> float:
     """+1 when the points lie in front of a camera at the origin along +z, -1 along -z, else 0."""
+    if len(points) < _FEW:
+        return 0.0
     for sign in (1.0, -1.0):
         depth = sign * points[:, 2]
         wide = np.abs(points[:, :2]) < 1.5 * np.maximum(depth, 0)[:, None]
-        if float(wide.all(axis=1).mean()) > 0.99:
+        low, high = np.quantile(points[:, :2], [0.02, 0.98], axis=0)
+        if float(wide.all(axis=1).mean()) > 0.99 and (low < 0).all() and (high > 0).all():
             return sign
     return 0.0
 
 
-def _conventions(points: Vector, camera: bool) -> list[_Convention]:
-    depth = 1.0 if camera else frustum_depth(points)
+def _conventions(points: Vector, kind: Kind, depth: float) -> list[_Convention]:
+    ahead = (0.0, 0.0, 1.0)
+    z_up = _Convention((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), 1.0, 20.0)
+    y_up = _Convention((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), 0.9, 60.0 if depth else 20.0)
+    y_down = _Convention((0.0, -1.0, 0.0), ahead, 0.7, 20.0)
+    if kind == "camera":
+        return [_Convention((0.0, -1.0, 0.0), ahead, 1.0, 60.0)]
+    if kind == "survey":
+        return [z_up]
     if depth > 0:
-        ahead = (0.0, 0.0, 1.0)
-        down = 1.0 if camera else 1.0 + _nearer_below(points)
-        up = 0.0 if camera else 1.0 - _nearer_below(points)
+        below = _nearer_below(points)
         return [
-            _Convention((0.0, -1.0, 0.0), ahead, down, 60.0),
-            _Convention((0.0, 1.0, 0.0), ahead, 0.9 * up, 60.0),
+            _Convention((0.0, -1.0, 0.0), ahead, 1.0 + below, 60.0),
+            _Convention((0.0, 1.0, 0.0), ahead, 0.9 * (1.0 - below), 60.0),
             _Convention((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), 0.3, 20.0),
         ]
-    y_up = _Convention((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), 0.9, 60.0 if depth else 20.0)
-    z_up = _Convention((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), 1.0, 20.0)
     # A bare object of less than a metre is more often a model, and those have y up.
     small = float(np.ptp(points, axis=0).max()) < 1.0
-    return [y_up, z_up] if small or depth < 0 else [z_up, y_up]
+    if small or depth < 0:
+        return [y_up, z_up]
+    return [_wide(choice, points) for choice in (z_up, y_up, y_down)]
+
+
+def _wide(choice: _Convention, points: Vector) -> _Convention:
+    """The convention, a little likelier when the recording is wider than high under it."""
+    low, high = np.quantile(points, [0.02, 0.98], axis=0)
+    upright = np.abs(np.array(choice.up)) > 0.5
+    height, width = float((high - low)[upright][0]), float((high - low)[~upright].mean())
+    factor = np.clip(width / height, 0.75, 1.33) if height > 0 else 1.33
+    return replace(choice, prior=choice.prior * float(factor))
 
 
 def _nearer_below(points: Vector) -> float:
@@ -107,14 +133,14 @@ def _normals(points: Vector) -> tuple[Vector, Vector]:
     return vectors[:, :, 0], values[:, 0] / np.maximum(values.sum(axis=1), 1e-30)
 
 
-def find_floor(points: Vector, viewpoints: Vector, *, camera: bool) -> Floor:
-    """The floor under points (N, 3) seen from ``viewpoints`` (V, 3), V may be 0.
-
-    ``camera``: the points were unprojected from a depth image, y down and z forward.
-    """
+def find_floor(points: Vector, viewpoints: Vector, kind: Kind = "unknown") -> Floor:
+    """The floor under points (N, 3) seen from ``viewpoints`` (V, 3), V may be 0."""
     if len(points) == 0:
         return Floor(np.array([0.0, 1, 0]), 0.0, np.array([0.0, 0, -1]), found=False)
-    choices = _conventions(points, camera)
+    depth = frustum_depth(points) if kind == "unknown" else 0.0
+    if depth and len(viewpoints) == 0:
+        viewpoints = np.zeros((1, 3))
+    choices = _conventions(points, kind, depth)
     points = thin(points)
     best: tuple[float, _Convention, Vector, float] | None = None
     if len(points) >= 3 * _NEIGHBOURS:

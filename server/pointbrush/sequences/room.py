@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.floor import find_floor
+from pointbrush.sequences.floor import Kind, find_floor
 
 _KEEP = 12
 _ROOM_SIZE = 30.0
@@ -37,7 +37,9 @@ class RoomFinder:
         """``T_room_local`` (4, 4): floor at y = 0, y up, -z ahead, the middle at the origin."""
         points = np.concatenate([np.empty((0, 3)), *self._points]).astype(np.float64)
         viewpoints = np.array(self._viewpoints).reshape(-1, 3)
-        floor = find_floor(points, viewpoints, camera=camera)
+        # Far coordinates are a map's, and maps have z up.
+        kind: Kind = "camera" if camera else "survey" if self._shift.any() else "unknown"
+        floor = find_floor(points, viewpoints, kind)
         right = np.cross(floor.forward, floor.up)
         rotation = np.stack([right, floor.up, -floor.forward])
         T_room_local = np.eye(4)
