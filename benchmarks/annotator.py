@@ -217,18 +217,20 @@ class Annotator:
             if self.paint(i, each=False):
                 self.corrected.append(i)
 
-    def label_all(self, method: str, stretch: int | None = None) -> None:
+    def label_all(self, method: str, *, forgetful: bool = False) -> None:
         """Paint frame 0, track, correct the first frame that is not good, track on from there.
 
-        ``stretch``: track that many frames at a time and all labels, for methods that remember
-        nothing but the last frame; None: to the end, and only what was corrected.
+        ``forgetful``: the method remembers nothing but the last frame, so that all labels are
+        tracked a few frames at a time, as many as went well before, which comes to the same.
+        Otherwise to the end, and again only what was corrected.
         """
         self.paint(0, each=True)
-        start, labels = 0, None
+        start, labels, stretch = 0, None, 4
         while start < self.frames - 1:
-            stop = self.frames - 1 if stretch is None else min(start + stretch, self.frames - 1)
+            stop = min(start + stretch, self.frames - 1) if forgetful else self.frames - 1
             self.track(labels, start, stop, method)
             bad = next((i for i in range(start + 1, stop + 1) if self.quality(i) < GOAL), None)
+            stretch = 2 * ((bad or stop + 1) - start)
             if bad is None:
                 start, labels = stop, None
                 continue
@@ -237,4 +239,4 @@ class Annotator:
                 raise RuntimeError(f"frame {bad}: no stroke makes it better")
             self.corrected.append(bad)
             start = bad
-            labels = None if stretch else [k for k, s in before.items() if s < GOAL]
+            labels = None if forgetful else [k for k, s in before.items() if s < GOAL]

@@ -34,8 +34,8 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "table-top": ("tabletop", {}),
     "walking people": ("walking", {}),
 }
-STRETCH = {"icp": 10, "color-icp": 10}
-"""Frames that the paper's methods track at a time; they remember only the last frame."""
+FORGETFUL = ("icp", "color-icp")
+"""The paper's methods remember nothing but the last frame."""
 
 
 @contextmanager
@@ -74,7 +74,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--methods", default="none,icp,color-icp,auto")
-    parser.add_argument("--kinds", default=",".join(KINDS), help="; ".join(KINDS))
+    parser.add_argument("--kinds", default="3 pins,6 pins, passing", help="; ".join(KINDS))
     given = parser.parse_args()
     methods = given.methods.split(",")
     kinds = [k.strip() for k in re.split(r",(?! passing)", given.kinds)]
@@ -103,7 +103,7 @@ def main() -> None:
                         person.label_all_by_hand()
                         by_hand = person.strokes
                     else:
-                        person.label_all(method, STRETCH.get(method))
+                        person.label_all(method, forgetful=method in FORGETFUL)
                     report(kind, method, person, by_hand, time.perf_counter() - begun)
 
 
