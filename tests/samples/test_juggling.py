@@ -56,7 +56,7 @@ def test_pins_tumble_twenty_to_forty_degrees_and_fly_some_fifteen_centimetres_a_
                 turns.append(np.degrees(np.arccos(np.clip(a[:3, 1] @ b[:3, 1], -1, 1))))
                 steps.append(np.linalg.norm(b[:3, 3] - a[:3, 3]))
     assert 20 < np.median(turns) < 40
-    assert 0.08 < np.median(steps)
+    assert np.median(steps) > 0.08
     assert 0.13 < np.quantile(steps, 0.95) < 0.2
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -10,9 +11,13 @@ import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import read
+from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
 from pointbrush.samples.__main__ import main
-from pointbrush.samples.writing import decimate
+from pointbrush.samples.jugglers import JugglingOptions
+from pointbrush.samples.tabletop import TabletopOptions
+from pointbrush.samples.walkers import WalkingOptions
+from pointbrush.samples.writing import decimate, picture
 
 DATA = Path(__file__).parent.parent.parent / "data" / "juggling"
 
@@ -74,3 +79,19 @@ def test_the_cut_is_small_and_is_what_the_generator_makes() -> None:
     with np.load(files[0]) as archive:
         np.testing.assert_allclose(archive["xyz"], frame.xyz, atol=2e-3)
         assert (archive["truth"] == truth).mean() > 0.999
+
+
+def test_a_picture_shows_the_colours_where_there_is_depth() -> None:
+    frame = generate("walking", frames=1).frame(0)
+    pixels = np.asarray(picture(frame)).reshape(-1, 3)
+    np.testing.assert_array_equal(pixels[frame.pixel], frame.rgb)
+    assert (np.delete(pixels, frame.pixel, axis=0) == 0).all()
+    with pytest.raises(BadInputError, match="camera"):
+        picture(PointFrame(frame.xyz))
+
+
+@pytest.mark.parametrize("options", [JugglingOptions, TabletopOptions, WalkingOptions])
+def test_every_option_is_documented(options: type) -> None:
+    text = (DATA.parents[1] / "docs" / "samples.md").read_text()
+    for option in dataclasses.fields(options):
+        assert f"`{option.name}`" in text

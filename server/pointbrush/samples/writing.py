@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
@@ -47,6 +48,18 @@ def write(
             progress(i + 1, len(recording))
     (folder / "recording.json").write_text(_description(recording, step) + "\n")
     return paths
+
+
+def picture(frame: PointFrame) -> Image.Image:
+    """Return the colours of an organised frame as a picture; missing pixels are black.
+
+    Raises BadInputError for a frame without camera, pixels or colours.
+    """
+    if frame.camera is None or frame.pixel is None or frame.rgb is None:
+        raise BadInputError("picture: expected a frame with camera, pixel and rgb")
+    grid = np.zeros((frame.camera.height * frame.camera.width, 3), np.uint8)
+    grid[frame.pixel] = frame.rgb
+    return Image.fromarray(grid.reshape(frame.camera.height, frame.camera.width, 3))
 
 
 def decimate(
