@@ -64,6 +64,9 @@ class Model:
     def raw(self) -> dict[Point, Mark]:
         return {point: mark for point, (mark, _) in self.top("marks").items()}
 
+    def held(self) -> dict[Point, Mark]:
+        return {point: mark for point, mark in self.raw().items() if mark.label}
+
     def visible(self, known: Any = None) -> dict[Point, tuple[int, int, bool]]:
         known = self.palette() if known is None else known
         deleted = {point: flag for point, (flag, _) in self.top("deleted").items()}
@@ -88,9 +91,9 @@ class Model:
     # ── edits ──
 
     def commit(self, edit: Edit) -> None:
-        before = self.visible()
+        before = self.visible(), self.held()
         self.edits.append(edit)
-        if self.visible() == before and not edit.labels and not edit.tracks:
+        if (self.visible(), self.held()) == before and not edit.labels and not edit.tracks:
             edit.state = INERT
             tops = (self.top("marks"), self.top("deleted"))
             mine = [(edit.marks, tops[0]), (edit.deleted, tops[1])]

@@ -203,6 +203,7 @@ def test_any_interleaving_is_a_replay_without_what_was_undone(
         if step % 5 == 4:
             pair.compare()
     pair.compare()
+    assert stores[0].check(pair.sequence) == []
     for stop in unsubscribe:
         stop()
 

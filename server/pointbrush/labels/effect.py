@@ -81,6 +81,18 @@ def deltas_of(
     return {frame: _joined(deltas) for frame, deltas in pieces.items()}
 
 
+def labels_in(changes: Mapping[Place, Change], frames: Mapping[int, Delta]) -> set[FrameLabel]:
+    """Frames and labels whose counts an edit may have changed."""
+    found: set[FrameLabel] = set()
+    for (frame, layer, _), change in changes.items():
+        if layer == LABELS:
+            words = np.concatenate([change.before, change.after])
+            found.update((frame, label) for label in np.unique(label_of(words)).tolist())
+    for frame, delta in frames.items():
+        found.update((frame, label) for label in np.unique(delta.label).tolist())
+    return {key for key in found if key[1]}
+
+
 def _touched(
     connection: Connection,
     state: SequenceState,

@@ -9,6 +9,7 @@ import sqlite3
 import threading
 from collections import deque
 from collections.abc import Callable
+from pathlib import Path
 
 import psycopg
 from sqlalchemy import Connection, text
@@ -89,13 +90,14 @@ class Watcher:
         self._heard = heard
         self._stop = threading.Event()
         self.origin = secrets.token_hex(8)
-        work = self._watch_sqlite if database.sqlite else self._watch_postgres
-        self._thread = threading.Thread(target=work, name="pointbrush-watcher", daemon=True)
+        self._starting = threading.Lock()
+        self._thread = threading.Thread(target=self._run, name="pointbrush-watcher", daemon=True)
 
     def start(self) -> None:
         """Begin to watch, once."""
-        if not self._thread.is_alive() and not self._stop.is_set():
-            self._thread.start()
+        with self._starting:
+            if self._thread.ident is None and not self._stop.is_set():
+                self._thread.start()
 
     def announce(self, connection: Connection) -> None:
         """Tell other processes, when the transaction commits."""
@@ -117,16 +119,23 @@ class Watcher:
         except Exception:
             log.exception("could not catch up with another process's commits")
 
-    def _watch_sqlite(self) -> None:
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            try:
+                if self._database.path is not None:
+                    self._watch_sqlite(self._database.path)
+                else:
+                    self._watch_postgres()
+            except (psycopg.Error, sqlite3.Error) as error:
+                log.warning("other processes' commits cannot be heard of now: %s", error)
+                self._stop.wait(RETRY_SECONDS)
+
+    def _watch_sqlite(self, path: Path) -> None:
         """``PRAGMA data_version`` changes when another connection has committed."""
-        path = self._database.path
         seen: int | None = None
-        with contextlib.closing(sqlite3.connect(str(path), timeout=1)) as connection:
+        with contextlib.closing(sqlite3.connect(path, timeout=1)) as connection:
             while not self._stop.wait(POLL_SECONDS):
-                try:
-                    version = connection.execute("PRAGMA data_version").fetchone()[0]
-                except sqlite3.Error:
-                    continue  # a full or busy disk passes; the next look will tell
+                version = connection.execute("PRAGMA data_version").fetchone()[0]
                 if version != seen:
                     seen = version
                     self._catch_up()
@@ -134,22 +143,10 @@ class Watcher:
     def _watch_postgres(self) -> None:
         url = self._database.url.set(drivername="postgresql")
         address = url.render_as_string(hide_password=False)
-        while not self._stop.is_set():
-            try:
-                with psycopg.connect(address, autocommit=True, connect_timeout=5) as connection:
-                    connection.execute(f"LISTEN {CHANNEL}")
-                    self._catch_up()  # what was committed while nobody listened
-                    self._listen(connection)
-            except psycopg.Error as error:
-                log.warning("lost the database's notifications: %s", error)
-                self._stop.wait(RETRY_SECONDS)
-
-    def _listen(self, connection: psycopg.Connection[tuple[object, ...]]) -> None:
-        while not self._stop.is_set():
-            heard = [
-                notice
-                for notice in connection.notifies(timeout=0.25, stop_after=1)
-                if notice.payload != self.origin
-            ]
-            if heard:
-                self._catch_up()
+        with psycopg.connect(address, autocommit=True, connect_timeout=5) as connection:
+            connection.execute(f"LISTEN {CHANNEL}")
+            self._catch_up()  # what was committed while nobody listened
+            while not self._stop.is_set():
+                notices = list(connection.notifies(timeout=0.25, stop_after=1))
+                if any(notice.payload != self.origin for notice in notices):
+                    self._catch_up()

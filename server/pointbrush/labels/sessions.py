@@ -17,7 +17,7 @@ from pointbrush.labels import journal, schema
 from pointbrush.labels.blocks import SNAPSHOT_EVERY, BlockCache, Place
 from pointbrush.labels.database import Database
 from pointbrush.labels.draft import Draft
-from pointbrush.labels.effect import Effect, deltas_of, effect_of
+from pointbrush.labels.effect import Effect, deltas_of, effect_of, labels_in
 from pointbrush.labels.journal import Entry
 from pointbrush.labels.notify import Outbox, Watcher
 from pointbrush.labels.packing import States
@@ -65,10 +65,12 @@ class Sessions:
     def reading(self, sequence: str) -> Iterator[tuple[Connection, SequenceState]]:
         """The sequence at its newest revision; raises NotFoundError, UnavailableError."""
         state = self._state(sequence)
-        with state.lock, self._database.read() as connection:
-            self._refresh(connection, state)
-            yield connection, state
-        self.outbox.drain()
+        try:
+            with state.lock, self._database.read() as connection:
+                self._refresh(connection, state)
+                yield connection, state
+        finally:
+            self.outbox.drain()
 
     def forget(self, sequence: str) -> None:
         """Drop what is in memory of a sequence."""
@@ -106,10 +108,12 @@ class Sessions:
                         f"sequence: expected the id of a sequence, got {sequence!r}"
                     )
                 state = SequenceState(connection, row, self._cache)
-                seen = self._seen.get(sequence, 0)
-                if self.outbox.wanted and seen < state.revision:
-                    self._publish(connection, state, seen)
+                missed = self._missed(
+                    connection, state, self._seen.get(sequence, 0), state.revision
+                )
             self._states[sequence] = state
+            for commit in missed:
+                self.outbox.put(commit)
             return state
 
     def _refresh(self, connection: Connection, state: SequenceState, *, lock: bool = False) -> None:
@@ -129,6 +133,7 @@ class Sessions:
             self._take_in(connection, state, revision)
 
     def _take_in(self, connection: Connection, state: SequenceState, revision: int) -> None:
+        """Catch up to ``revision``; if it fails on the way, it starts again from where it was."""
         first = state.revision
         if revision - first > GAP:
             state.forget_blocks()
@@ -136,21 +141,25 @@ class Sessions:
             for row in journal.rows_since(connection, state.number, first, GAP):
                 state.adopt(journal.iterate_changes(connection, state.number, row.revision))
                 state.turn(row.kind, row.target)
-        state.revision = revision
         state.reload_palette(connection)
         state.reload_counts(connection)
-        if self.outbox.wanted:
-            self._publish(connection, state, first)
+        missed = self._missed(connection, state, first, revision)
+        state.revision = revision
+        for commit in missed:
+            self.outbox.put(commit)
 
-    def _publish(self, connection: Connection, state: SequenceState, after: int) -> None:
-        """Tell of commits made elsewhere; after a long absence only of the last one.
+    def _missed(
+        self, connection: Connection, state: SequenceState, after: int, revision: int
+    ) -> list[Commit]:
+        """Commits made elsewhere; after a long absence only the last one.
 
         Those who listen see the gap between its base and what they have.
         """
-        if state.revision - after > GAP:
-            after = state.revision - 1
-        for row in journal.rows_since(connection, state.number, after, GAP):
-            self.outbox.put(self.load(connection, state, row))
+        if not self.outbox.wanted:
+            return []
+        first = after if revision - after <= GAP else revision - 1
+        rows = journal.rows_since(connection, state.number, first, GAP)
+        return [self.load(connection, state, row) for row in rows]
 
     # ── writing ──────────────────────────────────────────────────────────────────────────
 
@@ -161,20 +170,22 @@ class Sessions:
         UnavailableError, leave everything as it was.
         """
         state = self._state(sequence)
-        with state.lock:
-            with self._database.write() as connection:
-                self._refresh(connection, state, lock=True)
-                first = self.find(connection, state, edit_id)
-                if first is not None:
-                    return first
-                draft = Draft(connection, state)
-                entry = plan(draft)
-                commit, effect = self._append(draft, entry)
-            # Committed: only now may memory change.
-            self._adopt(draft, effect)
-            state.turn(entry.kind, entry.target)
-            self.outbox.put(commit)
-        self.outbox.drain()
+        try:
+            with state.lock:
+                with self._database.write() as connection:
+                    self._refresh(connection, state, lock=True)
+                    first = self.find(connection, state, edit_id)
+                    if first is not None:
+                        return first
+                    draft = Draft(connection, state)
+                    entry = plan(draft)
+                    commit, effect = self._append(draft, entry)
+                # Committed: only now may memory change.
+                self._adopt(draft, effect)
+                state.turn(entry.kind, entry.target)
+                self.outbox.put(commit)
+        finally:
+            self.outbox.drain()
         return commit
 
     def _append(self, draft: Draft, entry: Entry) -> tuple[Commit, Effect]:
@@ -210,8 +221,8 @@ class Sessions:
 
     def _is_idle(self, draft: Draft, entry: Entry, effect: Effect) -> bool:
         """Nothing to see, and nothing of others' that it would hold on to."""
-        if effect.changed or draft.labels or draft.tracks:
-            return False
+        if effect.changed or effect.counts or draft.labels or draft.tracks:
+            return False  # counts: of a deleted label, whose points look unlabeled
         writers = [int(writer) for writer in draft.foreign_writers()]
         number = draft.state.number
         return not journal.by_others(draft.connection, number, writers, entry.author)
@@ -241,9 +252,7 @@ class Sessions:
         changes = journal.changes_of(connection, state.number, row.revision)
         turned = journal.labels_that_came_or_went(connection, row) if labels else set()
         frames = deltas_of(connection, state, changes, turned)
-        touched = {frame for frame, _, _ in changes} | set(frames)
-        keys = {key: state.counts[key] for key in state.counts if key[0] in touched}
-        keys.update(state.counts_of(turned))
+        cells = labels_in(changes, frames) | state.counts_of(turned).keys()
         return Commit(
             sequence=state.id,
             edit_id=row.id,
@@ -257,7 +266,7 @@ class Sessions:
             frames=frames,
             palette_changed=bool(labels),
             tracks_changed=bool(row.tracks),
-            cells=tuple(state.cell(key) for key in sorted(keys)),
+            cells=tuple(state.cell(key) for key in sorted(cells)),
         )
 
 

@@ -30,6 +30,7 @@ Count = tuple[int, int, int]
 FrameLabel = tuple[int, int]
 NONE: Count = (0, 0, 0)
 DELETION_RUN = 64
+"""Blocks of the deletion layer that are read together."""
 
 
 class SequenceState:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, Row, and_, select
 
+from pointbrush.errors import UnavailableError
 from pointbrush.labels import journal, schema
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.draft import Draft, match_sorted
@@ -102,7 +103,9 @@ def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[
         rows = np.flatnonzero(writers == np.uint64(writer))
         change = journal.change_at(connection, number, writer, one.place)
         if change is None:
-            raise AssertionError(f"journal: edit {writer} wrote {one.place} but has no record")
+            raise UnavailableError(
+                f"undo: the record of edit {writer} is missing; 'pointbrush check' tells more"
+            )
         at, mine = match_sorted(change.indices, one.indices[rows])
         one.words[rows[mine]] = change.before[at]
         one.link = min(one.link, writer)
@@ -167,9 +170,12 @@ def keep_used_labels(draft: Draft, effect: Effect) -> bool:
 
     Undoing the creation of a label must not take other people's work with it.
     """
-    counts = {**draft.state.counts, **effect.counts}
+    going = {label_id for label_id, label in draft.labels.items() if label is None}
+    if not going:
+        return False
+    counts = {**draft.state.counts_of(going), **effect.counts}
     used = {label for (_, label), count in counts.items() if count[2]}
-    for label_id in [n for n, label in draft.labels.items() if label is None and n in used]:
+    for label_id in sorted(going & used):
         draft.label_fields[label_id] = fields_of(draft.state.palette[label_id])
         del draft.labels[label_id]
     return bool(draft.label_fields)
