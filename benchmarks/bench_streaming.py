@@ -16,12 +16,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import httpx
 import numpy as np
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 from bare_websocket import PROTOCOL  # noqa: E402
+from light_viewer import LightViewer, connect_light  # noqa: E402
 
 from pointbrush.frame import PointFrame  # noqa: E402
 from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
@@ -32,6 +34,8 @@ from tests.streaming.shaping import shaped  # noqa: E402
 POINTS, FRAMES, FPS = 217_088, 45, 30.0
 TOKEN = "a-token-for-the-benchmark"
 SECONDS = 5.0
+WARM = 0.5
+"""Seconds after its start from which a viewer must be in time."""
 
 
 def kinect(seed: int) -> PointFrame:
@@ -199,10 +203,24 @@ async def paint(url: str, seconds: float) -> list[float]:
     return times
 
 
+async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
+    """``count`` light viewers that start playing in the same moment."""
+    clients = [await connect_light(url, TOKEN) for _ in range(count)]
+    for client in clients:
+        client.send(type="open", sequence="kinect")
+    await asyncio.sleep(1.0)
+    for client in clients:
+        client.arrivals.clear()
+        client.started = time.monotonic()
+        client.send(type="play", frame=0)
+    await asyncio.sleep(seconds)
+    for client in clients:
+        client.close()
+    return clients
+
+
 async def hundred(workspace: Path) -> None:
     """A hundred followers of one recording, and somebody who paints meanwhile."""
-    import httpx
-
     with pointbrush(workspace) as url:  # type: ignore[attr-defined]
         httpx.post(
             f"{url}/api/v1/sequences/kinect/labels",
@@ -210,30 +228,48 @@ async def hundred(workspace: Path) -> None:
             headers={"Authorization": f"Bearer {TOKEN}"},
         )
         alone = await paint(url, 2)
-        times, clients = await asyncio.gather(paint(url, SECONDS), several(url, 100, SECONDS))
+        times, clients = await asyncio.gather(paint(url, SECONDS), crowd(url, 100, SECONDS))
+    rates = [len(client.arrivals) / SECONDS for client in clients]
     skew = skews(clients)
     print(
-        f"hundred viewers: {summary(clients, SECONDS)}; "
-        f"skew p95 {1e3 * np.percentile(skew, 95):.0f} ms of {1e3 / FPS:.0f}; stroke answer p50 "
+        f"hundred viewers: {min(rates):.1f} to {max(rates):.1f} frames/s each, "
+        f"{sum(c.nbytes for c in clients) / SECONDS / 1e6:.0f} MB/s together, "
+        f"median {np.median([a[2] for c in clients for a in c.arrivals]):,.0f} bytes a frame; "
+        f"behind the clock p50 {np.percentile(skew, 50):.2f} p95 {np.percentile(skew, 95):.2f} "
+        f"intervals; stroke answer p50 "
         f"{1e3 * np.percentile(times, 50):.1f} p95 {1e3 * np.percentile(times, 95):.1f} ms "
         f"(alone {1e3 * np.percentile(alone, 50):.1f} and {1e3 * np.percentile(alone, 95):.1f})"
     )
 
 
-def skews(clients: list[Viewer]) -> list[float]:
-    """How late each viewer gets each frame, against the first viewer who got it."""
-    first: dict[tuple[int, int], float] = {}
-    seen: list[tuple[tuple[int, int], float]] = []
+def skews(clients: list[LightViewer]) -> list[float]:
+    """How far each viewer's picture is behind the clock that all follow, in frame intervals.
+
+    A viewer shows a frame when it is due or, if that is later, when it arrives.
+    """
+    behind = []
     for client in clients:
-        begun, turn, last = client.arrivals[0][0], 0, -1
-        for moment, frame, _ in client.arrivals:
-            turn += frame < last and last - frame > FRAMES // 2
-            last = frame
-            key = (turn, frame)
-            # Against the viewer's own start, as each has its own clock.
-            first[key] = min(first.get(key, np.inf), moment - begun)
-            seen.append((key, moment - begun))
-    return [moment - first[key] for key, moment in seen]
+        shown = sorted(
+            (max(moment, client.started + step / FPS), step)
+            for moment, step in steps(client.arrivals)
+        )
+        times = np.array([moment for moment, _ in shown])
+        newest = np.maximum.accumulate([step for _, step in shown])
+        grid = np.arange(client.started + WARM, client.arrivals[-1][0], 0.5 / FPS)
+        at = np.searchsorted(times, grid, side="right") - 1
+        due = (grid - client.started) * FPS
+        behind += np.maximum(0, due - newest[at] - 1).tolist()
+    return behind
+
+
+def steps(arrivals: list[tuple[float, int, int]]) -> Iterator[tuple[float, int]]:
+    """Time and number of each frame since the start, rounds of the recording counted."""
+    turn, last = 0, 0
+    for moment, frame, _ in arrivals:
+        turn += frame < last - FRAMES // 2
+        turn -= frame > last + FRAMES // 2
+        last = frame
+        yield moment, turn * FRAMES + frame
 
 
 async def links(workspace: Path) -> None:

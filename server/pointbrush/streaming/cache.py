@@ -6,7 +6,6 @@ import asyncio
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Hashable
 
-
 Versioned = tuple[int, bytes]
 """A message, and the revision it is of (0 for what never changes)."""
 
@@ -17,35 +16,32 @@ class MessageCache:
     def __init__(self, budget: int) -> None:
         self._budget = budget
         self._entries: OrderedDict[Hashable, Versioned] = OrderedDict()
-        self._making: dict[Hashable, asyncio.Future[Versioned]] = {}
+        self._making: dict[Hashable, asyncio.Task[Versioned]] = {}
         self.nbytes = 0
 
     async def get(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
-        """The bytes of ``key``; ``make`` is awaited when they are not here."""
+        """The bytes of ``key``; ``make`` is awaited when they are not here.
+
+        It runs in a task of its own: an asker that goes away takes nothing from the others.
+        """
         if key in self._entries:
             self._entries.move_to_end(key)
             return self._entries[key]
-        if key in self._making:
-            return await asyncio.shield(self._making[key])
-        future: asyncio.Future[Versioned] = asyncio.get_running_loop().create_future()
-        # A failure is for whoever made it; nobody else may be waiting.
-        future.add_done_callback(lambda done: done.cancelled() or done.exception())
-        self._making[key] = future
+        task = self._making.get(key)
+        if task is None:
+            task = asyncio.create_task(self._make(key, make))
+            self._making[key] = task
+        return await asyncio.shield(task)
+
+    async def _make(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
+        mine = asyncio.current_task()
         try:
-            data = await make()
-        except BaseException as error:
-            if isinstance(error, asyncio.CancelledError):
-                future.cancel()
-            else:
-                future.set_exception(error)
-            raise
-        else:
-            future.set_result(data)
-            if self._making.get(key) is future:
-                self._put(key, data)
-            return data
+            made = await make()
+            if self._making.get(key) is mine:
+                self._put(key, made)
+            return made
         finally:
-            if self._making.get(key) is future:
+            if self._making.get(key) is mine:
                 del self._making[key]
 
     def _put(self, key: Hashable, data: Versioned) -> None:

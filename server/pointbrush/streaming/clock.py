@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 MOST_PER_SECOND = 60.0
@@ -54,10 +55,12 @@ class PlayClock:
         last = self.frames - 1 if self.rate >= 0 else 0
         return not self.loop and self.due(now) == last
 
-    def ahead(self, now: float, seconds: float) -> list[int]:
-        """The frame due now and those due within ``seconds``, each once, in order of time."""
-        if self.rate == 0:
-            return [self.frame(0)]
-        first = self.steps(now)
-        last = self.steps(now + seconds)
-        return list(dict.fromkeys(self.frame(step) for step in range(first, last + 1)))
+    def ahead(self, now: float, seconds: float) -> Iterator[tuple[int, int]]:
+        """Step and frame due now, and of those due within ``seconds``, in order of time."""
+        last = self.steps(now + seconds) if self.rate else 0
+        for step in range(min(self.steps(now), last), last + 1):
+            yield step, self.frame(step)
+
+    def time_of(self, step: int) -> float:
+        """When a step is due."""
+        return self.since + step / self.shown_per_second if self.rate else self.since

@@ -16,6 +16,7 @@ from pointbrush.labels import Commit
 from pointbrush.streaming import messages
 from pointbrush.streaming.cache import MessageCache
 from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.load import Load
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.presence import Presence
 from pointbrush.streaming.room import Room
@@ -39,6 +40,7 @@ class Hub:
         self.viewers: set[ViewerSession] = set()
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
+        self.load = Load()
         self._opening = asyncio.Lock()
         self._events: asyncio.Queue[Event] = asyncio.Queue()
         self._reads = anyio.CapacityLimiter(READ_THREADS)
@@ -60,6 +62,7 @@ class Hub:
                 background = [
                     tasks.create_task(self._dispatch_all()),
                     tasks.create_task(self._relay_presence()),
+                    tasks.create_task(self.load.watch()),
                 ]
                 yield self
                 for viewer in list(self.viewers):

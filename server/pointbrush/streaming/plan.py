@@ -5,11 +5,11 @@ Pure decisions, no input or output: times come in, pieces go out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from pointbrush.streaming.clock import PlayClock
-from pointbrush.streaming.rate import SHARE, UNLIMITED, Link, PageBudget
+from pointbrush.streaming.rate import SHARE, UNLIMITED, Link, Pace, PageBudget
 from pointbrush.streaming.table import FrameTable
 
 LOOKAHEAD = 0.25
@@ -21,18 +21,19 @@ AT_ONCE_SECONDS = 0.012
 """A frame that takes less than this on the link is not split: nobody would see its first part."""
 SMALLEST_REFINEMENT = 64 * 1024
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
-UP_PERIOD = 0.3
-"""Seconds between two steps up in level; steps down are at once."""
+UP_PERIOD = 0.15
+"""Seconds between two steps up by one level; steps down are at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Chunks [first, stop) of a frame; ``final`` completes it at the viewer."""
+    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's."""
 
     frame: int
     first: int
     stop: int
     final: bool
+    step: int = 0
 
 
 @dataclass(slots=True)
@@ -44,12 +45,18 @@ class Plan:
 
     frames: int
     link: Link
+    load: Callable[[], float] = lambda: 1.0
+    """Share of what its link carries that the server has time to send."""
     page: PageBudget = field(default_factory=PageBudget)
     focus: int = 0
     clock: PlayClock | None = None
     direction: int = 1
     held: dict[int, int] = field(default_factory=dict)
+    pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
+    _step: int = -1
+    _had: int = 0
+    _goal: int = 0
     _level: int = 0
     _level_time: float = float("-inf")
 
@@ -61,7 +68,8 @@ class Plan:
     def play(self, clock: PlayClock) -> None:
         """Follow a clock."""
         self.clock, self.direction = clock, 1 if clock.rate >= 0 else -1
-        self._level, self._level_time = 0, float("-inf")
+        self._level, self._level_time = 0, clock.since
+        self._step, self._had = -1, 0
 
     def pause(self, frame: int | None, now: float) -> None:
         """Stop the clock at ``frame``, or where it is."""
@@ -76,34 +84,49 @@ class Plan:
         for frame in frames:
             self.held.pop(frame, None)
 
-    def sent(self, piece: Piece) -> None:
+    def sent(self, piece: Piece, now: float) -> None:
         """A piece is on its way."""
         self.held[piece.frame] = max(self.held.get(piece.frame, 0), piece.stop)
+        if self.clock is None or piece.step <= self._step:
+            return
+        lead = (self.clock.time_of(piece.step) - now) / LOOKAHEAD
+        self.pace.left(piece.step - self._step - 1 - self._had, lead, now)
+        self._step, self._had = piece.step, 0
 
-    def candidates(self, now: float) -> Iterator[int]:
-        """Frames to look at, most urgent first."""
+    def passed(self, step: int) -> None:
+        """A step needs nothing: the viewer holds its frame."""
+        if step > self._step + self._had:
+            self._had += 1
+
+    def candidates(self, now: float) -> Iterator[tuple[int, int]]:
+        """Step of the clock (0 while paused) and frame to look at, most urgent first."""
         if self.clock is not None:
             yield from self.clock.ahead(now, LOOKAHEAD)
             return
-        yield self.focus
+        yield 0, self.focus
         for distance in range(1, PREFETCH_AHEAD + 1):
-            yield self._neighbour(distance)
+            yield 0, self._neighbour(distance)
         for distance in range(1, PREFETCH_BEHIND + 1):
-            yield self._neighbour(-distance)
+            yield 0, self._neighbour(-distance)
 
     def _neighbour(self, distance: int) -> int:
         return (self.focus + self.direction * distance) % self.frames
 
-    def piece(self, frame: int, table: FrameTable, now: float) -> Piece | None:
+    def piece(self, step: int, frame: int, table: FrameTable, now: float) -> Piece | None:
         """What to send of a candidate now, or None: complete, or as fine as it may be."""
         first = self.held.get(frame, 0)
-        stop = self._allowed(table, now)
+        if self.clock is not None and step <= self._step:
+            # Of this round already: only what its message could not hold is still to come.
+            stop = self._goal if step == self._step else 0
+        else:
+            stop = self._goal = self._allowed(table, now)
         if first >= stop:
+            self.passed(step)
             return None
         if self.clock is None:
             stop = self._refinement(table, first, stop)
         stop = table.stop_within(first, stop, LARGEST_PIECE)
-        return Piece(frame, first, stop, final=stop == table.chunks)
+        return Piece(frame, first, stop, final=stop == table.chunks, step=step)
 
     def _refinement(self, table: FrameTable, first: int, stop: int) -> int:
         if first == 0 and table.size(0, stop) > self.link.rate * AT_ONCE_SECONDS:
@@ -115,10 +138,11 @@ class Plan:
         """Chunks that a frame may have at most."""
         if self.clock is None:
             return table.stops[table.level_within(UNLIMITED, self.page.asked)]
-        share = SHARE * self.link.rate / max(self.clock.shown_per_second, 1.0)
+        share = SHARE * self.link.rate * self.pace.ease * self.load()
+        share /= max(self.clock.shown_per_second, 1.0)
         level = table.level_within(share, self.page.limit)
-        if level > self._level and now - self._level_time < UP_PERIOD:
-            level = self._level
+        if level > self._level:
+            level = self._level + (now - self._level_time >= UP_PERIOD)
         if level != self._level:
             self._level, self._level_time = level, now
         self.shown_points = table.points[level]

@@ -122,6 +122,37 @@ class Link:
         self.round_trip = self._floor[1]
 
 
+EASE_GROW, EASE_LEAST = 1.15, 0.01
+EASE_PERIOD = 0.3
+COMFORTABLE = 0.5
+"""Share of the look-ahead that, when it is filled, says that more would fit."""
+
+
+@dataclass(slots=True)
+class Pace:
+    """Feedback over any bottleneck: less after skipped frames, more while ahead of the clock.
+
+    The link's estimate knows nothing of a busy client, a busy server or a hundred other viewers;
+    whether frames leave in time does.
+    """
+
+    ease: float = 1.0
+    """Share of the link's estimate to use."""
+    _changed: float = float("-inf")
+
+    def left(self, skipped: int, lead: float, now: float) -> None:
+        """A frame left ``lead`` (0..1 of the look-ahead) early, after ``skipped`` never did."""
+        if now - self._changed < EASE_PERIOD:
+            return
+        if skipped > 0:
+            self.ease = max(EASE_LEAST, self.ease / (1 + min(skipped, 3)))
+        elif lead > COMFORTABLE and self.ease < 1.0:
+            self.ease = min(1.0, self.ease * EASE_GROW)
+        else:
+            return
+        self._changed = now
+
+
 PAGE_SLOW, PAGE_FAST = 1.15, 0.9
 PAGE_CUT, PAGE_GROW = 0.8, 1.1
 PAGE_PERIOD = 0.25

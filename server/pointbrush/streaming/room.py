@@ -13,6 +13,7 @@ from pointbrush.sequences import Sequence
 from pointbrush.streaming import messages
 from pointbrush.streaming.cache import MessageCache, Versioned
 from pointbrush.streaming.encoding import (
+    encode,
     encode_delta,
     encode_frame,
     encode_provisional,
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 TABLES = 4096
+STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
+Place = tuple[int, int]
+"""Frame and label: a cell of the timeline."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
 
 
@@ -191,17 +195,37 @@ class Room:
             self._tracks_stale = False
             self.tracks = by_cell(await self._run(self.workspace.store.tracks, self.id))
 
-    async def labels(self, author: str) -> messages.Labels:
+    async def labels_message(self, author: str) -> bytes:
         """The palette, its counts, and what this author can take back."""
-        undo, redo = await self._run(self.workspace.store.stacks, self.id, author)
-        return messages.Labels(
-            sequence=self.id,
-            revision=self.revision,
-            labels=[messages.Label(**asdict(label)) for label in self.palette],
-            counts=self.counts(),
-            undo=undo and undo.summary,
-            redo=redo and redo.summary,
-        )
+        revision = self.revision
+
+        async def make() -> Versioned:
+            undo, redo = await self._run(self.workspace.store.stacks, self.id, author)
+            message = messages.Labels(
+                sequence=self.id,
+                revision=revision,
+                labels=[messages.Label(**asdict(label)) for label in self.palette],
+                counts=self.counts(),
+                undo=undo and undo.summary,
+                redo=redo and redo.summary,
+            )
+            return revision, encode(message)
+
+        return (await self.cache.get(("labels", self.id, revision, author), make))[1]
+
+    async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
+        """The given cells (frame, label), or all that are not empty."""
+        revision = self.revision
+
+        async def make() -> Versioned:
+            return revision, encode(self.timeline(cells))
+
+        return (await self.cache.get(("timeline", self.id, revision, cells), make))[1]
+
+    @property
+    def states_period(self) -> float:
+        """Seconds between two messages of palette and timeline to a viewer: more in a crowd."""
+        return max(STATES_PERIOD, STATES_PERIOD_EACH * len(self.viewers))
 
     def counts(self) -> dict[str, int]:
         """Points of each label in all frames together."""
@@ -210,7 +234,7 @@ class Room:
             totals[str(cell.label)] = totals.get(str(cell.label), 0) + cell.points
         return totals
 
-    def timeline(self, cells: Iterable[tuple[int, int]] | None) -> messages.Timeline:
+    def timeline(self, cells: Iterable[Place] | None) -> messages.Timeline:
         """The given cells, or all that are not empty."""
         chosen = self.cells.keys() | self.tracks.keys() if cells is None else cells
         rows = [self._cell(frame, label) for frame, label in sorted(chosen)]

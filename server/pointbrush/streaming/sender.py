@@ -6,15 +6,12 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from pointbrush.errors import PointbrushError
-from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.plan import Piece
 from pointbrush.streaming.room import Room
 
 if TYPE_CHECKING:
     from pointbrush.streaming.session import ViewerSession
 
-STATES_PERIOD = 0.05
-"""Palette counts and timeline are sent at most this often, seconds."""
 VALUES_RUN = 4_000_000
 """Points whose whole values go into one message at most."""
 LARGE_PIECE = 512 * 1024
@@ -79,9 +76,11 @@ class Sender:
         await self._session.send(data)
 
     def _states_pause(self) -> float | None:
-        if not (self._outbox.labels or self._outbox.cells or self._outbox.all_cells):
+        room = self._session.room
+        changed = self._outbox.labels or self._outbox.cells or self._outbox.all_cells
+        if room is None or not changed:
             return None
-        return max(0.0, self._states_time + STATES_PERIOD - self._session.now())
+        return max(0.0, self._states_time + room.states_period - self._session.now())
 
     async def _states(self) -> None:
         session, outbox = self._session, self._outbox
@@ -93,11 +92,11 @@ class Sender:
         await room.refresh()
         if outbox.labels:
             outbox.labels = False
-            await session.send(encode(await room.labels(session.author)))
-        cells = None if outbox.all_cells else outbox.cells
+            await session.send(await room.labels_message(session.author))
+        cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
         if cells is None or cells:
-            await session.send(encode(room.timeline(cells)))
+            await session.send(await room.timeline_message(cells))
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
@@ -128,9 +127,9 @@ class Sender:
         session = self._session
         if room.recording.manifest.large:
             return await self._next_wanted(room)
-        for frame in session.plan.candidates(session.now()):
+        for step, frame in session.plan.candidates(session.now()):
             table = await room.table(frame)
-            piece = session.plan.piece(frame, table, session.now())
+            piece = session.plan.piece(step, frame, table, session.now())
             if piece is not None:
                 return piece, table.size(piece.first, piece.stop)
         return None, 0
@@ -163,7 +162,7 @@ class Sender:
         table = await room.table(piece.frame)
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         # From here on deltas of this frame come to the outbox: nothing falls between.
-        plan.sent(piece)
+        plan.sent(piece, session.now())
         if session.wanted is not None and session.wanted[0] == piece.frame:
             sent = set(range(piece.first, piece.stop))
             session.wanted[1][:] = [chunk for chunk in session.wanted[1] if chunk not in sent]
@@ -174,3 +173,5 @@ class Sender:
         session.hub.metrics.frames.inc()
         session.hub.metrics.sent.inc(len(data))
         await session.send(data)
+        # A send that fits the socket's buffer returns at once: the others' turn.
+        await asyncio.sleep(0)

@@ -53,7 +53,7 @@ class ViewerSession:
         self.name, self.color = author, color_of(self.id)
         self.room: Room | None = None
         self.outbox = Outbox()
-        self.plan = Plan(frames=1, link=Link(CREDITS))
+        self.plan = Plan(frames=1, link=Link(CREDITS), load=hub.load.share)
         self.wanted: tuple[int, list[int]] | None = None
         self.resumed = False
         self.closing = asyncio.Event()
@@ -193,7 +193,8 @@ class ViewerSession:
         frame = min(message.frame, manifest.frames - 1)
         if not again:
             self.outbox.restart()
-            self.plan = Plan(frames=manifest.frames, link=self.plan.link, page=self.plan.page)
+            old = self.plan
+            self.plan = Plan(manifest.frames, old.link, load=old.load, page=old.page)
         self.plan.focus, self.wanted = frame, None
         self.resumed = message.revision is not None
         self.outbox.reply(encode(self._sequence_info(room)))

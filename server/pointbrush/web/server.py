@@ -17,6 +17,7 @@ from pointbrush.workspace import Workspace
 
 DRAIN_SECONDS = 5
 BACKLOG = 512
+SWITCH_SECONDS = 0.0005
 
 
 def run(workspace: Workspace, settings: Settings) -> None:
@@ -25,6 +26,9 @@ def run(workspace: Workspace, settings: Settings) -> None:
     Prints ``pointbrush ready at URL`` once it listens, and off this machine also a QR code of it.
     Raises BadInputError when the address cannot be listened on, or must not be.
     """
+    # Python hands its lock on every 5 ms unless told otherwise; a stroke's commit in a thread
+    # takes it dozens of times, beside an event loop that sends all the time.
+    sys.setswitchinterval(SWITCH_SECONDS)
     app = create_app(workspace, settings)
     tls = certificate(settings)
     require_safe(settings, tls)

@@ -1,0 +1,120 @@
+"""A viewer that costs next to nothing: it notes when frames come, and gives credits.
+
+A hundred of these fit beside the server on two cores; a client that decodes would be what is
+measured.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import os
+import time
+
+import msgpack
+
+from pointbrush.streaming.schema import subprotocol
+
+PEEK = 96
+"""Bytes of a message that are looked at: its type, and a frame's number."""
+FORGET_EVERY = 24
+
+
+class LightViewer(asyncio.Protocol):
+    """One socket; ``arrivals`` holds time, frame and bytes of each frame message."""
+
+    def __init__(self, host: str, token: str) -> None:
+        self.arrivals: list[tuple[float, int, int]] = []
+        self.nbytes = 0
+        self.started = 0.0
+        self.lost = asyncio.get_running_loop().create_future()
+        self._host, self._token = host, token
+        self._buffer = bytearray()
+        self._skip = 0
+        self._shaken = False
+        self._forgotten: list[int] = []
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        key = base64.b64encode(os.urandom(16)).decode()
+        transport.write(
+            f"GET /api/v1/stream HTTP/1.1\r\nHost: {self._host}\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n"
+            f"Sec-WebSocket-Protocol: {subprotocol()}\r\n"
+            f"Authorization: Bearer {self._token}\r\n\r\n".encode()
+        )
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if not self.lost.done():
+            self.lost.set_result(exc)
+
+    def data_received(self, data: bytes) -> None:
+        if not self._shaken:
+            self._buffer += data
+            head, found, rest = self._buffer.partition(b"\r\n\r\n")
+            if not found:
+                return
+            assert b" 101 " in head, head
+            self._shaken, self._buffer, data = True, bytearray(), bytes(rest)
+        if self._skip >= len(data):
+            self._skip -= len(data)
+            return
+        self._buffer += memoryview(data)[self._skip :]
+        self._skip = 0
+        while self._message():
+            pass
+
+    def _message(self) -> bool:
+        buffer = self._buffer
+        if len(buffer) < 10:
+            return False
+        length, start = buffer[1] & 127, 2
+        if length == 126:
+            length, start = int.from_bytes(buffer[2:4], "big"), 4
+        elif length == 127:
+            length, start = int.from_bytes(buffer[2:10], "big"), 10
+        if len(buffer) < start + min(length, PEEK):
+            return False
+        self._seen(bytes(buffer[start : start + PEEK]), length)
+        self._skip = max(0, start + length - len(buffer))
+        del buffer[: start + length]
+        return self._skip == 0
+
+    def _seen(self, peek: bytes, length: int) -> None:
+        if b"\xa4type\xa5frame" not in peek[:16]:
+            return
+        unpacker = msgpack.Unpacker(max_buffer_size=PEEK)
+        unpacker.feed(peek)
+        unpacker.read_map_header()
+        # type, sequence and frame come first.
+        number = {unpacker.unpack(): unpacker.unpack() for _ in range(3)}["frame"]
+        self.arrivals.append((time.monotonic(), number, length))
+        self.nbytes += length
+        self.send(type="credit", frames=1, nbytes=length)
+        self._forgotten.append(number)
+        if len(self._forgotten) >= FORGET_EVERY:
+            self.send(type="forget", frames=self._forgotten)
+            self._forgotten = []
+
+    def send(self, **message: object) -> None:
+        """Send one message, masked with zeros."""
+        data: bytes = msgpack.packb(message)
+        small = len(data) < 126
+        size = bytes([128 | len(data)]) if small else b"\xfe" + len(data).to_bytes(2, "big")
+        self._transport.write(b"\x82" + size + b"\0\0\0\0" + data)
+
+    def close(self) -> None:
+        """Drop the connection."""
+        self._transport.abort()
+
+
+async def connect_light(url: str, token: str) -> LightViewer:
+    """A connected light viewer."""
+    host = url.removeprefix("http://")
+    name, port = host.split(":")
+    loop = asyncio.get_running_loop()
+    _, protocol = await loop.create_connection(lambda: LightViewer(host, token), name, int(port))
+    while not protocol._shaken:
+        await asyncio.sleep(0.005)
+    return protocol

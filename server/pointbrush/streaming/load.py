@@ -1,0 +1,40 @@
+"""How busy the event loop is: when it is, every viewer gets fewer points, so strokes stay quick."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+PERIOD = 0.05
+LATE, EARLY = 0.012, 0.004
+"""Seconds of lag above which there is too much to do, and below which there may be more."""
+BUSY, IDLE = 0.7, 0.55
+"""The same for the share of the time that the loop computes: strokes need the rest."""
+CUT, GROW, LEAST = 0.85, 1.05, 0.02
+
+
+class Load:
+    """Watches the loop it runs on."""
+
+    def __init__(self) -> None:
+        self._share = 1.0
+
+    def share(self) -> float:
+        """Share 0..1 of what its link carries that a viewer should be sent."""
+        return self._share
+
+    def note(self, lag: float, busy: float) -> None:
+        """The loop came back ``lag`` seconds late, and computed a share ``busy`` of the time."""
+        if lag > LATE or busy > BUSY:
+            self._share = max(LEAST, self._share * CUT)
+        elif lag < EARLY and busy < IDLE:
+            self._share = min(1.0, self._share * GROW)
+
+    async def watch(self) -> None:
+        """Measure until cancelled."""
+        loop = asyncio.get_running_loop()
+        while True:
+            before, computed = loop.time(), time.thread_time()
+            await asyncio.sleep(PERIOD)
+            passed = loop.time() - before
+            self.note(passed - PERIOD, (time.thread_time() - computed) / passed)
