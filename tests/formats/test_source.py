@@ -124,6 +124,15 @@ def test_the_subfolder_with_the_points_is_found(tmp_path):
         open_source([tmp_path])
 
 
+def test_notes_beside_the_folder_with_the_points_are_no_points(tmp_path):
+    cloud(tmp_path / "scans" / "0.ply", 1)
+    (tmp_path / "notes.txt").write_text("Dear diary")
+    assert values(tmp_path) == [1]
+    (tmp_path / "scans" / "0.ply").unlink()
+    (tmp_path / "notes.txt").write_text("5 6 7\n")
+    assert values(tmp_path) == [5]
+
+
 def test_what_is_not_there_is_not_found(tmp_path):
     for path in (tmp_path / "no", tmp_path / "*.ply"):
         with pytest.raises(NotFoundError, match="there is no"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pointbrush.formats.exports import EXPORTS, Export, LabeledFrame, export
 from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.palette import SourceLabel, source_palette
 from pointbrush.formats.registry import FORMATS, Format
 from pointbrush.formats.source import Source, open_source, read
 
@@ -16,7 +17,9 @@ __all__ = [
     "Limits",
     "ReadOptions",
     "Source",
+    "SourceLabel",
     "export",
     "open_source",
     "read",
+    "source_palette",
 ]

@@ -42,30 +42,35 @@ Pose = NDArray[np.float64]
 
 def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
     """The recording in a folder: its point files or images, or those of the one subfolder
-    that has them.
+    that has them.  Files with weak endings (notes.txt) count only where nothing else does.
 
     Raises BadInputError for none, for several formats, or for several recordings.
     """
-    found = _directly(folder, format, options)
-    if found is not None:
-        return found
-    inside = _subfolder(folder, format, options)
-    if inside is not None:
-        return list_folder(inside, format, options)
+    for weakly in (False, True):
+        found = _directly(folder, format, options, weakly)
+        if found is not None:
+            return found
+        inside = _subfolder(folder, format, options, weakly)
+        if inside is not None:
+            return list_folder(inside, format, options)
     files = _files(folder, options)
     seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
     raise BadInputError(f"{folder.name}: expected a folder with point cloud files, got {seen}")
 
 
-def _directly(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
-    """What lies in the folder itself; images win over text, which may be lists of them."""
-    wanted = None if format is None else format_named(format).name
-    chosen = [] if wanted == "rgbd" else _point_files(folder, _files(folder, options), format)
-    weak = not chosen or (format is None and format_of(chosen[0]).weak)
-    images = list_rgbd(folder) if weak and wanted in (None, "rgbd") else None
-    if images is not None:
-        return images
-    return list_files(chosen, format, folder, options) if chosen else None
+def _directly(
+    folder: Path, format: str | None, options: ReadOptions, weakly: bool
+) -> Listing | None:
+    """What lies in the folder itself: point files, else images."""
+    chosen = _point_files(folder, _files(folder, options), format, weakly)
+    if chosen:
+        return list_files(chosen, format, folder, options)
+    return _images(folder, format)
+
+
+def _images(folder: Path, format: str | None) -> Listing | None:
+    wanted = format is None or format_named(format).name == "rgbd"
+    return list_rgbd(folder) if wanted else None
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:
@@ -80,18 +85,20 @@ def _files(folder: Path, options: ReadOptions) -> list[Path]:
     return sorted(files, key=natural_key)
 
 
-def _point_files(folder: Path, files: list[Path], format: str | None) -> list[Path]:
+def _point_files(folder: Path, files: list[Path], format: str | None, weakly: bool) -> list[Path]:
     """The frames among the files of a folder; raises BadInputError for several formats."""
     candidates = [path for path in files if path.name.lower() not in SIDECARS]
     if format is not None:
         wanted = format_named(format)
+        if wanted.name == "rgbd":
+            return []
         endings = wanted.extensions or (".bin",)
         # XYZRGB records come as .bin as often as under their own ending.
         endings += (".bin",) if wanted.name == "xyzrgb" else ()
         return [path for path in candidates if path.name.lower().endswith(endings)]
     found = [(path, entry) for path in candidates if (entry := format_by_name(path)) is not None]
     sure = [(path, entry) for path, entry in found if path.suffix.lower() not in entry.weak]
-    found = sure or found
+    found = sure or (found if weakly else [])
     names = Counter(entry.name for _, entry in found)
     if len(names) > 1:
         listed = " and ".join(f"{count} {name}" for name, count in names.most_common())
@@ -102,19 +109,19 @@ def _point_files(folder: Path, files: list[Path], format: str | None) -> list[Pa
     return [path for path, _ in found]
 
 
-def _subfolder(folder: Path, format: str | None, options: ReadOptions) -> Path | None:
+def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: bool) -> Path | None:
     """The subfolder to read in place of a folder without points of its own."""
     inner = sorted(
         (path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")),
         key=natural_key,
     )
     by_name = {path.name.lower(): path for path in inner}
-    if "raw" in by_name and _reads_raw(by_name["raw"], format, options, "npz" in by_name):
+    if "raw" in by_name and _reads_raw(by_name["raw"], format, options, weakly, "npz" in by_name):
         return by_name["raw"]
     for name in ("npz", "velodyne", "velodyne_points", "data", "sequences"):
-        if name in by_name and _has_points(by_name[name], format, options):
+        if name in by_name and _has_points(by_name[name], format, options, weakly):
             return by_name[name]
-    holding = [path for path in inner if _has_points(path, format, options)]
+    holding = [path for path in inner if _has_points(path, format, options, weakly)]
     if len(holding) > 1:
         listed = ", ".join(path.name for path in holding[:8])
         raise BadInputError(
@@ -124,21 +131,29 @@ def _subfolder(folder: Path, format: str | None, options: ReadOptions) -> Path |
     return holding[0] if holding else None
 
 
-def _reads_raw(raw: Path, format: str | None, options: ReadOptions, has_npz: bool) -> bool:
+def _reads_raw(
+    raw: Path, format: str | None, options: ReadOptions, weakly: bool, has_npz: bool
+) -> bool:
     """Whether ``raw`` is of a format with a layout of its own; .npz there may hold anything."""
-    chosen = _point_files(raw, _files(raw, options), format)
+    chosen = _point_files(raw, _files(raw, options), format, weakly)
     if not chosen:
-        return not has_npz and _has_points(raw, format, options)
+        return not has_npz and _has_points(raw, format, options, weakly)
     entry = format_by_name(chosen[0])
     anything = entry is None or entry.name in ("text", "npy", "npz")
     return not (has_npz and anything)
 
 
-def _has_points(folder: Path, format: str | None, options: ReadOptions, depth: int = 4) -> bool:
-    if _point_files(folder, _files(folder, options), format) or list_rgbd(folder) is not None:
+def _has_points(
+    folder: Path, format: str | None, options: ReadOptions, weakly: bool, depth: int = 4
+) -> bool:
+    if _point_files(folder, _files(folder, options), format, weakly):
+        return True
+    if _images(folder, format) is not None:
         return True
     inner = (path for path in folder.iterdir() if path.is_dir() and not path.is_symlink())
-    return depth > 0 and any(_has_points(path, format, options, depth - 1) for path in inner)
+    return depth > 0 and any(
+        _has_points(path, format, options, weakly, depth - 1) for path in inner
+    )
 
 
 def list_files(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
+from pointbrush.formats.palette import has_palette
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
 
@@ -109,18 +109,6 @@ def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> ND
     """SemanticKITTI's uint32: class in the lower 16 bits, instance in the upper 16."""
     packed: NDArray[np.uint32] = semantic.astype("<u4") | instance.astype("<u4") << 16
     return packed
-
-
-def has_palette(label_file: Path) -> bool:
-    """Whether a pointbrush palette lies with the labels, so that instances are label ids."""
-    for folder in list(label_file.parents)[:4]:
-        palette = folder / "palette.json"
-        if palette.is_file():
-            try:
-                return "labels" in json.loads(palette.read_text("utf-8"))
-            except (OSError, ValueError):
-                return False
-    return False
 
 
 def read_poses(folder: Path, count: int) -> list[NDArray[np.float64]] | None:

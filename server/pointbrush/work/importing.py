@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import TooLargeError
-from pointbrush.formats import Limits, ReadOptions, open_source
+from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.frame import PointFrame
@@ -134,8 +134,18 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         found.update(np.unique(label[numbers]).tolist())
         writes[index] = Write(numbers, label=np.asarray(label[numbers]), provenance=IMPORTED)
     known: set[int] = {label.id for label in store.palette(sequence)}
+    sources = [Path(source) for source in recording.manifest.source.split(", ")]
+    named = {label.id: label for label in source_palette(sources)}
     for label_id in sorted(found - known):
-        store.create_label(sequence, "import", name=f"label {label_id}", id=label_id)
+        label = named.get(label_id)
+        store.create_label(
+            sequence,
+            "import",
+            id=label_id,
+            name=label.name if label else f"label {label_id}",
+            category=label.category if label else "",
+            color=label.color if label else None,
+        )
     if writes:
         store.apply(
             sequence,

@@ -1,0 +1,68 @@
+"""Names of labels that come with files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from pointbrush.formats import LabeledFrame, export, read, source_palette
+from pointbrush.frame import PointFrame
+
+
+@dataclass
+class Label:
+    id: int
+    name: str
+    category: str
+    color: str
+
+
+PALETTE = [Label(300, "pin 1", "pin", "#ff8800"), Label(7, "Ännä", "", "#00ff00")]
+
+
+def frames():
+    label = np.array([0, 7, 300], np.uint16)
+    points = PointFrame(xyz=np.eye(3))
+    yield LabeledFrame(0, points, label, np.zeros(3, np.uint8), np.zeros(3, bool))
+
+
+FOLDERS = [(name, out) for name in ("ply", "semantickitti") for out in ("out", "out.zip")]
+
+
+@pytest.mark.parametrize(("name", "out"), [*FOLDERS, ("npz", "a.npz"), ("las", "a.las")])
+def test_an_export_read_again_keeps_ids_and_names(tmp_path, name, out):
+    export(name, frames(), PALETTE, tmp_path / out)
+    labels = {label.id: label for label in source_palette([tmp_path / out])}
+    assert labels[300].name == "pin 1"
+    assert labels[300].category == "pin"
+    assert labels[300].color == "#ff8800"
+    assert labels[7].name == "Ännä"
+    (frame,) = read(tmp_path / out)
+    assert frame.label.tolist() == [0, 7, 300]
+
+
+def test_semantickitti_has_names_of_its_own(tmp_path):
+    for folder in ("velodyne", "labels"):
+        (tmp_path / "sequences" / "03" / folder).mkdir(parents=True)
+    velodyne = tmp_path / "sequences" / "03" / "velodyne"
+    for path in (tmp_path, tmp_path / "sequences" / "03", velodyne, velodyne / "0.bin"):
+        names = {label.id: label.name for label in source_palette([path])}
+        assert names[40] == "road"
+    assert source_palette([tmp_path / "sequences"]) == []
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        *("", "[]", "{}", '{"labels": 3}', "[" * 100_000),
+        json.dumps({"labels": [{"id": 0, "name": "a", "category": "", "color": "#000000"}]}),
+        json.dumps({"labels": [{"id": 1, "name": "a", "category": "", "color": "red"}]}),
+        json.dumps({"labels": [{"id": 1, "name": "a", "category": "", "color": "#000000"}] * 2}),
+    ],
+)
+def test_other_files_of_that_name_name_nothing(tmp_path, document):
+    (tmp_path / "palette.json").write_text(document)
+    assert source_palette([tmp_path]) == []
