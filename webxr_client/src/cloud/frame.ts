@@ -1,4 +1,5 @@
 /** A frame of points in the page's memory, and the label of each point. */
+import { boundBlocks } from './blocks';
 import type { LabelUpdate } from '../net/wire';
 import { spacingOf, STRIDE, type Segment, type SegmentChunk } from '../net/segment';
 
@@ -20,8 +21,8 @@ export interface Piece {
   readonly words: Uint16Array<ArrayBuffer>;
   /** The same bytes, 12 a point. */
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** Bounds of each 256 points, 6 uint16 a block. */
-  readonly blocks: Uint16Array;
+  /** Bounds of each 256 points; made when a ray or a brush first comes near. */
+  blocks: Uint16Array | null;
   /** One id a point; null while all are 0. */
   labels: Uint16Array | null;
 }
@@ -82,10 +83,6 @@ export class CloudFrame {
     const { index, level, first, count, origin, scale, lo, hi } = chunk;
     const words = new Uint16Array(segment.vertices, at, count * 6);
     const bytes = new Uint8Array(segment.vertices, at, count * STRIDE);
-    const blocks = segment.blocks.subarray(
-      chunk.block * 6,
-      (chunk.block + Math.ceil(count / 256)) * 6,
-    );
     const piece: Piece = {
       index,
       level,
@@ -97,7 +94,7 @@ export class CloudFrame {
       hi,
       words,
       bytes,
-      blocks,
+      blocks: null,
       labels: null,
     };
     if (this.pieces.length === 0 || this.pieces.at(-1)!.first < first) this.pieces.push(piece);
@@ -260,6 +257,11 @@ export function lowerBound(numbers: Uint32Array, number: number): number {
 function search(numbers: Uint32Array, number: number): number {
   const at = lowerBound(numbers, number);
   return numbers[at] === number ? at : -1;
+}
+
+export function blocksOf(piece: Piece): Uint16Array {
+  piece.blocks ??= boundBlocks(piece.words, piece.count);
+  return piece.blocks;
 }
 
 /** How much denser the frame is than the piece's level alone: scales its spacing. */

@@ -1,4 +1,5 @@
 import { describe, expect, it } from 'vitest';
+import { boundBlocks } from './blocks';
 import { DELETED } from './frame';
 import { alongRay, firstHit, inCapsule, type Vec } from './pick';
 import { frameOf, wall } from './testing';
@@ -51,6 +52,24 @@ describe('the first surface a ray meets', () => {
   it('lets a brush wider than the gap catch a thin thing', () => {
     expect(firstHit(frame, [-0.04, 0.2, 0], forward, 0.05)?.distance).toBeCloseTo(1, 2);
     expect(firstHit(frame, [-0.06, 0.2, 0], forward, 0.05)).toBeNull();
+  });
+});
+
+describe('blocks', () => {
+  it('hold all their points, and no more room than those need', () => {
+    const [piece] = frame.pieces;
+    const blocks = boundBlocks(piece!.words, piece!.count);
+    for (let block = 0; block * 256 < piece!.count; block++) {
+      const points = Array.from(
+        { length: Math.min(256, piece!.count - block * 256) },
+        (_, i) => block * 256 + i,
+      );
+      for (let k = 0; k < 3; k++) {
+        const values = points.map((point) => piece!.words[point * 6 + k]!);
+        expect(blocks[block * 6 + k]).toBe(Math.min(...values));
+        expect(blocks[block * 6 + 3 + k]).toBe(Math.max(...values));
+      }
+    }
   });
 });
 

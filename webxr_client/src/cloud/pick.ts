@@ -1,5 +1,6 @@
 /** What a ray or a ball meets among the points on the page; blocks of points are culled whole. */
-import { DELETED, densityFactor, spacingAt, type CloudFrame, type Piece } from './frame';
+import { BLOCK } from './blocks';
+import { blocksOf, DELETED, densityFactor, spacingAt, type CloudFrame, type Piece } from './frame';
 
 export type Vec = readonly [number, number, number];
 
@@ -10,8 +11,6 @@ export interface Hit {
   readonly point: number;
   readonly position: [number, number, number];
 }
-
-const BLOCK = 256;
 
 /**
  * Where a ray first meets the surface, or null.  Local coordinates, `direction` of unit length.
@@ -35,7 +34,8 @@ export function firstHit(
   for (const piece of frame.pieces) {
     if (!rayMeets(origin, direction, piece.lo, piece.hi, radius)) continue;
     const factor = densityFactor(frame, piece);
-    const { words, blocks } = piece;
+    const { words } = piece;
+    const blocks = blocksOf(piece);
     for (let block = 0, first = 0; first < piece.count; block++, first += BLOCK) {
       blockBounds(piece, blocks, block);
       if (!rayMeets(origin, direction, lo, hi, radius)) continue;
@@ -138,7 +138,8 @@ export function eachNear(
 ): void {
   for (const piece of frame.pieces) {
     if (!meets(piece.lo, piece.hi)) continue;
-    const { words, blocks, origin, scale } = piece;
+    const { words, origin, scale } = piece;
+    const blocks = blocksOf(piece);
     for (let block = 0, first = 0; first < piece.count; block++, first += BLOCK) {
       blockBounds(piece, blocks, block);
       if (!meets(lo, hi)) continue;

@@ -1,6 +1,6 @@
 /** Frames for tests: points as the worker would hand them over. */
-import { blockCount, finishChunk } from '../net/blocks';
-import { BLOCK_VALUES, STRIDE, type Segment, type SegmentChunk } from '../net/segment';
+import { stampChunk } from '../net/density';
+import { STRIDE, type Segment, type SegmentChunk } from '../net/segment';
 import { CloudFrame } from './frame';
 
 type Vector = [number, number, number];
@@ -14,25 +14,21 @@ export function segmentOf(
   const count = parts.reduce((sum, part) => sum + part.length, 0);
   const vertices = new ArrayBuffer(count * STRIDE);
   const words = new Uint16Array(vertices);
-  const blocksTotal = parts.reduce((sum, part) => sum + blockCount(part.length), 0);
-  const blocks = new Uint16Array(blocksTotal * BLOCK_VALUES);
   const chunks: SegmentChunk[] = [];
   const from = options.from ?? 0;
   let start = 0;
-  let block = 0;
   parts.forEach((part, level) => {
     part.forEach((point, i) => words.set(point, (start + i) * 6));
     const origin: Vector = [0, 0, 0];
     const scale: Vector = [SCALE, SCALE, SCALE];
     const view = new Uint16Array(vertices, start * STRIDE, part.length * 6);
-    finishChunk(view, part.length, origin, scale, level, blocks.subarray(block * BLOCK_VALUES));
+    stampChunk(view, part.length, origin, scale, level);
     const corner = (pick: (...values: number[]) => number): Vector =>
       [0, 1, 2].map((k) => pick(...part.map((point) => point[k]!)) * SCALE) as Vector;
     const [lo, hi] = [corner(Math.min), corner(Math.max)];
     const first = from + start;
-    chunks.push({ index: from + level, level, first, count: part.length, start, block, origin, scale, lo, hi }); // prettier-ignore
+    chunks.push({ index: from + level, level, first, count: part.length, start, origin, scale, lo, hi }); // prettier-ignore
     start += part.length;
-    block += blockCount(part.length);
   });
   return {
     sequence: 's',
@@ -42,7 +38,6 @@ export function segmentOf(
     count,
     chunks,
     vertices,
-    blocks,
     nbytes: 0,
     decodeMs: 0,
     ...options,

@@ -35,6 +35,8 @@ export class Viewer {
   readonly drawMs = new Timing();
   /** Milliseconds between pictures while something moves. */
   readonly intervalMs = new Timing();
+  /** Off: pictures are prepared but not drawn, to measure all else. */
+  drawing = true;
   /** The GPU is a program: pretty extras are left out unless asked for. */
   readonly software: boolean;
   private readonly eyeDome = new EyeDome();
@@ -205,6 +207,7 @@ export class Viewer {
       this.lastDrawn = 0;
       return;
     }
+    if (!this.drawing) return;
     this.dirty = false;
     this.workMs.add(worked - started);
     if (presenting) this.drawHeadset();

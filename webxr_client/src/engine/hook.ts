@@ -3,6 +3,7 @@ import { DELETED } from '../cloud/frame';
 import { SCHEMA_HASH } from '../protocol/messages';
 import { state } from '../state';
 import type { Engine } from './engine';
+import { replay } from './replay';
 
 export function installHook(engine: Engine): void {
   const { viewer, playback } = engine;
@@ -59,6 +60,11 @@ export function installHook(engine: Engine): void {
       at.applyMatrix4(viewer.room.matrixWorld).project(viewer.camera);
       const { clientWidth, clientHeight } = viewer.canvas;
       return [((at.x + 1) / 2) * clientWidth, ((1 - at.y) / 2) * clientHeight];
+    },
+    /** See `replay.ts`. */
+    replay: (seconds: number) => replay(engine, seconds),
+    setDrawing: (on: boolean) => {
+      viewer.drawing = on;
     },
     /** Whether slow pictures make the server send fewer points. */
     setAdaptive: (on: boolean) => {

@@ -22,6 +22,8 @@ export class Playback {
   pointBudget: number | null = null;
   /** Tell the server when pictures come too slowly, so that it sends fewer points. */
   adaptive = true;
+  /** Told of each frame that has become complete. */
+  readonly completed = new Set<(frame: CloudFrame) => void>();
   private info: SequenceInfo | null = null;
   private readonly clock = new PlayClock();
   private shown: CloudFrame | null = null;
@@ -116,6 +118,8 @@ export class Playback {
     if (!used) this.counters.dropped += 1;
     this.link.applied(this.pace(), used ? [] : [segment.vertices]);
     if (used) this.trim();
+    const frame = this.store.get(segment.frame);
+    if (used && frame?.complete) for (const tell of this.completed) tell(frame);
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
   }
 
@@ -143,6 +147,13 @@ export class Playback {
     if (dropped.length === 0) return;
     this.link.send({ type: 'forget', frames: dropped.map((frame) => frame.index) });
     for (const frame of dropped) this.link.recycle(frame.release());
+  }
+
+  /** Drop a frame from the cache; the server is told. */
+  forget(frame: CloudFrame): void {
+    this.link.send({ type: 'forget', frames: [frame.index] });
+    this.store.drop(frame);
+    this.link.recycle(frame.release());
   }
 
   // ── before each picture ────────────────────────────────────────────────────────────────────

@@ -1,9 +1,9 @@
 /** A frame message → vertices that the GPU takes as they are. */
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import type { Frame } from '../protocol/messages';
-import { blockCount, finishChunk } from './blocks';
+import { stampChunk } from './density';
 import type { BufferPool } from './pool';
-import { BLOCK_VALUES, MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
+import { MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
 
 /** Resolves once the WASM decoder can be used. */
 export const ready: Promise<void> = MeshoptDecoder.ready;
@@ -11,33 +11,19 @@ export const ready: Promise<void> = MeshoptDecoder.ready;
 /** Decode all chunks of a message, one after another, into a buffer of the pool. */
 export function decodeFrame(message: Frame, pool: BufferPool): Segment {
   const started = performance.now();
-  let points = 0;
-  let blocksTotal = 0;
-  for (const chunk of message.chunks) {
-    points += chunk.count;
-    blocksTotal += blockCount(chunk.count);
-  }
+  const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
   const vertices = pool.take(points * STRIDE);
-  const blocks = new Uint16Array(blocksTotal * BLOCK_VALUES);
   const chunks: SegmentChunk[] = [];
   let start = 0;
-  let block = 0;
   for (const chunk of message.chunks) {
-    const { offset, nbytes, count } = chunk;
+    const { offset, nbytes, count, origin, scale } = chunk;
     const target = new Uint8Array(vertices, start * STRIDE, count * STRIDE);
     const source = message.data.subarray(offset, offset + nbytes);
     MeshoptDecoder.decodeVertexBuffer(target, count, STRIDE, source);
-    finishChunk(
-      new Uint16Array(vertices, start * STRIDE, count * 6),
-      count,
-      chunk.origin,
-      chunk.scale,
-      chunk.index % MAX_CHUNKS,
-      blocks.subarray(block * BLOCK_VALUES),
-    );
-    chunks.push({ ...chunk, start, block });
+    const words = new Uint16Array(vertices, start * STRIDE, count * 6);
+    stampChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS);
+    chunks.push({ ...chunk, start });
     start += count;
-    block += blockCount(count);
   }
   return {
     sequence: message.sequence,
@@ -47,7 +33,6 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     count: points,
     chunks,
     vertices,
-    blocks,
     nbytes: message.data.byteLength,
     decodeMs: performance.now() - started,
   };

@@ -1,10 +1,6 @@
 /** A run of decoded points as the worker hands it to the page. */
 
 export const STRIDE = 12;
-/** Points per block, the unit of culling on the page. */
-export const BLOCK = 256;
-/** A block's bounds: lo x, y, z then hi x, y, z, quantised like its chunk. */
-export const BLOCK_VALUES = 6;
 /** The vertex's spare 16 bits: chunk number × 64 + size code. */
 export const SIZE_CODES = 64;
 export const MAX_CHUNKS = 1024;
@@ -18,8 +14,6 @@ export interface SegmentChunk {
   readonly count: number;
   /** Where the points lie in the segment's vertices, in points. */
   readonly start: number;
-  /** Where the blocks lie in the segment's blocks, in blocks. */
-  readonly block: number;
   readonly origin: readonly [number, number, number];
   readonly scale: readonly [number, number, number];
   readonly lo: readonly [number, number, number];
@@ -37,8 +31,6 @@ export interface Segment {
   readonly chunks: readonly SegmentChunk[];
   /** `count` × 12 bytes: x, y, z uint16; r, g, b, intensity uint8; chunk and size uint16. */
   readonly vertices: ArrayBuffer;
-  /** Block bounds, `BLOCK_VALUES` uint16 each. */
-  readonly blocks: Uint16Array<ArrayBuffer>;
   /** Bytes on the wire, and the time to decode them. */
   readonly nbytes: number;
   readonly decodeMs: number;

@@ -149,7 +149,7 @@ function receive(data: ArrayBuffer): void {
     case 'frame': {
       const segment = decodeFrame(message, pool);
       const { nbytes, decodeMs } = segment;
-      post({ t: 'segment', segment }, [segment.vertices, segment.blocks.buffer]);
+      post({ t: 'segment', segment }, [segment.vertices]);
       waiting += 1;
       // A page that is busy drawing takes segments in late; the link is not to blame for that.
       const credit: Credit = { type: 'credit', frames: 1, nbytes, decode_ms: decodeMs, ...pace };

@@ -1,0 +1,117 @@
+"""Chromium by bare CDP with Page and Runtime only: the Network domain slows its sockets tenfold."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+from websockets.sync.client import ClientConnection, connect
+
+EXECUTABLE = "/usr/bin/chromium"
+FLAGS = [
+    "--headless=new",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-extensions",
+    "--no-first-run",
+    "--disable-domain-reliability",
+    "--disable-dev-shm-usage",
+    "--disable-renderer-backgrounding",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+]
+
+
+class Tab:
+    """One page."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self._socket, self._number = socket, 0
+        self.call("Page.enable")
+        self.call("Runtime.enable")
+
+    def call(self, method: str, timeout: float = 60, **params: Any) -> dict[str, Any]:
+        """Send a command and wait for its answer; events in between are dropped."""
+        self._number += 1
+        self._socket.send(json.dumps({"id": self._number, "method": method, "params": params}))
+        deadline = time.monotonic() + timeout
+        while True:
+            message = json.loads(self._socket.recv(timeout=deadline - time.monotonic()))
+            if message.get("id") == self._number:
+                if "error" in message:
+                    raise RuntimeError(f"{method}: {message['error']}")
+                result: dict[str, Any] = message["result"]
+                return result
+
+    def run(self, expression: str, timeout: float = 60) -> Any:
+        """The value of an expression; promises are awaited."""
+        answer = self.call(
+            "Runtime.evaluate",
+            timeout,
+            expression=expression,
+            awaitPromise=True,
+            returnByValue=True,
+        )
+        if "exceptionDetails" in answer:
+            raise RuntimeError(str(answer["exceptionDetails"])[:500])
+        return answer["result"].get("value")
+
+    def until(self, expression: str, seconds: float = 60) -> None:
+        """Wait for an expression to hold."""
+        deadline = time.monotonic() + seconds
+        while not self.run(expression):
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"the page never came to {expression}")
+            time.sleep(0.05)
+
+    def open(self, url: str, first: str = "") -> None:
+        """Navigate; ``first`` is a script that runs before the page's own."""
+        if first:
+            self.call("Page.addScriptToEvaluateOnNewDocument", source=first)
+        self.call("Page.navigate", url=url)
+
+
+@contextmanager
+def tab(width: int = 1280, height: int = 720) -> Iterator[Tab]:
+    """A page in a browser of its own."""
+    profile = Path(tempfile.mkdtemp(prefix="pointbrush-bench-"))
+    process = subprocess.Popen(
+        [
+            EXECUTABLE,
+            *FLAGS,
+            f"--window-size={width},{height}",
+            f"--user-data-dir={profile}",
+            "--remote-debugging-port=0",
+            "about:blank",
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        port_file = profile / "DevToolsActivePort"
+        deadline = time.monotonic() + 30
+        while not port_file.is_file() or "\n" not in port_file.read_text():
+            assert time.monotonic() < deadline, "Chromium did not start"
+            time.sleep(0.05)
+        port = int(port_file.read_text().splitlines()[0])
+        pages = httpx.get(f"http://127.0.0.1:{port}/json/list").json()
+        address = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
+        with connect(address, max_size=None) as socket:
+            yield Tab(socket)
+    finally:
+        process.terminate()
+        process.wait(20)
+        shutil.rmtree(profile, ignore_errors=True)
