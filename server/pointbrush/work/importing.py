@@ -137,14 +137,14 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
     sources = [Path(source) for source in recording.manifest.source.split(", ")]
     named = {label.id: label for label in source_palette(sources)}
     for label_id in sorted(found - known):
-        label = named.get(label_id)
+        given = named.get(label_id)
         store.create_label(
             sequence,
             "import",
             id=label_id,
-            name=label.name if label else f"label {label_id}",
-            category=label.category if label else "",
-            color=label.color if label else None,
+            name=given.name if given else f"label {label_id}",
+            category=given.category if given else "",
+            color=given.color if given else None,
         )
     if writes:
         store.apply(
