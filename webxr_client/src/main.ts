@@ -2,8 +2,10 @@
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import { mountPanels } from './panels/index';
+import { installHeadset } from './xr/index';
 
 const engine = new Engine(document.getElementById('view') as HTMLCanvasElement);
 mountPanels();
+installHeadset(engine);
 installHook(engine);
 engine.start();

@@ -7,7 +7,8 @@ import { frameToX, runs, ticks, type CellKind, type Span } from './timeline-layo
 export interface TimelinePicture {
   readonly span: Span;
   readonly frames: number;
-  readonly frame: number;
+  /** Null: the playhead is drawn by somebody else. */
+  readonly frame: number | null;
   readonly loaded: readonly LoadedRange[];
   readonly range: FrameRange | null;
   readonly labels: readonly Label[];
@@ -212,6 +213,7 @@ function drawPlayhead(
   picture: TimelinePicture,
   inner: number,
 ): void {
+  if (picture.frame === null) return;
   const { ruler, height, font, fontSize } = sizes;
   const x = Math.round(frameToX(picture.frame + 0.5, picture.span, inner));
   pen.font = `600 ${fontSize}px ${font}`;

@@ -1,0 +1,163 @@
+"""An emulated headset in Chromium: the npm package iwer as the page's WebXR runtime."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser
+
+from tests.e2e.desk import Desk
+
+IWER = (
+    Path(__file__).parents[2] / "webxr_client" / "node_modules" / "iwer" / "build" / "iwer.min.js"
+)
+
+QUEST = "new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true })"
+VIVE = """(() => {
+  const gamepad = {
+    mapping: 'xr-standard',
+    buttons: [
+      { id: 'trigger', type: 'analog', eventTrigger: 'select' },
+      { id: 'squeeze', type: 'binary', eventTrigger: 'squeeze' },
+      { id: 'touchpad', type: 'binary' },
+    ],
+    axes: [{ id: 'touchpad', type: 'x-axis' }, { id: 'touchpad', type: 'y-axis' }],
+  };
+  const layout = { gamepad, numHapticActuators: 1 };
+  const controllerConfig = {
+    profileId: 'htc-vive',
+    fallbackProfileIds: ['generic-trigger-squeeze-touchpad'],
+    layout: { left: layout, right: layout },
+  };
+  const config = { ...IWER.metaQuest3, name: 'Vive', controllerConfig };
+  return new IWER.XRDevice(config, { stereoEnabled: true });
+})()"""
+
+# Every pulse is noted: strength, milliseconds and when, for both hands together.
+SPY = """
+  window.pulses = [];
+  for (const hand of ['left', 'right']) {
+    const source = device.controllers[hand].inputSource;
+    const actuator = source.gamepad.hapticActuators[0];
+    actuator.pulse = (strength, milliseconds) => {
+      window.pulses.push({ hand, strength, milliseconds });
+      return Promise.resolve(true);
+    };
+  }
+"""
+
+
+def runtime(device: str) -> str:
+    return f"""{IWER.read_text()};
+(() => {{
+  const device = {device};
+  device.installRuntime({{ forceInstall: true }});
+  window.device = device;
+  {SPY}
+}})();"""
+
+
+class Headset(Desk):
+    """A desk whose page runs in a headset; poses are given in the headset's own space."""
+
+    # ── session ──────────────────────────────────────────────────────────────────────────
+
+    def enter(self) -> None:
+        self.page.get_by_role("button", name="Enter VR").click()
+        self.until("hs.headset.cockpit && hs.frames() > 2")
+
+    def ask(self, expression: str) -> Any:
+        """The value of an expression over ``pb``, ``hs`` (the headset's hook) and ``device``."""
+        script = (
+            "() => { const pb = window.__pointbrush, hs = window.__pointbrushHeadset; "
+            f"return ({expression}); }}"
+        )
+        text = self.page.evaluate(f"JSON.stringify(({script})()) ?? 'null'")
+        return json.loads(text)
+
+    def frames(self, count: int = 2) -> None:
+        """Let some pictures pass: what a test sets arrives with the next one."""
+        seen = self.ask("hs.frames()")
+        self.until(f"hs.frames() >= {seen + count}")
+
+    # ── hands ────────────────────────────────────────────────────────────────────────────
+
+    def move(self, hand: str, at: list[float], to: list[float] | None = None) -> None:
+        """Hold a controller at a place, pointing to another one (ahead, if none is given)."""
+        x, y, z = at
+        target = to or [x, y, z - 1.0]
+        self.ask(
+            f"""(() => {{
+              const c = device.controllers.{hand};
+              const [x, y, z] = {json.dumps(at)}, [tx, ty, tz] = {json.dumps(target)};
+              c.position.set(x, y, z);
+              const d = [tx - x, ty - y, tz - z], n = Math.hypot(...d);
+              const yaw = Math.atan2(-d[0], -d[2]), pitch = Math.asin(d[1] / n);
+              const [cy, sy] = [Math.cos(yaw / 2), Math.sin(yaw / 2)];
+              const [cp, sp] = [Math.cos(pitch / 2), Math.sin(pitch / 2)];
+              c.quaternion.set(cy * sp, sy * cp, -sy * sp, cy * cp);
+            }})()"""
+        )
+        self.frames()
+
+    def trigger(self, value: float, hand: str = "right") -> None:
+        self.ask(f"device.controllers.{hand}.updateButtonValue('trigger', {value})")
+        self.frames()
+
+    def button(self, name: str, hand: str = "right") -> None:
+        """Press and let go."""
+        for value in (1, 0):
+            self.ask(f"device.controllers.{hand}.updateButtonValue('{name}', {value})")
+            self.frames()
+
+    def lean(self, x: float, y: float, hand: str = "right", pad: str = "thumbstick") -> None:
+        self.ask(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
+        self.frames()
+
+    def flick(self, x: float, y: float, hand: str = "right") -> None:
+        pad = "thumbstick"
+        self.ask(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
+        self.frames(1)
+        self.lean(0, 0, hand, pad)
+
+    # ── what people do ───────────────────────────────────────────────────────────────────
+
+    def reach(self, point: list[float], hand: str = "right") -> None:
+        """Bring the ball's middle to a point of the recording (source coordinates)."""
+        x, y, z = self.ask(f"hs.place({json.dumps(point)})")
+        self.move(hand, [x, y, z + self.ask("hs.tipAhead()")])
+
+    def paint(self, points: list[list[float]], *, release: bool = True) -> None:
+        self.reach(points[0])
+        self.trigger(1)
+        for point in points[1:]:
+            self.reach(point)
+        if release:
+            self.trigger(0)
+
+    def click(self, panel: str, name: str, hand: str = "right") -> None:
+        """Point at something on a panel by its name, and press."""
+        self.page.wait_for_timeout(80)
+        self.until(f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})")
+        areas = self.ask(f"hs.areas('{panel}')")
+        area = next(area for area in areas if area["name"] == name)
+        self.point(panel, area["x"] + area["w"] / 2, area["y"] + area["h"] / 2, hand)
+        self.trigger(1, hand)
+        self.trigger(0, hand)
+
+    def point(self, panel: str, u: float, v: float, hand: str = "right") -> None:
+        place = self.ask(f"hs.onPanel('{panel}', {u}, {v})")
+        self.move(hand, place["out"], place["at"])
+
+    def pulses(self) -> list[dict[str, Any]]:
+        """What the hands felt since this was last asked."""
+        felt: list[dict[str, Any]] = self.ask("window.pulses.splice(0)")
+        return felt
+
+
+def wear(browser: Browser, url: str, device: str = QUEST, size: tuple[int, int] = (1280, 720)) -> Headset:
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]})
+    context.add_init_script(runtime(device))
+    return Headset(context, url)

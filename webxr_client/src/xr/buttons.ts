@@ -1,0 +1,66 @@
+/** What sticks, pads and buttons do besides painting. */
+import { actions } from '../actions';
+import { state } from '../state';
+import type { Hand } from './hand';
+import type { Lessons } from './tips';
+
+/** The brush grows by this factor a second at full lean. */
+const GROWTH = 4;
+/** Steps of a touchpad's quadrant. */
+const NOTCHES = 1;
+
+export class Buttons {
+  constructor(
+    private readonly lessons: Lessons,
+    private readonly togglePanel: () => void,
+  ) {}
+
+  update(brush: Hand, other: Hand, seconds: number, now: number): void {
+    this.time(brush, now);
+    this.size(brush, seconds, now);
+    if (brush.edge.primary === 1) {
+      actions.toggleEraser();
+      this.lessons.done('erase');
+    }
+    if (brush.edge.secondary === 1) {
+      actions.undo();
+      this.lessons.done('undo');
+    }
+    if (other.edge.primary === 1) {
+      this.togglePanel();
+      this.lessons.done('panel');
+    }
+    if (other.edge.secondary === 1) {
+      actions.redo();
+      this.lessons.done('redo');
+    }
+    if (other.pad.x !== 0) this.lessons.done('turn');
+    if (other.pad.y > 0) this.lessons.done('teleport');
+  }
+
+  /** Left and right are frames; held, they run; the middle plays. */
+  private time(hand: Hand, now: number): void {
+    const step = hand.repeatX.update(hand.pad.x, now);
+    if (step !== 0) {
+      actions.step(step);
+      this.lessons.done('step');
+    }
+    if (hand.edge.press === 1) {
+      actions.togglePlay();
+      this.lessons.done('play');
+    }
+  }
+
+  private size(hand: Hand, seconds: number, now: number): void {
+    const { y } = hand.pad;
+    if (hand.device?.pad === 'touchpad') {
+      const notch = hand.repeatY.update(y, now);
+      if (notch === 0) return;
+      actions.nudgeRadius(notch * NOTCHES);
+      this.lessons.done('size');
+    } else if (y !== 0) {
+      actions.setRadius(state.brush.peek().radius * GROWTH ** (y * seconds));
+      this.lessons.done('size');
+    }
+  }
+}

@@ -1,0 +1,398 @@
+/**
+ * Everything that is there while one is inside: hands, brush, panels, moving about.  `update` runs
+ * before each picture and allocates nothing unless something happens.
+ */
+import { effect } from '@preact/signals';
+import { Quaternion, Vector3 } from 'three';
+import { actions } from '../actions';
+import { viewOf } from '../desktop/framing';
+import type { Engine } from '../engine/engine';
+import { isActive, notify, state } from '../state';
+import { Buttons } from './buttons';
+import { Hand } from './hand';
+import { BUMP, BUTTON_TICK, FRAME_TICK, type Pulse } from './haptics';
+import { Hud } from './hud';
+import { Locomotion } from './locomotion';
+import { controllerModel, disposeModel, HandModel, Ray } from './model';
+import { Painter } from './painter';
+import { PalettePanel } from './palette-panel';
+import type { Panel } from './panel';
+import { Place } from './place';
+import { Presence } from './presence';
+import { Rig } from './rig';
+import { xrSettings, type Side } from './settings';
+import { TimelinePanel } from './timeline-panel';
+import { Lessons, Tips } from './tips';
+import { resetWorld, scaleAbout, WorldGrab } from './world';
+
+/** One stands so far from the middle of things, metres. */
+const ARM = 1.4;
+
+interface Body {
+  readonly hand: Hand;
+  readonly tips: Tips;
+  readonly ray: Ray;
+  model: ReturnType<typeof controllerModel> | null;
+  joints: HandModel | null;
+  /** The panel that its ray is on. */
+  on: Panel | null;
+}
+
+export class Cockpit {
+  readonly rig = new Rig();
+  readonly hands: Record<Side, Hand> = { left: new Hand('left'), right: new Hand('right') };
+  readonly painter: Painter;
+  readonly palette: PalettePanel;
+  readonly timeline = new TimelinePanel();
+  /** Pictures since the session began, for tests. */
+  frames = 0;
+  private readonly lessons = new Lessons();
+  private readonly bodies: readonly Body[];
+  private readonly place: Place;
+  private readonly locomotion = new Locomotion(this.rig);
+  private readonly grab = new WorldGrab();
+  private readonly buttons: Buttons;
+  private readonly hud: Hud;
+  private readonly presence: Presence;
+  private readonly undo: (() => void)[] = [];
+  private readonly headTurn = new Quaternion();
+  private readonly panels: readonly Panel[];
+  private standing = false;
+  private last = -1;
+  private frame = -1;
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly session: XRSession,
+    /** Added where the headset does not know the floor. */
+    private readonly height: number,
+    readonly mode: XRSessionMode,
+  ) {
+    const { viewer } = engine;
+    this.place = new Place(viewer);
+    this.painter = new Painter(engine, this.place, (strength, ms) =>
+      this.brushHand.pulse(strength, ms),
+    );
+    this.palette = new PalettePanel({
+      scaleTo: (scale) => this.scaleTo(scale),
+      reset: () => this.reset(),
+    });
+    this.panels = [this.palette, this.timeline];
+    this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
+    this.hud = new Hud();
+    this.presence = new Presence(engine.link);
+    this.bodies = [this.hands.left, this.hands.right].map((hand) => ({
+      hand,
+      tips: new Tips(this.lessons),
+      ray: new Ray(),
+      model: null,
+      joints: null,
+      on: null,
+    }));
+    this.assemble();
+    this.listen();
+  }
+
+  /** The hand that paints, and the one that holds the palette. */
+  get brushHand(): Hand {
+    return this.hands[xrSettings.peek().hand];
+  }
+
+  get otherHand(): Hand {
+    return this.hands[xrSettings.peek().hand === 'right' ? 'left' : 'right'];
+  }
+
+  private assemble(): void {
+    const { viewer } = this.engine;
+    const { group } = this.rig;
+    group.position.y = this.height;
+    viewer.scene.add(group);
+    group.add(viewer.camera, this.timeline.mesh, this.hud.group);
+    for (const { hand, ray } of this.bodies) {
+      group.add(hand.grip);
+      viewer.scene.add(ray.line);
+    }
+    this.painter.addTo(viewer.scene);
+    this.locomotion.addTo(viewer.scene);
+    this.holdPalette();
+  }
+
+  /** The palette lies over the other hand, turned to the face. */
+  private holdPalette(): void {
+    const hand = this.otherHand;
+    const side = hand.side === 'left' ? 1 : -1;
+    this.palette.mesh.position.set(side * 0.1, 0.13, -0.09);
+    this.palette.mesh.rotation.set(-0.75, 0, 0);
+    hand.grip.add(this.palette.mesh);
+    for (const body of this.bodies) body.tips.set(body.hand, body.hand === this.brushHand);
+  }
+
+  private listen(): void {
+    const { session, undo } = this;
+    const on = <K extends keyof XRSessionEventMap>(
+      type: K,
+      run: (event: XRSessionEventMap[K]) => void,
+    ): void => {
+      session.addEventListener(type, run as EventListener);
+      undo.push(() => session.removeEventListener(type, run as EventListener));
+    };
+    on('inputsourceschange', (event) => this.sources(event.added, event.removed));
+    on('selectstart', (event) => this.handOf(event.inputSource)?.select(true));
+    on('selectend', (event) => this.handOf(event.inputSource)?.select(false));
+    on('visibilitychange', () => {
+      if (session.visibilityState !== 'visible') this.painter.finish();
+    });
+    this.sources([...session.inputSources], []);
+    const tick = (now: number, frame: XRFrame | undefined): void => this.update(now, frame);
+    this.engine.viewer.ticks.add(tick);
+    undo.push(() => this.engine.viewer.ticks.delete(tick));
+    let side = xrSettings.peek().hand;
+    undo.push(
+      effect(() => {
+        if (xrSettings.value.hand === side) return;
+        side = xrSettings.value.hand;
+        this.painter.finish();
+        this.holdPalette();
+      }),
+      this.followJobs(),
+    );
+  }
+
+  /** A bump when a tracking run ends. */
+  private followJobs(): () => void {
+    let running = new Set<string>();
+    return effect(() => {
+      const tracking = state.jobs.value.filter((job) => job.kind === 'tracking');
+      const active = new Set(tracking.filter(isActive).map((job) => job.id));
+      const ended = [...running].some((id) => !active.has(id));
+      running = active;
+      if (ended) this.feel(this.brushHand, BUMP);
+    });
+  }
+
+  private handOf(source: XRInputSource): Hand | null {
+    return Object.values(this.hands).find((hand) => hand.source === source) ?? null;
+  }
+
+  private sources(added: readonly XRInputSource[], removed: readonly XRInputSource[]): void {
+    for (const source of removed) {
+      const body = this.bodies.find(({ hand }) => hand.source === source);
+      if (!body) continue;
+      if (body.hand === this.brushHand) this.painter.finish();
+      this.strip(body);
+      body.hand.detach();
+      this.hud.say(`The ${body.hand.side} controller is away`);
+    }
+    for (const source of added) {
+      if (source.targetRayMode !== 'tracked-pointer') continue;
+      const side: Side = source.handedness === 'left' ? 'left' : 'right';
+      const body = this.bodies.find(({ hand }) => hand.side === side)!;
+      this.strip(body);
+      body.hand.attach(source);
+      this.dress(body, source);
+    }
+  }
+
+  private dress(body: Body, source: XRInputSource): void {
+    if (source.hand) {
+      body.joints = new HandModel(source.hand);
+      this.rig.group.add(body.joints.mesh);
+    } else {
+      body.model = controllerModel(body.hand.device!);
+      body.hand.grip.add(body.model);
+    }
+    body.tips.set(body.hand, body.hand === this.brushHand);
+  }
+
+  private strip(body: Body): void {
+    if (body.model) disposeModel(body.model);
+    body.joints?.dispose();
+    body.model = body.joints = null;
+    body.tips.clear();
+  }
+
+  // ── each frame ─────────────────────────────────────────────────────────────────────────────
+
+  private update(now: number, frame: XRFrame | undefined): void {
+    const space = this.engine.viewer.renderer.xr.getReferenceSpace();
+    if (!frame || !space) return;
+    const seconds = this.last < 0 ? 0 : Math.min(0.1, (now - this.last) / 1000);
+    this.last = now;
+    this.frames += 1;
+    if (!this.rig.update(frame, space)) return;
+    if (!this.standing) this.stand();
+    const { left, right } = this.hands;
+    const { matrixWorld } = this.rig.group;
+    left.update(frame, space, matrixWorld);
+    right.update(frame, space, matrixWorld);
+    for (const { joints } of this.bodies) joints?.update(frame, space);
+    this.rig.group.updateMatrixWorld(true);
+    this.moveWorld();
+    this.place.update();
+    this.pointAtPanels();
+    this.buttons.update(this.brushHand, this.otherHand, seconds, now);
+    this.locomotion.update(this.otherHand, seconds);
+    this.paint(now);
+    this.followFrame();
+    this.tellOthers(now);
+    this.engine.viewer.backdrop.follow(this.rig.head);
+    for (const panel of this.panels) panel.update(now);
+    for (const { tips } of this.bodies) tips.update(seconds, xrSettings.peek().tips);
+    this.hud.update(this.rig, seconds, now);
+  }
+
+  /** Before the recording's middle, where the sensor looked. */
+  private stand(): void {
+    const frame = this.engine.playback.frame;
+    if (!frame) return;
+    this.standing = true;
+    const { viewer } = this.engine;
+    const seen = viewOf('sensor', frame, viewer.room.matrix, 60, 1);
+    if (!seen) return;
+    const { target } = seen;
+    const way = target.clone().sub(seen.eye).setY(0);
+    const back = Math.min(ARM, way.length());
+    way.normalize();
+    this.rig.standAt(target.addScaledVector(way, -back), way);
+    this.placeTimeline();
+  }
+
+  /** The timeline stands at arm's length, low, and leans back. */
+  private placeTimeline(): void {
+    const { mesh } = this.timeline;
+    const { headInRig } = this.rig;
+    const yaw = Math.atan2(-this.rig.ahead.x, -this.rig.ahead.z) - this.rig.group.rotation.y;
+    mesh.rotation.set(-0.65, yaw, 0, 'YXZ');
+    mesh.position.set(
+      headInRig.x - Math.sin(yaw) * 0.72,
+      Math.max(0.55, headInRig.y - 0.62),
+      headInRig.z - Math.cos(yaw) * 0.72,
+    );
+  }
+
+  private toggleTimeline(): void {
+    const { mesh } = this.timeline;
+    mesh.visible = !mesh.visible;
+    if (mesh.visible) this.placeTimeline();
+  }
+
+  private moveWorld(): void {
+    const { left, right } = this.hands;
+    const { world } = this.engine.viewer;
+    const was = this.grab.active;
+    const grown = this.grab.update(
+      world,
+      left.squeeze.down ? left.place : null,
+      right.squeeze.down ? right.place : null,
+    );
+    if (this.grab.active && !was) this.lessons.done('grab');
+    // The ball keeps its size in the hand.
+    if (grown !== 1) actions.setRadius(state.brush.peek().radius / grown);
+  }
+
+  private pointAtPanels(): void {
+    for (const body of this.bodies) {
+      const { hand } = body;
+      const held = body.on?.held ? body.on : null;
+      let nearest: Panel | null = null;
+      let distance = Infinity;
+      for (const panel of this.panels) {
+        if (held && panel !== held) continue;
+        // The hand that holds the palette cannot point at it.
+        if (!hand.tracked || (panel === this.palette && hand === this.otherHand)) continue;
+        const away = panel.meet(hand.origin, hand.direction);
+        if (away < 0 || away >= distance) continue;
+        nearest = panel;
+        distance = away;
+      }
+      const busy = hand === this.brushHand && this.painter.painting;
+      if (busy) nearest = null;
+      if (body.on && body.on !== nearest) body.on.leave();
+      body.on = nearest;
+      if (nearest) {
+        nearest.meet(hand.origin, hand.direction);
+        if (nearest.point(hand.edge.click)) this.feel(hand, BUTTON_TICK);
+      }
+      const reach = hand === this.brushHand ? this.painter.reach : -1;
+      body.ray.show(hand.origin, hand.direction, nearest ? distance : hand.tracked ? reach : -1);
+    }
+  }
+
+  private paint(now: number): void {
+    const hand = this.brushHand;
+    const body = this.bodies.find((other) => other.hand === hand)!;
+    const before = this.painter.painting;
+    this.painter.update(
+      hand,
+      this.otherHand,
+      this.rig.head,
+      body.on !== null || this.grab.active,
+      now,
+    );
+    if (this.painter.painting && !before) this.lessons.done('paint');
+  }
+
+  private followFrame(): void {
+    const frame = state.frame.peek();
+    if (frame === this.frame) return;
+    // While it plays the hand would only buzz.
+    if (this.frame >= 0 && !state.playing.peek()) this.feel(this.brushHand, FRAME_TICK);
+    this.frame = frame;
+  }
+
+  private tellOthers(now: number): void {
+    const { camera, world } = this.engine.viewer;
+    camera.getWorldQuaternion(this.headTurn);
+    this.presence.update(
+      now,
+      this.rig,
+      this.order,
+      this.painter.tip,
+      this.headTurn,
+      world.matrixWorld,
+    );
+  }
+
+  private readonly order = [this.hands.left, this.hands.right];
+
+  private feel(hand: Hand, { strength, milliseconds }: Pulse): void {
+    hand.pulse(strength, milliseconds);
+  }
+
+  // ── the world ──────────────────────────────────────────────────────────────────────────────
+
+  private scaleTo(scale: number): void {
+    const { world } = this.engine.viewer;
+    const about = new Vector3().copy(this.rig.head).addScaledVector(this.rig.ahead, 0.6);
+    about.y = scale < 1 ? 0.8 : 0;
+    const grown = scale / world.scale.x;
+    scaleAbout(world, scale, about);
+    actions.setRadius(state.brush.peek().radius / grown);
+  }
+
+  /** 1:1 on the floor, before the middle, facing it. */
+  reset(): void {
+    const { world } = this.engine.viewer;
+    actions.setRadius(state.brush.peek().radius * world.scale.x);
+    resetWorld(world);
+    this.stand();
+    notify('info', 'Back at true scale', 'The recording stands on the floor, and you before it.');
+  }
+
+  dispose(): void {
+    const { viewer } = this.engine;
+    for (const run of this.undo) run();
+    this.presence.gone();
+    this.painter.dispose();
+    this.locomotion.dispose();
+    for (const body of this.bodies) {
+      this.strip(body);
+      body.ray.dispose();
+    }
+    for (const panel of this.panels) panel.dispose();
+    this.hud.dispose();
+    viewer.camera.removeFromParent();
+    this.rig.group.removeFromParent();
+    resetWorld(viewer.world);
+  }
+}

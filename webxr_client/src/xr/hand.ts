@@ -1,0 +1,141 @@
+/** One controller or hand as it is at this moment: poses in the scene, buttons as switches. */
+import { Group, Matrix4, Quaternion, Vector3 } from 'three';
+import { deviceFor, type Device } from './devices';
+import { readPad, Repeat, Switch, type Pad } from './pad';
+import { Pressure } from './pressure';
+import type { Side } from './settings';
+
+const FORWARD = new Vector3(0, 0, -1);
+/** A pinch without a gamepad counts as a trigger pressed so far. */
+const PINCHED = 1;
+
+export class Hand {
+  /** Follows the grip; a child of the rig, so in the headset's own space. */
+  readonly grip = new Group();
+  source: XRInputSource | null = null;
+  device: Device | null = null;
+  /** It was seen in this frame. */
+  tracked = false;
+  /** The pointing ray, in the scene. */
+  readonly origin = new Vector3();
+  readonly direction = new Vector3(0, 0, -1);
+  /** Where it is held, in the scene. */
+  readonly place = new Vector3();
+  readonly turn = new Quaternion();
+  trigger = 0;
+  readonly pad: Pad = { x: 0, y: 0, click: false };
+  readonly pressure = new Pressure();
+  readonly click = new Switch();
+  readonly squeeze = new Switch();
+  readonly press = new Switch();
+  readonly primary = new Switch();
+  readonly secondary = new Switch();
+  readonly leanUp = new Switch();
+  readonly repeatX = new Repeat();
+  readonly repeatY = new Repeat();
+  /** Edges of this frame: 1 down, −1 up. */
+  readonly edge = { click: 0, squeeze: 0, press: 0, primary: 0, secondary: 0 };
+  private pinching = false;
+  private readonly matrix = new Matrix4();
+
+  constructor(readonly side: Side) {
+    this.grip.visible = false;
+  }
+
+  attach(source: XRInputSource): void {
+    this.source = source;
+    const axes = source.gamepad?.axes.length ?? 0;
+    this.device = deviceFor(source.profiles, axes, Boolean(source.hand));
+  }
+
+  detach(): void {
+    this.source = null;
+    this.device = null;
+    this.tracked = false;
+    this.pinching = false;
+    this.grip.visible = false;
+    this.rest();
+  }
+
+  /** Selecting, for hands that have no gamepad. */
+  select(down: boolean): void {
+    this.pinching = down;
+  }
+
+  get isHand(): boolean {
+    return this.device?.id === 'hand';
+  }
+
+  /** Take in this frame; `rig` is where the headset's space lies in the scene. */
+  update(frame: XRFrame, space: XRReferenceSpace, rig: Matrix4): void {
+    const { source } = this;
+    const ray = source && frame.getPose(source.targetRaySpace, space);
+    this.tracked = Boolean(ray);
+    if (!source || !ray) {
+      this.grip.visible = false;
+      this.rest();
+      return;
+    }
+    const held = source.gripSpace ? frame.getPose(source.gripSpace, space) : ray;
+    this.takePose(ray, held ?? ray, rig);
+    this.readButtons(source.gamepad ?? null);
+  }
+
+  private takePose(ray: XRPose, held: XRPose, rig: Matrix4): void {
+    const { position: at, orientation: way } = ray.transform;
+    this.turn.set(way.x, way.y, way.z, way.w);
+    this.origin.set(at.x, at.y, at.z).applyMatrix4(rig);
+    this.direction.copy(FORWARD).applyQuaternion(this.turn).transformDirection(rig);
+    this.grip.matrix.fromArray(held.transform.matrix);
+    this.grip.matrix.decompose(this.grip.position, this.grip.quaternion, this.grip.scale);
+    this.grip.visible = true;
+    this.place.setFromMatrixPosition(this.matrix.multiplyMatrices(rig, this.grip.matrix));
+  }
+
+  private readButtons(gamepad: Gamepad | null): void {
+    const device = this.device!;
+    const pinched = this.pinching ? PINCHED : 0;
+    this.trigger = Math.max(value(gamepad, device.trigger), this.isHand ? pinched : 0);
+    // Absent axes are null in some runtimes.
+    const x = gamepad?.axes[device.axes[0]] || 0;
+    const y = gamepad?.axes[device.axes[1]] || 0;
+    readPad(device.pad, x, y, value(gamepad, device.press) > 0.5, this.pad);
+    const { edge } = this;
+    edge.click = this.click.update(this.trigger);
+    edge.squeeze = this.squeeze.update(value(gamepad, device.squeeze));
+    edge.press = this.press.update(this.pad.click ? 1 : 0);
+    edge.primary = this.primary.update(value(gamepad, device.primary));
+    edge.secondary = this.secondary.update(value(gamepad, device.secondary));
+  }
+
+  /** Nothing is pressed on a controller that is not there. */
+  private rest(): void {
+    const { edge, pad } = this;
+    this.trigger = pad.x = pad.y = 0;
+    pad.click = false;
+    edge.click = this.click.update(0);
+    edge.squeeze = this.squeeze.update(0);
+    edge.press = this.press.update(0);
+    edge.primary = this.primary.update(0);
+    edge.secondary = this.secondary.update(0);
+  }
+
+  /** A felt pulse; strength 0..1. */
+  pulse(strength: number, milliseconds: number): void {
+    const actuator = this.source?.gamepad?.hapticActuators[0] as Actuator | undefined;
+    void actuator?.pulse?.(Math.min(1, strength), milliseconds)?.catch(ignore);
+  }
+}
+
+interface Actuator {
+  pulse?: (strength: number, milliseconds: number) => Promise<unknown> | undefined;
+}
+
+/** A controller that cannot pulse any more has nothing to tell. */
+function ignore(): void {
+  return;
+}
+
+function value(gamepad: Gamepad | null, button: number): number {
+  return gamepad && button >= 0 ? (gamepad.buttons[button]?.value ?? 0) : 0;
+}

@@ -1,0 +1,32 @@
+/** What the hand feels: newly touched points, frames passing, work that ends. */
+import type { StrokeResult } from '../protocol/messages';
+
+/** Strength of a pulse for so many newly touched points: felt from one, full at a thousand. */
+export function strengthOf(points: number): number {
+  return points <= 0 ? 0 : Math.min(1, 0.2 + 0.8 * (Math.log10(points) / 3));
+}
+
+export interface Pulse {
+  readonly strength: number;
+  readonly milliseconds: number;
+}
+
+/** A short dry tick, unlike the hum of painting. */
+export const FRAME_TICK: Pulse = { strength: 0.35, milliseconds: 6 };
+export const BUTTON_TICK: Pulse = { strength: 0.2, milliseconds: 8 };
+/** Tracking ended, or a label is locked. */
+export const BUMP: Pulse = { strength: 1, milliseconds: 120 };
+export const PAINT_MS = 25;
+
+/** Differences of the server's running counts, stroke by stroke. */
+export class TouchCounter {
+  private readonly seen = new Map<string, number>();
+
+  /** Points that are new in this answer. */
+  take(result: StrokeResult): number {
+    const before = this.seen.get(result.id) ?? 0;
+    if (result.final) this.seen.delete(result.id);
+    else this.seen.set(result.id, result.touched);
+    return Math.max(0, result.touched - before);
+  }
+}

@@ -1,0 +1,123 @@
+/** The headset session: whether there can be one, its beginning and its end. */
+import { bindActions } from '../actions';
+import type { Engine } from '../engine/engine';
+import { notify, patch, state } from '../state';
+import { Cockpit } from './cockpit';
+import { xrSettings } from './settings';
+
+type Mode = 'immersive-vr' | 'immersive-ar';
+
+const OPTIONAL = ['local-floor', 'bounded-floor', 'hand-tracking', 'layers'];
+/** More pictures a second than this are not worth points. */
+const BEST_RATE = 90;
+const DEFAULT_RATE = 72;
+const FOVEATION = 0.5;
+
+export class Headset {
+  cockpit: Cockpit | null = null;
+  private leaving = false;
+
+  constructor(private readonly engine: Engine) {
+    bindActions({ enterVR: () => this.enter(), exitVR: () => this.exit() });
+    const { xr } = navigator;
+    if (!xr) {
+      patch(state.xr, { supported: false });
+      return;
+    }
+    xr.addEventListener('devicechange', () => void this.look(xr));
+    void this.look(xr);
+  }
+
+  /** Find out what the browser has. */
+  private async look(xr: XRSystem): Promise<void> {
+    const asks = (mode: Mode): Promise<boolean> => xr.isSessionSupported(mode).catch(() => false);
+    const [supported, passthrough] = await Promise.all([
+      asks('immersive-vr'),
+      asks('immersive-ar'),
+    ]);
+    patch(state.xr, { supported, passthrough });
+  }
+
+  async enter(mode: Mode = 'immersive-vr'): Promise<void> {
+    const { xr } = navigator;
+    if (!xr || state.xr.peek().session === 'running' || state.xr.peek().session === 'starting')
+      return;
+    patch(state.xr, { session: 'starting', detail: '' });
+    try {
+      const session = await xr.requestSession(mode, { optionalFeatures: OPTIONAL });
+      await this.begin(session, mode);
+    } catch (error) {
+      const detail = error instanceof Error ? error.message : String(error);
+      patch(state.xr, { session: 'none', detail });
+      notify('error', 'The headset session did not start', detail);
+    }
+  }
+
+  private async begin(session: XRSession, mode: Mode): Promise<void> {
+    const { viewer, playback } = this.engine;
+    const { xr } = viewer.renderer;
+    this.leaving = false;
+    session.addEventListener('end', () => this.ended(), { once: true });
+    // Seated, or without a floor, the eyes' height is guessed.
+    const floor = !xrSettings.peek().seated && (await hasFloor(session));
+    xr.enabled = true;
+    xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
+    await xr.setSession(session);
+    xr.setFoveation(FOVEATION);
+    playback.targetMs = 1000 / (await chooseRate(session));
+    viewer.backdrop.showSky(mode === 'immersive-vr');
+    this.cockpit = new Cockpit(this.engine, session, floor ? 0 : 1.2, mode);
+    patch(state.xr, { session: 'running', detail: '' });
+  }
+
+  /** Enter with the real room in sight, or without it. */
+  async switchTo(mode: Mode): Promise<void> {
+    await this.exit();
+    await this.enter(mode);
+  }
+
+  async exit(): Promise<void> {
+    this.leaving = true;
+    await this.engine.viewer.renderer.xr.getSession()?.end();
+  }
+
+  private ended(): void {
+    const { viewer, playback } = this.engine;
+    this.cockpit?.dispose();
+    this.cockpit = null;
+    viewer.renderer.xr.enabled = false;
+    viewer.backdrop.showSky(true);
+    playback.targetMs = 1000 / 60;
+    viewer.invalidate();
+    if (this.leaving) {
+      patch(state.xr, { session: 'none', detail: '' });
+      return;
+    }
+    const detail =
+      'The headset was taken off or went away. Every stroke is kept; enter again to go on.';
+    patch(state.xr, { session: 'lost', detail });
+    notify('info', 'The headset session ended', detail);
+  }
+}
+
+async function hasFloor(session: XRSession): Promise<boolean> {
+  try {
+    await session.requestReferenceSpace('local-floor');
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+/** Take the best frame rate that is worth it; returns what there is. */
+async function chooseRate(session: XRSession): Promise<number> {
+  const rates = session.supportedFrameRates;
+  if (!rates) return session.frameRate ?? DEFAULT_RATE;
+  const best = Math.max(0, ...[...rates].filter((rate) => rate <= BEST_RATE));
+  try {
+    if (best > 0) await session.updateTargetFrameRate(best);
+  } catch {
+    // The browser decides; its own rate is fine too.
+  }
+  return session.frameRate ?? (best || DEFAULT_RATE);
+}

@@ -1,0 +1,43 @@
+/** `window.__pointbrushHeadset`: what tests may look at in the headset. */
+import type { Vector3 } from 'three';
+import type { Engine } from '../engine/engine';
+import { state } from '../state';
+import type { Headset } from './headset';
+import type { Panel } from './panel';
+
+type Triple = [number, number, number];
+
+export function installHeadsetHook(engine: Engine, headset: Headset): void {
+  const { viewer } = engine;
+  const inRig = (place: Vector3): Triple =>
+    headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
+  const panel = (name: 'palette' | 'timeline'): Panel => headset.cockpit![name];
+  const hook = {
+    /** Pictures since the session began. */
+    frames: () => headset.cockpit?.frames ?? 0,
+    headset,
+    /** Where a point (source coordinates) is in the headset's own space. */
+    place: ([x, y, z]: Triple): Triple => {
+      const [sx, sy, sz] = state.sequence.peek()?.shift ?? [0, 0, 0];
+      viewer.world.updateMatrixWorld(true);
+      const at = viewer.camera.position.clone().set(x - sx, y - sy, z - sz);
+      return inRig(at.applyMatrix4(viewer.room.matrixWorld));
+    },
+    /** How far the ball's middle is before the pointing ray's origin. */
+    tipAhead: () => {
+      const { painter, brushHand } = headset.cockpit!;
+      return painter.tip.distanceTo(brushHand.origin);
+    },
+    /** Where a place on a panel (0..1 from the upper left) is, and its way out of it. */
+    onPanel: (name: 'palette' | 'timeline', u: number, v: number): { at: Triple; out: Triple } => {
+      const { mesh, size } = panel(name);
+      mesh.updateWorldMatrix(true, false);
+      const at = mesh.position.clone().set((u - 0.5) * size.width, (0.5 - v) * size.height, 0);
+      const out = at.clone().setZ(at.z + 0.2);
+      return { at: inRig(mesh.localToWorld(at)), out: inRig(mesh.localToWorld(out)) };
+    },
+    /** Places on a panel that answer, 0..1. */
+    areas: (name: 'palette' | 'timeline') => panel(name).places(),
+  };
+  Object.defineProperty(window, '__pointbrushHeadset', { value: Object.freeze(hook) });
+}

@@ -1,0 +1,15 @@
+/** The headset: sessions on request, and the others in the room. */
+import type { Engine } from '../engine/engine';
+import { Headset } from './headset';
+import { installHeadsetHook } from './hook';
+import { People } from './people';
+
+/** Wire the headset to the engine. */
+export function installHeadset(engine: Engine): Headset {
+  const headset = new Headset(engine);
+  installHeadsetHook(engine, headset);
+  const { viewer } = engine;
+  const people = new People(viewer.world, () => viewer.invalidate());
+  viewer.ticks.add(() => people.face(headset.cockpit?.rig.head ?? viewer.camera.position));
+  return headset;
+}

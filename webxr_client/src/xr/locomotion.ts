@@ -1,0 +1,142 @@
+/** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
+import { BufferGeometry, DoubleSide, DynamicDrawUsage, Float32BufferAttribute, GLSL3, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
+import type { Hand } from './hand';
+import { Switch } from './pad';
+import type { Rig } from './rig';
+import { xrSettings } from './settings';
+
+const SEGMENTS = 32;
+const SPEED = 6.5;
+const GRAVITY = 9.8;
+const FARTHEST = 12;
+const GLIDE = 1.8;
+
+const VIGNETTE_VERTEX = /* glsl */ `
+in vec3 position;
+out vec2 place;
+void main() {
+  place = position.xy;
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}`;
+
+const VIGNETTE_FRAGMENT = /* glsl */ `
+precision mediump float;
+in vec2 place;
+uniform float strength;
+out vec4 result;
+void main() {
+  float dark = smoothstep(0.85 - 0.4 * strength, 1.25 - 0.4 * strength, length(place));
+  result = vec4(0.0, 0.0, 0.0, dark * strength);
+}`;
+
+export class Locomotion {
+  private readonly arc: Line<BufferGeometry, LineBasicMaterial>;
+  private readonly ring: Mesh<RingGeometry, MeshBasicMaterial>;
+  private readonly vignette: Mesh<PlaneGeometry, RawShaderMaterial>;
+  private aiming = false;
+  private strength = 0;
+  private readonly target = new Vector3();
+  private readonly point = new Vector3();
+  private readonly by = new Vector3();
+  private readonly turns = new Switch();
+  private valid = false;
+
+  constructor(private readonly rig: Rig) {
+    const geometry = new BufferGeometry();
+    const places = new Float32BufferAttribute(new Float32Array(3 * SEGMENTS), 3);
+    geometry.setAttribute('position', places.setUsage(DynamicDrawUsage));
+    this.arc = new Line(geometry, new LineBasicMaterial({ color: 0x5ea2ff, depthTest: false }));
+    const flat = new MeshBasicMaterial({ color: 0x5ea2ff, side: DoubleSide, depthTest: false });
+    this.ring = new Mesh(new RingGeometry(0.16, 0.22, 40), flat);
+    this.ring.rotation.x = -Math.PI / 2;
+    const veil = new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: VIGNETTE_VERTEX,
+      fragmentShader: VIGNETTE_FRAGMENT,
+      uniforms: { strength: { value: 0 } },
+      transparent: true,
+      depthTest: false,
+      depthWrite: false,
+    });
+    this.vignette = new Mesh(new PlaneGeometry(2, 2), veil);
+    this.vignette.renderOrder = 80;
+    for (const object of [this.arc, this.ring, this.vignette]) {
+      object.frustumCulled = false;
+      object.visible = false;
+    }
+    this.arc.renderOrder = this.ring.renderOrder = 70;
+  }
+
+  addTo(scene: Object3D): void {
+    scene.add(this.arc, this.ring, this.vignette);
+  }
+
+  dispose(): void {
+    for (const object of [this.arc, this.ring, this.vignette]) {
+      object.removeFromParent();
+      object.geometry.dispose();
+      object.material.dispose();
+    }
+  }
+
+  /** The hand that does not paint: lean forward to aim, let go to be there; sideways to turn. */
+  update(hand: Hand, seconds: number): void {
+    const { move, snap } = xrSettings.peek();
+    const { x, y } = hand.pad;
+    const smooth = move === 'smooth' && hand.device?.pad === 'stick';
+    const turn = this.turns.update(Math.abs(x)) === 1 && !this.aiming ? Math.sign(x) : 0;
+    if (turn !== 0) this.rig.turn((-turn * snap * Math.PI) / 180);
+    const gliding = smooth && Math.abs(y) > 0;
+    if (gliding) this.glide(hand, y * seconds);
+    else this.teleport(hand, smooth ? 0 : y);
+    this.shade(gliding, seconds);
+  }
+
+  private glide(hand: Hand, amount: number): void {
+    this.by
+      .copy(hand.direction)
+      .setY(0)
+      .normalize()
+      .multiplyScalar(GLIDE * amount);
+    this.rig.move(this.by);
+  }
+
+  private teleport(hand: Hand, y: number): void {
+    const edge = hand.leanUp.update(Math.max(0, y));
+    if (edge === 1) this.aiming = true;
+    if (edge === -1) {
+      if (this.aiming && this.valid) this.rig.moveTo(this.target);
+      this.aiming = false;
+    }
+    this.arc.visible = this.aiming;
+    if (this.aiming) this.throwArc(hand);
+    this.ring.visible = this.aiming && this.valid;
+  }
+
+  private throwArc(hand: Hand): void {
+    const places = this.arc.geometry.getAttribute('position');
+    const { origin, direction } = hand;
+    const fall = direction.y * SPEED;
+    // When the arc comes down to the floor.
+    const flight = (fall + Math.sqrt(fall * fall + 2 * GRAVITY * Math.max(0, origin.y))) / GRAVITY;
+    for (let i = 0; i < SEGMENTS; i++) {
+      const t = (flight * i) / (SEGMENTS - 1);
+      this.point.copy(origin).addScaledVector(direction, SPEED * t);
+      this.point.y -= (GRAVITY / 2) * t * t;
+      places.setXYZ(i, this.point.x, this.point.y, this.point.z);
+    }
+    places.needsUpdate = true;
+    this.target.copy(this.point).setY(0);
+    this.valid = this.target.distanceTo(this.rig.head) < FARTHEST;
+    this.arc.material.color.setHex(this.valid ? 0x5ea2ff : 0xff7b72);
+    this.ring.position.copy(this.target).setY(0.01);
+  }
+
+  /** Narrow the view while it moves by itself. */
+  private shade(moving: boolean, seconds: number): void {
+    const goal = moving && xrSettings.peek().vignette ? 1 : 0;
+    this.strength += (goal - this.strength) * Math.min(1, seconds * 8);
+    this.vignette.visible = this.strength > 0.02;
+    this.vignette.material.uniforms['strength']!.value = this.strength;
+  }
+}

@@ -1,0 +1,131 @@
+/** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
+import { BufferGeometry, CapsuleGeometry, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, Group, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Vector3 } from 'three'; // prettier-ignore
+import type { Device } from './devices';
+
+const BODY = 0x2b3440;
+const LIGHT = 0x8b98a8;
+const JOINTS = 25;
+const ORDER = 110;
+
+function part(geometry: BufferGeometry, color: number): Mesh {
+  const mesh = new Mesh(geometry, new MeshBasicMaterial({ color }));
+  mesh.renderOrder = ORDER;
+  return mesh;
+}
+
+/** A handle, a head with its pad or stick, and a trigger; the grip's −z points ahead. */
+export function controllerModel(device: Device): Group {
+  const model = new Group();
+  const handle = part(new CapsuleGeometry(0.015, 0.075, 6, 16), BODY);
+  handle.rotation.x = 0.35;
+  handle.position.set(0, -0.012, 0.03);
+  const head = part(new CylinderGeometry(0.024, 0.02, 0.02, 24), BODY);
+  head.position.set(0, 0.018, -0.022);
+  const trigger = part(new CapsuleGeometry(0.006, 0.014, 4, 10), LIGHT);
+  trigger.position.set(0, -0.008, -0.034);
+  model.add(handle, head, trigger);
+  if (device.pad === 'touchpad') {
+    const pad = part(new CylinderGeometry(0.018, 0.018, 0.004, 28), LIGHT);
+    pad.position.set(0, 0.029, -0.022);
+    const ring = part(new TorusGeometry(0.048, 0.008, 8, 32), BODY);
+    ring.position.set(0, 0.004, -0.07);
+    ring.rotation.x = 0.6;
+    model.add(pad, ring);
+  } else {
+    const stick = part(new CylinderGeometry(0.008, 0.007, 0.016, 16), LIGHT);
+    stick.position.set(0, 0.034, -0.022);
+    model.add(stick);
+  }
+  return model;
+}
+
+/** A hand as its 25 joints. */
+export class HandModel {
+  readonly mesh: InstancedMesh;
+  private readonly matrices = new Float32Array(16 * JOINTS);
+  private readonly radii = new Float32Array(JOINTS);
+  private readonly spaces: XRJointSpace[] = [];
+  private readonly matrix = new Matrix4();
+
+  constructor(hand: XRHand) {
+    for (const space of hand.values()) this.spaces.push(space);
+    const material = new MeshBasicMaterial({ color: LIGHT });
+    this.mesh = new InstancedMesh(new SphereGeometry(1, 10, 8), material, JOINTS);
+    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    this.mesh.frustumCulled = false;
+    this.mesh.renderOrder = ORDER;
+  }
+
+  update(frame: XRFrame, space: XRReferenceSpace): void {
+    const seen =
+      frame.fillPoses?.(this.spaces, space, this.matrices) &&
+      frame.fillJointRadii?.(this.spaces, this.radii);
+    this.mesh.visible = Boolean(seen);
+    if (!seen) return;
+    for (let i = 0; i < this.spaces.length; i++) {
+      const radius = this.radii[i]! || 0.008;
+      this.matrix.fromArray(this.matrices, 16 * i);
+      const e = this.matrix.elements;
+      for (let k = 0; k < 12; k++) e[k]! *= radius;
+      e[3] = e[7] = e[11] = 0;
+      this.mesh.setMatrixAt(i, this.matrix);
+    }
+    this.mesh.instanceMatrix.needsUpdate = true;
+  }
+
+  dispose(): void {
+    disposeModel(this.mesh);
+    this.mesh.dispose();
+  }
+}
+
+/** The pointing ray: a line from the hand to what it is on. */
+export class Ray {
+  readonly line: Line<BufferGeometry, LineBasicMaterial>;
+
+  constructor() {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new Float32BufferAttribute(new Float32Array(6), 3));
+    const material = new LineBasicMaterial({
+      color: 0xffffff,
+      transparent: true,
+      opacity: 0.75,
+      depthTest: false,
+    });
+    this.line = new Line(geometry, material);
+    this.line.frustumCulled = false;
+    this.line.renderOrder = 120;
+    this.line.visible = false;
+  }
+
+  /** `length` ≤ 0 hides it. */
+  show(origin: Vector3, direction: Vector3, length: number): void {
+    this.line.visible = length > 0;
+    if (length <= 0) return;
+    const ends = this.line.geometry.getAttribute('position');
+    ends.setXYZ(0, origin.x, origin.y, origin.z);
+    ends.setXYZ(
+      1,
+      origin.x + direction.x * length,
+      origin.y + direction.y * length,
+      origin.z + direction.z * length,
+    );
+    ends.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.line.removeFromParent();
+    this.line.geometry.dispose();
+    this.line.material.dispose();
+  }
+}
+
+/** Free what the GPU holds of a model. */
+export function disposeModel(model: Group | Mesh): void {
+  model.removeFromParent();
+  model.traverse((object) => {
+    if (!(object instanceof Mesh)) return;
+    (object.geometry as BufferGeometry).dispose();
+    (object.material as MeshBasicMaterial).dispose();
+  });
+}

@@ -1,0 +1,67 @@
+/** Where the headset's space lies in the scene: walking, teleporting and turning move it. */
+import { Group, Vector3 } from 'three';
+
+const UP = new Vector3(0, 1, 0);
+
+export class Rig {
+  readonly group = new Group();
+  /** Where the eyes are, in the scene and in the headset's own space. */
+  readonly head = new Vector3(0, 1.6, 0);
+  readonly headInRig = new Vector3(0, 1.6, 0);
+  /** Where they look, level, in the scene. */
+  readonly ahead = new Vector3(0, 0, -1);
+  private readonly scratch = new Vector3();
+
+  /** Take in the head's pose; false when it is not known in this frame. */
+  update(frame: XRFrame, space: XRReferenceSpace): boolean {
+    const pose = frame.getViewerPose(space);
+    this.group.updateMatrixWorld(true);
+    if (!pose) return false;
+    const { position, orientation } = pose.transform;
+    this.headInRig.set(position.x, position.y, position.z);
+    this.head.copy(this.headInRig).applyMatrix4(this.group.matrixWorld);
+    const { x, y, z, w } = orientation;
+    // The third column of the rotation, reversed and laid level.
+    this.ahead.set(-2 * (x * z + w * y), 0, -(1 - 2 * (x * x + y * y)));
+    if (this.ahead.lengthSq() < 1e-6) this.ahead.set(0, 0, -1);
+    this.ahead.normalize().transformDirection(this.group.matrixWorld);
+    return true;
+  }
+
+  /** Stand with the head above `place`, looking along `way`. */
+  standAt(place: Vector3, way: Vector3): void {
+    const wanted = Math.atan2(way.x, way.z);
+    const now = Math.atan2(this.ahead.x, this.ahead.z);
+    this.turn(wanted - now);
+    this.moveTo(place);
+  }
+
+  /** Bring the head above a place on the floor. */
+  moveTo(place: Vector3): void {
+    const { position } = this.group;
+    position.x += place.x - this.head.x;
+    position.z += place.z - this.head.z;
+    this.refresh();
+  }
+
+  /** Turn on the spot, radians, positive to the left. */
+  turn(angle: number): void {
+    const { group, scratch } = this;
+    scratch.copy(this.head).sub(group.position).applyAxisAngle(UP, angle);
+    group.position.copy(this.head).sub(scratch);
+    group.position.y = 0;
+    group.rotateY(angle);
+    this.ahead.applyAxisAngle(UP, angle);
+    this.refresh();
+  }
+
+  move(by: Vector3): void {
+    this.group.position.add(by);
+    this.refresh();
+  }
+
+  private refresh(): void {
+    this.group.updateMatrixWorld(true);
+    this.head.copy(this.headInRig).applyMatrix4(this.group.matrixWorld);
+  }
+}

@@ -1,0 +1,54 @@
+/** How one likes to work in the headset; kept in the browser. */
+import { effect, signal } from '@preact/signals';
+
+export type Side = 'left' | 'right';
+
+export interface XrSettings {
+  /** The hand that paints; the other one holds the palette. */
+  readonly hand: Side;
+  /** What paints: a ball at the tip, a ray for what is far, a box between both hands. */
+  readonly tip: 'ball' | 'ray' | 'box';
+  readonly move: 'teleport' | 'smooth';
+  /** Degrees a turn. */
+  readonly snap: number;
+  /** Narrow the view while one is moved. */
+  readonly vignette: boolean;
+  readonly seated: boolean;
+  /** Explain the buttons again. */
+  readonly tips: boolean;
+}
+
+export const DEFAULTS: XrSettings = {
+  hand: 'right',
+  tip: 'ball',
+  move: 'teleport',
+  snap: 30,
+  vignette: true,
+  seated: false,
+  tips: true,
+};
+
+const KEY = 'pointbrush.headset';
+
+export const xrSettings = signal<XrSettings>(load());
+
+effect(() => {
+  try {
+    localStorage.setItem(KEY, JSON.stringify(xrSettings.value));
+  } catch {
+    // A browser that keeps nothing still works, it only forgets.
+  }
+});
+
+export function change(fields: Partial<XrSettings>): void {
+  xrSettings.value = { ...xrSettings.peek(), ...fields };
+}
+
+function load(): XrSettings {
+  try {
+    const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '{}');
+    return typeof kept === 'object' ? { ...DEFAULTS, ...kept } : DEFAULTS;
+  } catch {
+    return DEFAULTS;
+  }
+}

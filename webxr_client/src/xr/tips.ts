@@ -1,0 +1,132 @@
+/** What each button does, written on the controller, until it has been used a few times. */
+import { Group } from 'three';
+import type { Device } from './devices';
+import type { Hand } from './hand';
+import { Sign } from './sign';
+
+export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo'; // prettier-ignore
+
+const LEARNT = 3;
+const KEY = 'pointbrush.learnt';
+
+interface Tip {
+  readonly text: string;
+  readonly lessons: readonly Lesson[];
+  /** Height and depth on the grip, metres; beside it to the outside. */
+  readonly at: readonly [number, number];
+}
+
+/** The words for a device in the hand that paints, or in the other one. */
+export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
+  const side = left ? 1 : 0;
+  const tips: Tip[] = [];
+  if (device.pad === 'none') {
+    const text = paints ? 'Pinch: paint' : 'Your palette';
+    return [{ text, lessons: ['paint'], at: [0.06, -0.03] }];
+  }
+  const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
+  if (paints) {
+    tips.push({ text: 'Trigger: paint (half: smaller)', lessons: ['paint'], at: [-0.02, -0.05] });
+    tips.push({
+      text: `${pad} ← →: frames   ↑ ↓: size`,
+      lessons: ['step', 'size'],
+      at: [0.06, -0.03],
+    });
+    tips.push({ text: `${pad} pressed: play`, lessons: ['play'], at: [0.085, -0.03] });
+  } else {
+    tips.push({
+      text: `${pad} ↑: go there   ← →: turn`,
+      lessons: ['teleport', 'turn'],
+      at: [0.06, -0.03],
+    });
+    tips.push({ text: 'Trigger: second corner of a box', lessons: ['panel'], at: [-0.02, -0.05] });
+  }
+  if (device.squeeze >= 0) {
+    tips.push({ text: 'Grip: move the room', lessons: ['grab'], at: [-0.045, 0.02] });
+  }
+  const [first, second] = [device.primaryName[side], device.secondaryName[side]];
+  if (first)
+    tips.push({
+      text: `${first}: ${paints ? 'eraser' : 'palette'}`,
+      lessons: [paints ? 'erase' : 'panel'],
+      at: [0.03, -0.01],
+    });
+  if (second)
+    tips.push({
+      text: `${second}: ${paints ? 'undo' : 'redo'}`,
+      lessons: [paints ? 'undo' : 'redo'],
+      at: [0.01, 0.01],
+    });
+  return tips;
+}
+
+/** How often each lesson was used; kept in the browser. */
+export class Lessons {
+  private readonly used = new Map<string, number>(load());
+
+  done(lesson: Lesson): void {
+    const times = (this.used.get(lesson) ?? 0) + 1;
+    this.used.set(lesson, times);
+    if (times > LEARNT) return;
+    try {
+      localStorage.setItem(KEY, JSON.stringify([...this.used]));
+    } catch {
+      // Not kept: then it is explained again another day.
+    }
+  }
+
+  learnt(lessons: readonly Lesson[]): boolean {
+    return lessons.every((lesson) => (this.used.get(lesson) ?? 0) >= LEARNT);
+  }
+}
+
+function load(): [string, number][] {
+  try {
+    const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '[]');
+    return Array.isArray(kept) ? (kept as [string, number][]) : [];
+  } catch {
+    return [];
+  }
+}
+
+const FADE_PER_SECOND = 2;
+
+export class Tips {
+  readonly group = new Group();
+  private entries: { tip: Tip; sign: Sign; opacity: number }[] = [];
+
+  constructor(private readonly lessons: Lessons) {}
+
+  set(hand: Hand, paints: boolean): void {
+    this.clear();
+    if (!hand.device) return;
+    const mirror = hand.side === 'left' ? -1 : 1;
+    for (const tip of tipsFor(hand.device, paints, hand.side === 'left')) {
+      const sign = new Sign({ em: 0.0095 });
+      sign.write(tip.text);
+      const half = sign.mesh.scale.x / 2;
+      sign.mesh.position.set(mirror * (0.045 + half), tip.at[0], tip.at[1]);
+      sign.mesh.rotation.x = -0.7;
+      this.group.add(sign.mesh);
+      this.entries.push({ tip, sign, opacity: 1 });
+    }
+    hand.grip.add(this.group);
+  }
+
+  update(seconds: number, shown: boolean): void {
+    for (const entry of this.entries) {
+      const goal = shown && !this.lessons.learnt(entry.tip.lessons) ? 1 : 0;
+      const step = Math.min(1, FADE_PER_SECOND * seconds);
+      entry.opacity +=
+        Math.sign(goal - entry.opacity) * Math.min(step, Math.abs(goal - entry.opacity));
+      entry.sign.mesh.material.opacity = entry.opacity;
+      entry.sign.mesh.visible = entry.opacity > 0.01;
+    }
+  }
+
+  clear(): void {
+    for (const { sign } of this.entries) sign.dispose();
+    this.entries = [];
+    this.group.removeFromParent();
+  }
+}

@@ -1,0 +1,201 @@
+/**
+ * What panels in the room are drawn with: a canvas, and the places on it that answer to a ray.
+ * Everything is drawn anew when something changed; places are noted while drawing.
+ */
+import { ICONS, type IconName } from '../panels/icons';
+import { ellipsis } from '../panels/timeline-draw';
+
+export const FONT = '"Inter Variable", system-ui, sans-serif';
+
+/** Contrast on `back` is above 7 for text, above 4.5 for quiet text. */
+export const INK = {
+  back: '#12161b',
+  raised: '#1e242c',
+  hover: '#303a46',
+  on: '#1c416d',
+  line: '#38424e',
+  text: '#f2f5f9',
+  quiet: '#aeb8c4',
+  accent: '#8bbcff',
+  bad: '#ff7b72',
+  good: '#4cc38a',
+} as const;
+
+export interface Area {
+  readonly name: string;
+  readonly x: number;
+  readonly y: number;
+  readonly w: number;
+  readonly h: number;
+  /** Press, with where in the area, 0..1. */
+  readonly act?: ((x: number, y: number) => void) | undefined;
+  /** While pressed, also outside of the area; then clamped. */
+  readonly drag?: ((x: number, y: number) => void) | undefined;
+  readonly release?: (() => void) | undefined;
+}
+
+export interface ButtonLook {
+  icon?: IconName;
+  text?: string;
+  swatch?: string;
+  on?: boolean;
+  disabled?: boolean;
+  strong?: boolean;
+  align?: 'left' | 'center';
+}
+
+const paths = new Map<IconName, Path2D>();
+
+export class Ui {
+  readonly areas: Area[] = [];
+  /** The area that the ray is on. */
+  hover = -1;
+
+  constructor(
+    readonly pen: CanvasRenderingContext2D,
+    readonly width: number,
+    readonly height: number,
+    /** Pixels of normal text. */
+    readonly em: number,
+  ) {}
+
+  begin(): void {
+    this.areas.length = 0;
+    const { pen, width, height, em } = this;
+    pen.clearRect(0, 0, width, height);
+    pen.fillStyle = INK.back;
+    pen.beginPath();
+    pen.roundRect(0, 0, width, height, em * 0.7);
+    pen.fill();
+  }
+
+  /** Note a place that answers; true while the ray is on it. */
+  area(area: Area): boolean {
+    this.areas.push(area);
+    return this.hover === this.areas.length - 1;
+  }
+
+  text(
+    text: string,
+    x: number,
+    y: number,
+    look: {
+      color?: string;
+      size?: number;
+      weight?: number;
+      align?: CanvasTextAlign;
+      width?: number;
+    } = {},
+  ): void {
+    const { pen, em } = this;
+    pen.font = `${look.weight ?? 500} ${(look.size ?? 1) * em}px ${FONT}`;
+    pen.fillStyle = look.color ?? INK.text;
+    pen.textAlign = look.align ?? 'left';
+    pen.textBaseline = 'middle';
+    pen.fillText(look.width === undefined ? text : ellipsis(pen, text, look.width), x, y);
+  }
+
+  icon(name: IconName, x: number, y: number, size: number, color: string): void {
+    const { pen } = this;
+    let path = paths.get(name);
+    if (!path) {
+      path = new Path2D(ICONS[name]);
+      paths.set(name, path);
+    }
+    pen.save();
+    pen.translate(x, y);
+    pen.scale(size / 16, size / 16);
+    pen.strokeStyle = color;
+    pen.lineWidth = 1.5;
+    pen.lineCap = pen.lineJoin = 'round';
+    pen.stroke(path);
+    pen.restore();
+  }
+
+  box(x: number, y: number, w: number, h: number, color: string): void {
+    this.pen.fillStyle = color;
+    this.pen.beginPath();
+    this.pen.roundRect(x, y, w, h, this.em * 0.35);
+    this.pen.fill();
+  }
+
+  button(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    look: ButtonLook,
+    act?: (x: number, y: number) => void,
+  ): void {
+    const usable = act && !look.disabled;
+    const hovered = usable
+      ? this.area({ name: look.text ?? look.icon ?? '', x, y, w, h, act })
+      : false;
+    const fill = hovered ? INK.hover : look.on ? INK.on : look.strong ? INK.raised : null;
+    if (fill) this.box(x, y, w, h, fill);
+    const color = look.disabled ? '#7d8795' : look.on ? INK.accent : INK.text;
+    const { em, pen } = this;
+    const size = em * 1.25;
+    const gap = em * 0.45;
+    const marks = (look.icon ? size + gap : 0) + (look.swatch ? size + gap : 0);
+    const text = look.text ?? '';
+    pen.font = `500 ${em}px ${FONT}`;
+    const room = w - marks - em * 0.8;
+    const wide = text ? Math.min(room, pen.measureText(text).width) : -gap;
+    const pad = em * 0.5;
+    let left = look.align === 'left' ? x + pad : x + Math.max(pad * 0.5, (w - marks - wide) / 2);
+    if (look.swatch) {
+      this.box(left, y + (h - size) / 2, size, size, look.swatch);
+      left += size + gap;
+    }
+    if (look.icon) {
+      this.icon(look.icon, left, y + (h - size) / 2, size, color);
+      left += size + gap;
+    }
+    if (text) this.text(text, left, y + h / 2, { color, width: room });
+  }
+
+  /** `share` 0..1. */
+  slider(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    name: string,
+    shown: string,
+    share: number,
+    set: (share: number) => void,
+  ): void {
+    const { em } = this;
+    this.text(name, x, y + h * 0.28, { color: INK.quiet });
+    this.text(shown, x + w, y + h * 0.28, { align: 'right' });
+    const bar = { x, y: y + h * 0.5, w, h: h * 0.5 };
+    const middle = bar.y + bar.h / 2;
+    const hovered = this.area({ name, ...bar, act: set, drag: set });
+    this.box(x, middle - em * 0.14, w, em * 0.28, INK.line);
+    this.box(x, middle - em * 0.14, Math.max(em * 0.3, w * share), em * 0.28, INK.accent);
+    this.pen.fillStyle = hovered ? '#ffffff' : INK.text;
+    this.pen.beginPath();
+    this.pen.arc(x + w * share, middle, em * (hovered ? 0.48 : 0.38), 0, 7);
+    this.pen.fill();
+  }
+
+  check(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    name: string,
+    on: boolean,
+    set: (on: boolean) => void,
+  ): void {
+    const { em } = this;
+    const hovered = this.area({ name, x, y, w, h, act: () => set(!on) });
+    if (hovered) this.box(x, y, w, h, INK.hover);
+    const size = em * 1.1;
+    const top = y + (h - size) / 2;
+    this.box(x + em * 0.4, top, size, size, on ? INK.accent : INK.line);
+    if (on) this.icon('check', x + em * 0.45, top + em * 0.05, em, '#07131f');
+    this.text(name, x + em * 2, y + h / 2, { width: w - em * 2.2 });
+  }
+}

@@ -1,0 +1,12 @@
+import type { ReadonlySignal } from '@preact/signals';
+
+/** Run `changed` now and whenever one of the signals has a new value; the result stops it. */
+export function watch(
+  signals: readonly ReadonlySignal<unknown>[],
+  changed: () => void,
+): () => void {
+  const stops = signals.map((signal) => signal.subscribe(() => changed()));
+  return () => {
+    for (const stop of stops) stop();
+  };
+}
