@@ -40,6 +40,19 @@ def test_a_semantickitti_sequence(tmp_path):
     assert frames[2].pose[:3, 3] == pytest.approx([2, 0, 0])
 
 
+def test_a_part_of_a_sequence_keeps_the_lists_of_the_whole(tmp_path):
+    for i in (4, 2):
+        scan(tmp_path / "velodyne" / f"{i:06d}.bin")
+    (tmp_path / "times.txt").write_text("".join(f"{i / 10}\n" for i in range(9)))
+    (tmp_path / "poses.txt").write_text("".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(9)))
+    frames = list(read(tmp_path))
+    assert [frame.timestamp for frame in frames] == [0.2, 0.4]
+    assert [frame.pose[0, 3] for frame in frames] == [2, 4]
+    scan(tmp_path / "velodyne" / "000009.bin")
+    with pytest.raises(BadInputError, match=r"times\.txt: expected 3 times, one per frame, got 9"):
+        open_source([tmp_path])
+
+
 @pytest.mark.parametrize("size", [15, 17, 16 * 50 + 4])
 def test_broken_records_raise(tmp_path, size):
     (tmp_path / "a.bin").write_bytes(bytes(size))
@@ -69,6 +82,9 @@ def test_xyzrgb_records_are_recognised_by_their_values(tmp_path, top):
 
 def test_records_of_neither_kind_are_not_guessed(tmp_path):
     (tmp_path / "a.bin").write_bytes(np.full(48, 1e20, "<f4").tobytes())
+    with pytest.raises(BadInputError, match="name the format"):
+        list(read(tmp_path / "a.bin"))
+    (tmp_path / "a.bin").write_bytes(RNG.random((40, 6)).astype("<f4").tobytes())
     with pytest.raises(BadInputError, match="name the format"):
         list(read(tmp_path / "a.bin"))
     (tmp_path / "b.xyzrgb").write_bytes(bytes(25))

@@ -203,7 +203,7 @@ def _kitti_poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pos
     if entry.name not in ("kitti", "bin"):
         return None
     for place in (folder, folder.parent):
-        poses = read_poses(place, len(files))
+        poses = read_poses(place, [path.name for path in files])
         if poses is not None:
             return poses
     return None

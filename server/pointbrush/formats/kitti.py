@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import has_palette
+from pointbrush.formats.timing import lines_of
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
 
@@ -49,15 +50,25 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     Raises BadInputError when neither is plausible.
     """
     data = read_bytes(path)
-    if len(data) % RECORD == 0 and _is_kitti(data):
+    if _lies_as_kitti(path):
         yield from read_kitti(path, options)
-    elif len(data) % 24 == 0 and _is_xyzrgb(data):
+        return
+    # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
+    if len(data) % 24 == 0 and _is_xyzrgb(data):
         yield from read_xyzrgb(path, options)
+    elif len(data) % RECORD == 0 and _is_kitti(data):
+        yield from read_kitti(path, options)
     else:
         raise BadInputError(
             f"{path.name}: expected KITTI records (x y z reflectance) or XYZRGB records, got "
             f"{len(data)} bytes that are neither by their values; name the format (kitti or xyzrgb)"
         )
+
+
+def _lies_as_kitti(path: Path) -> bool:
+    """Whether folders or a ``.label`` say what the file is."""
+    folders = {folder.name for folder in path.absolute().parents[:2]}
+    return bool(folders & {"velodyne", "velodyne_points"}) or find_label(path) is not None
 
 
 def _sample(data: bytes, width: int) -> NDArray[np.float32]:
@@ -66,9 +77,10 @@ def _sample(data: bytes, width: int) -> NDArray[np.float32]:
 
 
 def _is_kitti(data: bytes) -> bool:
-    """Reflectances are 0..1 or 0..255; floats elsewhere are negative or larger soon."""
+    """Reflectances are 0..1 or 0..255, and some point is further than a metre."""
     table = _sample(data, 4)
-    finite = bool((np.abs(table) < 1e7).all())
+    magnitude = np.abs(table)
+    finite = bool((magnitude < 1e7).all()) and bool((magnitude[:, :3] > 1).any())
     reflectance = table[:, 3]
     return finite and bool((reflectance >= 0).all() and (reflectance <= 255).all())
 
@@ -111,11 +123,11 @@ def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> ND
     return packed
 
 
-def read_poses(folder: Path, count: int) -> list[NDArray[np.float64]] | None:
-    """``T_world_velodyne`` of each frame from ``poses.txt`` (camera 0) and ``calib.txt``, or None.
+def read_poses(folder: Path, names: Sequence[str]) -> list[NDArray[np.float64]] | None:
+    """``T_world_velodyne`` of each frame of ``names``, or None without a ``poses.txt``.
 
-    The world is the first frame's velodyne.  Raises BadInputError for lines that are not twelve
-    numbers, or fewer poses than frames.
+    That has the poses of camera 0, ``calib.txt`` where it is on the car.  The world is the first frame's velodyne.  Raises BadInputError for lines that are not twelve
+    numbers, or a number of poses that does not fit the frames.
     """
     path = folder / "poses.txt"
     if not path.is_file():
@@ -127,9 +139,7 @@ def read_poses(folder: Path, count: int) -> list[NDArray[np.float64]] | None:
         if line.strip():
             T_world_cam = _matrix(f"{path.name} line {number}", line.split())
             poses.append(T_velo_cam @ T_world_cam @ T_cam_velo)
-    if len(poses) < count:
-        raise BadInputError(f"{path.name}: expected {count} poses, one per frame, got {len(poses)}")
-    return poses[:count]
+    return [poses[line] for line in lines_of(path.name, "poses", len(poses), names)]
 
 
 def _velodyne_to_camera(path: Path) -> NDArray[np.float64]:

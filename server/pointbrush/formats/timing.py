@@ -90,11 +90,21 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
         if absent:
             raise BadInputError(f"{path.name}: expected a time for '{absent[0]}', got none")
         return [by_name[name] for name in names]
-    if len(bare) != len(names):
-        raise BadInputError(
-            f"{path.name}: expected {len(names)} times, one per frame, got {len(bare)}"
-        )
-    return bare
+    return [bare[line] for line in lines_of(path.name, "times", len(bare), names)]
+
+
+def lines_of(where: str, what: str, lines: int, names: Sequence[str]) -> Sequence[int]:
+    """Which line belongs to each file: one each in order, or by the numbers that name them.
+
+    A part of a recording (``000100.bin`` …) keeps the lists of the whole.  Raises BadInputError
+    when neither fits.
+    """
+    if lines == len(names):
+        return range(lines)
+    stems = [Path(name).stem for name in names]
+    if all(stem.isascii() and stem.isdigit() and int(stem[:18]) < lines for stem in stems):
+        return [int(stem) for stem in stems]
+    raise BadInputError(f"{where}: expected {len(names)} {what}, one per frame, got {lines}")
 
 
 def _parse(words: list[str], known: dict[str, str]) -> tuple[float | None, str | None]:
