@@ -147,7 +147,8 @@ export interface HistoryEntry {
   readonly kind: string;
   readonly summary: string;
   readonly points: number;
-  readonly frames: number;
+  /** Numbers of the frames it changed. */
+  readonly frames: readonly number[];
   readonly undone: boolean;
 }
 

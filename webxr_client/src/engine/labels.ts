@@ -108,11 +108,7 @@ function select(id: number): void {
 }
 
 async function history(): Promise<void> {
-  const edits = await api<(Omit<HistoryEntry, 'frames'> & { frames: number[] })[]>(
-    'GET',
-    `${base()}/edits`,
-  );
-  state.history.value = edits.map((edit) => ({ ...edit, frames: edit.frames.length }));
+  state.history.value = await api<HistoryEntry[]>('GET', `${base()}/edits`);
 }
 
 export const labelActions: LabelActions = {

@@ -6,6 +6,7 @@ import { canEdit, state, trackingJob, type Tool } from '../state';
 import { Button } from './controls';
 import { ExportMenu } from './export-menu';
 import { helpOpen } from './help';
+import { HistoryMenu } from './history-menu';
 import { Icon } from './icon';
 import type { IconName } from './icons';
 import { ConnectionStatus, People } from './people';
@@ -106,7 +107,10 @@ function Tools() {
   );
 }
 
+const historyOpen = signal(false);
+
 function History() {
+  const anchor = useRef<HTMLButtonElement>(null);
   const undo = state.undo.value;
   const redo = state.redo.value;
   return (
@@ -125,6 +129,16 @@ function History() {
         disabled={redo === null}
         onClick={() => actions.redo()}
       />
+      <Button
+        buttonRef={anchor}
+        icon="history"
+        tip="History: who changed what"
+        expanded={historyOpen.value}
+        onClick={() => (historyOpen.value = !historyOpen.value)}
+      />
+      {historyOpen.value && (
+        <HistoryMenu anchor={anchor} onClose={() => (historyOpen.value = false)} />
+      )}
     </div>
   );
 }

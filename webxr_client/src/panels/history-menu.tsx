@@ -1,0 +1,75 @@
+/** Who changed what and when; a line leads to its frame. */
+import type { RefObject } from 'preact';
+import { useEffect } from 'preact/hooks';
+import { actions } from '../actions';
+import { state, type HistoryEntry } from '../state';
+import { plural } from './format';
+import { Popover } from './popover';
+
+interface HistoryMenuProps {
+  anchor: RefObject<HTMLElement | null>;
+  onClose: () => void;
+}
+
+export function HistoryMenu({ anchor, onClose }: HistoryMenuProps) {
+  const { undo, redo } = state;
+  // An edit changes what undo would take back: read again whenever it does.
+  useEffect(() => {
+    void actions.loadHistory();
+  }, [undo.value, redo.value]);
+  const edits = state.history.value;
+  return (
+    <Popover anchor={anchor} label="History" onClose={onClose} class="history-menu">
+      <h2>History</h2>
+      {edits.length === 0 && <p class="soft empty">Nothing has been changed yet.</p>}
+      <ol>
+        {edits.map((edit) => (
+          <li key={edit.id}>
+            <HistoryLine edit={edit} />
+          </li>
+        ))}
+      </ol>
+    </Popover>
+  );
+}
+
+function HistoryLine({ edit }: { edit: HistoryEntry }) {
+  const frame = edit.frames[0];
+  return (
+    <button
+      type="button"
+      class="menu-item"
+      disabled={frame === undefined}
+      data-undone={edit.undone || undefined}
+      data-tip={frame === undefined ? undefined : `Go to frame ${frame}`}
+      onClick={() => frame !== undefined && actions.seek(frame)}
+    >
+      <span class="what">
+        {edit.summary || edit.kind}
+        <span class="soft">
+          {edit.author} · {when(edit.time)}
+          {edit.undone && ' · taken back'}
+        </span>
+      </span>
+      <span class="end">
+        {edit.points > 0 && plural(edit.points, 'point')}
+        <br />
+        {place(edit.frames)}
+      </span>
+    </button>
+  );
+}
+
+function place(frames: readonly number[]): string {
+  if (frames.length === 0) return 'palette';
+  const [first, last] = [Math.min(...frames), Math.max(...frames)];
+  return first === last ? `frame ${first}` : `frames ${first} – ${last}`;
+}
+
+/** The time of day for today's edits, the date before it for older ones. */
+function when(iso: string): string {
+  const time = new Date(iso);
+  const clock = time.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
+  const today = time.toDateString() === new Date().toDateString();
+  return today ? clock : `${time.toLocaleDateString()} ${clock}`;
+}
