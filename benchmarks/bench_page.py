@@ -2,10 +2,11 @@
 
 python benchmarks/bench_page.py [apply|viser|play]...
 
-``apply``: every frame decoded in the worker and uploaded to the GPU whole, as fast as frames
-come; nothing drawn, since this machine's GPU is a program.  ``viser``: the same frames replayed
-by viser as fast as it can, counted where its page receives them (before it uploads or draws).
-``play``: what the page's own thread spends on a picture of the playing recording.
+``apply``: frames decoded in the worker and uploaded to the GPU whole, as fast as they come.
+``viser``: the same frames replayed by viser at several rates, the best of which counts; also
+counted as they are uploaded.  In both pages the draw calls themselves do nothing: this machine's
+GPU is a program, which would measure only itself.
+``play``: what the page's own thread spends on a picture of the playing recording, drawn.
 """
 
 from __future__ import annotations
@@ -27,38 +28,42 @@ SECONDS = 5.0
 ROUNDS = 3
 READY = "!!window.__pointbrush && __pointbrush.shown().total > 0"
 COMPLETE = f"{READY} && __pointbrush.shown().drawn === __pointbrush.shown().total"
-# Counts what viser's page gets from its worker: messages that carry a cloud of all points.
-COUNT_CLOUDS = """
-window.clouds = 0;
-const Plain = window.Worker;
-window.Worker = class extends Plain {
-  constructor(...given) {
-    super(...given);
-    this.addEventListener('message', (event) => {
-      for (const message of event.data?.messages ?? []) {
-        if (message.type === 'PointCloudMessage') window.clouds += 1;
-      }
-    });
-  }
-};
+# Runs before either page's own scripts: no drawing, and the bytes of points that go to the GPU.
+PREPARE = """
+window.uploads = 0;
+const gl = WebGL2RenderingContext.prototype;
+for (const draw of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced']) {
+  gl[draw] = () => {};
+}
+const sizeOf = (data, count) =>
+  count ? count * (data.BYTES_PER_ELEMENT ?? 1) : (data?.byteLength ?? 0);
+for (const name of ['bufferData', 'bufferSubData']) {
+  const upload = gl[name];
+  gl[name] = function (...given) {
+    const data = name === 'bufferData' ? given[1] : given[2];
+    if (typeof data === 'object') window.uploads += sizeOf(data, given[4]);
+    return upload.apply(this, given);
+  };
+}
 """
 
 
 @contextmanager
-def ours(workspace: Path) -> Iterator[Tab]:
+def ours(workspace: Path, prepare: str = "") -> Iterator[Tab]:
     with pointbrush(workspace) as url, tab() as page:
-        page.open(f"{url}/?token={TOKEN}")
+        page.open(f"{url}/?token={TOKEN}", prepare)
         page.until(COMPLETE)
         yield page
 
 
 def apply(workspace: Path) -> float:
     rates, decodes, uploads = [], [], []
-    with ours(workspace) as page:
-        page.run("__pointbrush.setDrawing(false)")
+    with ours(workspace, PREPARE) as page:
         page.run("__pointbrush.replay(2)")
         for _ in range(ROUNDS):
+            page.run("window.uploads = 0")
             result = page.run(f"__pointbrush.replay({SECONDS})")
+            assert page.run("window.uploads") >= 12 * POINTS * result["frames"]
             assert result["points"] >= 0.98 * result["frames"] * POINTS
             rates.append(result["frames"] / result["seconds"])
             decodes.append(result["decodeMs"])
@@ -73,18 +78,36 @@ def apply(workspace: Path) -> float:
     return statistics.median(rates)
 
 
-def viser(pause: float) -> float:
-    """Frames a second that viser's page receives when the server waits ``pause`` in between."""
-    with running("viser_replay.py", str(pause)) as url, tab() as page:
-        page.open(url, COUNT_CLOUDS)
-        page.until("window.clouds > 3")
-        time.sleep(2)
-        before, start = page.run("window.clouds"), time.monotonic()
+def viser(pushed: float) -> float:
+    """Frames a second that viser's page uploads when the server pushes ``pushed`` a second."""
+    with running("viser_replay.py", str(pushed)) as url, tab() as page:
+        page.open(url, PREPARE)
+        page.until("window.uploads > 0")
+        time.sleep(3)
+        frame = upload_of_a_frame(page)
+        before, start = page.run("window.uploads"), time.monotonic()
         time.sleep(SECONDS)
-        after, stop = page.run("window.clouds"), time.monotonic()
-    rate = float((after - before) / (stop - start))
-    print(f"  viser, {1 / pause:.0f} frames/s pushed: {rate:.0f} frames/s received")
+        after, stop = page.run("window.uploads"), time.monotonic()
+    rate = float((after - before) / frame / (stop - start))
+    print(f"  viser, {pushed:.0f} frames/s pushed: {rate:.0f} frames/s")
     return rate
+
+
+def upload_of_a_frame(page: Tab) -> int:
+    """Bytes that viser uploads at once, the smallest step seen: one frame."""
+    steps = page.run(
+        """new Promise((resolve) => {
+          const steps = [];
+          let last = window.uploads;
+          const look = () => {
+            if (window.uploads > last) steps.push(window.uploads - last);
+            last = window.uploads;
+            if (steps.length < 12) requestAnimationFrame(look); else resolve(steps);
+          };
+          look();
+        })"""
+    )
+    return int(min(step for step in steps if step > 6 * POINTS))
 
 
 def play(workspace: Path) -> None:
@@ -112,7 +135,7 @@ def main() -> None:
             recording(workspace)
         rate = apply(workspace) if "apply" in chosen else 0.0
         if "viser" in chosen:
-            best = max(viser(1 / pushed) for pushed in (30, 60, 120))
+            best = max(viser(pushed) for pushed in (30, 60, 120))
             if rate:
                 print(f"  ratio: {rate / best:.1f}")
         if "play" in chosen:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import redirect_stdout
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -15,10 +16,12 @@ from tests.e2e.server import free_port
 
 
 def main() -> None:
-    pause = float(sys.argv[1])
+    pause = 1 / float(sys.argv[1])
     frames = [kinect(seed) for seed in range(9)]
     port = free_port()
-    server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
+    # Its banner is not for whoever reads our output.
+    with redirect_stdout(sys.stderr):
+        server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
     print(f"viser ready at http://127.0.0.1:{port}", flush=True)
     number = 0
     while True:
