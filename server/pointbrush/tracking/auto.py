@@ -1,7 +1,429 @@
-"""The default method: the paper's tracker until the object model lands."""
+"""`auto`: every object as a surface that moves, is hidden and comes back; all at once.
 
-from pointbrush.tracking.paper import PaperTracker
+In each frame: predict where each object is (motion.py), register its model there in place and
+colour to what did not stand still (background.py, registration.py), bend it where it is not
+rigid (nonrigid.py), let all objects claim points together against what is known to be unlabelled
+(assign.py), judge the fit by what the sensor should have seen (judge.py), and learn: the
+background, the model, the motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim, claim, connected, contested, decide
+from pointbrush.tracking.background import (
+    Background,
+    ImageBackground,
+    TreeBackground,
+    Waver,
+    measure_waver,
+)
+from pointbrush.tracking.interface import (
+    F32,
+    F64,
+    I64,
+    FrameResult,
+    Frames,
+    Known,
+    Mask,
+    Seed,
+    TrackOptions,
+    TrackState,
+)
+from pointbrush.tracking.judge import Verdict, judge
+from pointbrush.tracking.nonrigid import warp
+from pointbrush.tracking.recovery import proposals
+from pointbrush.tracking.registration import (
+    Fit,
+    Target,
+    cost_at,
+    excess,
+    robust_fit,
+    transform,
+)
+from pointbrush.tracking.rules import FrameRules
+from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
+from pointbrush.tracking.view import View, find_lens
+
+COARSE, FINE = 90, 250
+TARGET = 1500
+PATIENCE = 45
+"""Frames that a thing is looked for before it is lost."""
+SURPRISE = 0.3
+"""What a pose far from any prediction costs."""
+KEPT = 0.6
+"""A thing that keeps less than this share of its claim is looked for elsewhere."""
+DOUBT = 0.3
+"""Cost of the best prediction above which other places are tried."""
+BENT = 0.12
+"""Unexplained share from which a thing is taken to bend."""
 
 
-class AutoTracker(PaperTracker):
-    """The default tracker."""
+@dataclass(eq=False)
+class Place:
+    """Where a thing was found: pose, model points in the world, and the points around."""
+
+    pose: F64
+    world: F64
+    around: I64
+    moving: I64
+    cost: float
+    neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Points near the model that nothing unlabelled explains: rivals of nothing."""
+
+
+@dataclass(frozen=True)
+class AutoTracker:
+    """The default method."""
+
+    def track(
+        self,
+        frames: Frames,
+        order: Sequence[int],
+        seeds: Sequence[Seed],
+        known: Known,
+        options: TrackOptions,
+    ) -> Iterator[FrameResult]:
+        """See ``Method.track``."""
+        run = Run(frames, list(order), [s.label for s in seeds], known, options)
+        yield run.start(seeds)
+        for number in order[1:]:
+            yield run.step(number)
+
+
+class Run:
+    """The state of one run."""
+
+    def __init__(
+        self,
+        frames: Frames,
+        order: list[int],
+        labels: list[int],
+        known: Known,
+        options: TrackOptions,
+    ) -> None:
+        self.frames, self.known, self.options = frames, known, options
+        self.labels = labels
+        first = frames(order[0])
+        poses = [frames(n).pose for n in (order[0], order[-1])]
+        moves = poses[0] is not None and not (
+            poses[1] is not None and np.allclose(poses[0], poses[1], atol=1e-6)
+        )
+        self.moves = moves
+        self.lens = find_lens(first)
+        self.things: dict[int, Thing] = {}
+        start = self.view(order[0])
+        self.background: Background
+        self.waver = Waver(0.004, 0.002)
+        if self.lens is not None and not moves:
+            if len(order) > 1:
+                self.waver = measure_waver(start.depth, self.view(order[1]).depth)
+            unknown = np.full_like(start.depth, np.nan)
+            self.background = ImageBackground(self.waver, unknown, unknown)
+        else:
+            self.background = TreeBackground(self._reach)
+        self.first = start
+
+    def view(self, number: int) -> View:
+        """Frame ``number`` with what is known of the sensor."""
+        frame = self.frames(number)
+        pose = frame.pose if self.moves else None
+        return View(number, frame, self.lens, pose)
+
+    def _reach(self, world: F32) -> F32:
+        units = [t.unit for t in self.things.values()] or [0.02]
+        return np.full(len(world), 1.5 * float(np.median(units)), np.float32)
+
+    def noise(self, view: View, indices: I64) -> float:
+        """Median depth noise at some points, metres."""
+        if self.lens is None or not len(indices):
+            return 0.0
+        depth = view.cells[1][indices]
+        return float(np.median(self.waver(depth)))
+
+    def start(self, seeds: Sequence[Seed]) -> FrameResult:
+        """Begin with a person's points."""
+        view = self.first
+        view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
+        for seed in seeds:
+            self._begin(view, seed.label, np.sort(seed.indices))
+        self.background.learn(view, first=True)
+        tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
+        return FrameResult(view.number, {}, tracks)
+
+    def _begin(self, view: View, label: int, indices: I64) -> None:
+        thing = begin(view, label, indices, self.noise(view, indices), _NONE)
+        self.things[label] = thing
+        lo, hi = view.xyz[indices].min(axis=0), view.xyz[indices].max(axis=0)
+        margin = 0.5 * thing.model.radius + 4 * thing.unit
+        around = view.box(lo - margin, hi + margin)
+        labelled = np.concatenate(list(view.labels.values()))
+        self._set_rivals(thing, view, np.setdiff1d(around, labelled))
+
+    def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
+        some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
+        thing.rivals = Rivals(view.xyz[some].astype(np.float64), view.colour(some))
+
+    def step(self, number: int) -> FrameResult:
+        """Find everything in the next frame."""
+        view = self.view(number)
+        rules = FrameRules(len(view.xyz), self.known(number), self.options)
+        free = rules.free(self.labels)
+        fixed = {n: k for n in self.things if (k := rules.keyframe(n)) is not None}
+        for points in fixed.values():
+            free[points] = False
+        places: dict[int, Place] = {}
+        claims: dict[int, Claim] = {}
+        for label, thing in self.things.items():
+            if label in fixed or thing.stopped:
+                continue
+            place = self._locate(thing, view, free)
+            if place is not None:
+                places[label] = place
+                claims[label] = self._claim(thing, view, place)
+        claims = self._settle_conflicts(view, free, places, claims)
+        grown = self._grow(view, places, claims)
+        tracks: dict[int, TrackState] = {}
+        view.labels = dict(fixed)
+        for label, thing in self.things.items():
+            if label in fixed:
+                tracks[label] = self._reseed(thing, view, fixed[label])
+            elif not thing.stopped:
+                tracks[label], points = self._settle(
+                    thing, view, places.get(label), claims.get(label), grown.get(label, _EMPTY)
+                )
+                points = np.union1d(points, rules.anchors(label))
+                if len(points) and tracks[label].state != "lost":
+                    view.labels[label] = points
+                    tracks[label] = _counted(tracks[label], len(points))
+        for label, place in places.items():
+            taken = np.zeros(len(view.xyz), np.bool_)
+            for points in view.labels.values():
+                taken[points] = True
+            taken[place.neutral] = True
+            self._set_rivals(self.things[label], view, place.moving[~taken[place.moving]])
+        self.background.learn(view)
+        return FrameResult(number, dict(view.labels), tracks)
+
+    def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:
+        pose = thing.motion.poses[-1]
+        shift = np.eye(4)
+        old = transform(pose, thing.model.centre[None])[0]
+        if len(points):
+            shift[:3, 3] = view.xyz[points].mean(axis=0) - old
+        pose = shift @ pose
+        self._begin(view, thing.label, points)
+        again = self.things[thing.label]
+        again.model.xyz = transform(np.linalg.inv(pose), again.model.xyz)
+        again.motion.centre = again.model.centre
+        again.motion.poses = [pose]
+        return _painted(len(points), pose)
+
+    def _locate(self, thing: Thing, view: View, free: Mask) -> Place | None:
+        """Crop the frame around the predictions, leave out what stood still, register."""
+        guesses = thing.motion.predictions()
+        centre = thing.motion.centre[None]
+        at = np.vstack([transform(g, centre) for g in guesses])
+        radius = thing.model.radius
+        fresh = len(thing.motion.poses) < 2
+        margin = radius + 4 * thing.unit + (0.6 * radius if fresh else 0.0)
+        margin += (0.4 * thing.motion.speed + 2 * thing.unit) * min(thing.motion.gap, 8)
+        around = view.box(at.min(axis=0) - margin, at.max(axis=0) + margin)
+        around = around[free[around]]
+        moving = around[~self.background.static(view, around)] if len(around) else around
+        if len(moving) < 5:
+            return None
+        some = moving[:: max(1, len(moving) // TARGET)]
+        target = Target(view.xyz[some].astype(np.float64), view.colour(some), thing.weight)
+        fit, source = self._register(thing, view, target, guesses)
+        world = transform(fit.T, thing.model.xyz)
+        if thing.bend > BENT:
+            world = world + warp(
+                world, thing.model.colour, target, max(radius / 5, 3 * thing.unit), 4 * thing.unit
+            )
+        return Place(fit.T, world, around, moving, fit.cost)
+
+    def _register(
+        self, thing: Thing, view: View, target: Target, guesses: list[F64]
+    ) -> tuple[Fit, I64]:
+        model, unit = thing.model, thing.unit
+        visible = np.flatnonzero(self._expected(thing, view, guesses[0]))
+        if len(visible) < 10:
+            visible = np.arange(len(model.xyz))
+        few = visible[:: max(1, len(visible) // COARSE)]
+        many = visible[:: max(1, len(visible) // FINE)]
+        xyz, colour = model.xyz[few], model.colour[few]
+        wide = 5 * unit
+        known = len(guesses)
+        costs = [cost_at(xyz, colour, target, g, wide) for g in guesses]
+        if thing.motion.gap > 1 or len(thing.motion.poses) < 3 or min(costs) > DOUBT:
+            others = proposals(model, target, guesses[0])
+            costs += [cost_at(xyz, colour, target, g, wide) for g in others]
+            guesses = [*guesses, *others]
+        costs = [c + self._surprise(thing, g, guesses[:known]) for c, g in zip(costs, guesses)]
+        best = np.argsort(costs, kind="stable")[: 2 if len(guesses) == known else 6]
+        fits = [
+            robust_fit(xyz, colour, target, guesses[i], [wide, wide, 4 * unit, 3 * unit, 3 * unit])
+            for i in best
+        ]
+        scores = [
+            f.cost + self._surprise(thing, f.T, guesses[:known]) + excess(xyz, target, f.T, unit)
+            for f in fits
+        ]
+        fit = fits[int(np.argmin(scores))]
+        xyz, colour = model.xyz[many], model.colour[many]
+        return robust_fit(xyz, colour, target, fit.T, [3 * unit, 2 * unit, 2 * unit]), many
+
+    def _surprise(self, thing: Thing, pose: F64, predicted: list[F64]) -> float:
+        """How far from all predictions, 0 to SURPRISE."""
+        centre = thing.motion.centre[None]
+        at = transform(pose, centre)[0]
+        off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted)
+        return SURPRISE * min(1.0, off / (3 * thing.model.radius * thing.motion.gap))
+
+    def _expected(self, thing: Thing, view: View, pose: F64) -> Mask:
+        """Model points that the sensor should see: facing it, and nothing in front."""
+        seen = thing.model.facing(pose, view.eye)
+        if self.lens is not None:
+            cell, depth = view.project(transform(pose, thing.model.xyz))
+            with np.errstate(invalid="ignore"):
+                seen &= ~(view.depth[cell] < depth - 4 * thing.unit) & (cell >= 0)
+        return seen
+
+    def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
+        """Points like the model at its place, and not more like something unlabelled."""
+        found = claim(
+            view, place.moving, place.world, thing.model.colour, thing.weight, 3 * thing.reach
+        )
+        step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
+        rivals = thing.rivals.targets(step, thing.weight)
+        lost = contested(view, found, rivals) & (found.cost > thing.reach)
+        unlike = found.cost > 5 * thing.reach
+        place.neutral = found.indices[~lost]
+        return found.pick(~lost & ~unlike)
+
+    def _settle_conflicts(
+        self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
+    ) -> dict[int, Claim]:
+        """Where a thing lost most of its claim to others, look for it in what they left."""
+        decided = decide(len(view.xyz), claims)
+        for label in sorted(
+            places, key=lambda n: len(decided[n].indices) / (len(claims[n].indices) + 1)
+        ):
+            if len(decided[label].indices) >= KEPT * len(claims[label].indices):
+                continue
+            left = free.copy()
+            for other, found in decided.items():
+                if other != label:
+                    left[found.indices] = False
+            place = self._locate(self.things[label], view, left)
+            if place is None:
+                del places[label], claims[label]
+            else:
+                places[label] = place
+                claims[label] = self._claim(self.things[label], view, place)
+            decided = decide(len(view.xyz), claims)
+        return decided
+
+    def _grow(
+        self, view: View, places: dict[int, Place], claims: dict[int, Claim]
+    ) -> dict[int, I64]:
+        """New surface: moving points that hang together with a thing and are nobody's."""
+        taken = np.zeros(len(view.xyz), np.bool_)
+        for found in claims.values():
+            taken[found.indices] = True
+        grown: dict[int, I64] = {}
+        for label, place in places.items():
+            thing, core = self.things[label], claims[label].indices
+            rest = place.moving[~taken[place.moving]]
+            if len(core) < 5 or not len(rest):
+                continue
+            step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
+            xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
+            alone = np.ones(len(rest), np.bool_)
+            for rival in thing.rivals.targets(step, thing.weight):
+                distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
+                alone &= distance >= 4 * thing.unit
+            rest = rest[alone]
+            bends = thing.bend > BENT
+            joined = connected(
+                view.xyz[core].astype(np.float64),
+                view.xyz[rest].astype(np.float64),
+                (3.0 if bends else 2.0) * thing.unit,
+                4 if bends else 1,
+            )
+            grown[label] = rest[joined]
+            taken[rest[joined]] = True
+        return grown
+
+    def _settle(
+        self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
+    ) -> tuple[TrackState, I64]:
+        """Judge what was found, and learn from it."""
+        verdict = judge(
+            thing, view, self.lens is not None, place and place.pose, place and place.world, found
+        )
+        pose = thing.motion.poses[-1] if place is None else place.pose
+        if place is None or found is None or not verdict.found:
+            thing.missing += 1
+            thing.motion.gap += 1
+            lost = thing.missing > PATIENCE
+            thing.stopped = lost and not self.options.continue_lost
+            state = "lost" if lost else "occluded"
+            return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY  # type: ignore[arg-type]
+        thing.missing = 0
+        points = np.union1d(found.indices, grown)
+        self._learn(thing, view, place, found, grown, verdict)
+        rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
+        state = TrackState(pose, rmse, verdict.inliers, verdict.confidence, len(points), "tracked")
+        return state, points
+
+    def _learn(
+        self, thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
+    ) -> None:
+        thing.motion.add(place.pose)
+        back = np.linalg.inv(place.pose)
+        eye = view.eye
+        own_eye = None if eye is None else transform(back, eye[None])[0]
+        total = len(found.indices) + len(grown)
+        loose = (len(grown) + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+        thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
+        points = np.concatenate([found.indices, grown])
+        xyz = transform(back, view.xyz[points].astype(np.float64))
+        colour = view.colour(points)
+        if thing.bend > BENT:
+            old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
+            kept = thing.model
+            from pointbrush.tracking.model import Model
+
+            new = Model.of(xyz, colour, own_eye, kept.spacing)
+            n = len(old)
+            new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
+            new.colour = np.vstack([new.colour, kept.colour[old]])
+            new.seen = np.vstack([new.seen, kept.seen[old]])
+            new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
+            new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
+            thing.model = new
+            thing.motion.centre = thing.motion.centre
+        else:
+            thing.model.miss(verdict.through)
+            place_now = transform(place.pose, thing.model.xyz)
+            again = claim(view, points, place_now, thing.model.colour, 0.0, 4 * thing.unit)
+            xyz = transform(back, view.xyz[again.indices].astype(np.float64))
+            thing.model.gather(xyz, view.colour(again.indices), again.gap, again.nearest, own_eye)
+
+
+_EMPTY: I64 = np.empty(0, np.int64)
+_NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+
+
+def _painted(points: int, pose: F64) -> TrackState:
+    return TrackState(pose, 0.0, 1.0, 1.0, points, "painted")
+
+
+def _counted(track: TrackState, points: int) -> TrackState:
+    return TrackState(track.pose, track.rmse, track.inliers, track.confidence, points, track.state)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.interface import F32, F64, I64
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
@@ -76,3 +78,79 @@ def icp(
             return Registration(T, float(np.sqrt(error)), iteration, converged=True)
         before = error
     return Registration(T, float(np.sqrt(error)), iterations, converged=False)
+
+
+@dataclass(eq=False)
+class Target:
+    """Points to register to, in place and colour.
+
+    ``xyz`` (N, 3) metres; ``colour`` (N, 3) any unit; ``weight`` metres per unit of colour.
+    """
+
+    xyz: F64
+    colour: F32
+    weight: float
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Over place and weighted colour, (N, 6)."""
+        both = np.hstack([self.xyz, self.colour * self.weight])
+        return cKDTree(both, balanced_tree=False, compact_nodes=False)
+
+    def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
+        """Distances (M,), ``most`` where nothing is nearer, and indices (0 there)."""
+        both = np.hstack([xyz, colour * self.weight])
+        distance, index = self.tree.query(both, distance_upper_bound=most)
+        found = np.asarray(index) < len(self.xyz)
+        return (
+            np.where(found, distance, most).astype(np.float64),
+            np.where(found, index, 0).astype(np.int64),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A robust registration: ``cost`` 0..1, the mean of each point's squared distance, capped."""
+
+    T: F64
+    cost: float
+
+
+def robust_fit(source: F64, colour: F32, target: Target, T: F64, scales: Sequence[float]) -> Fit:
+    """ICP in place and colour from ``T``, one iteration per entry of ``scales`` (metres).
+
+    ``source`` (M, 3) model points, moved by ``T`` onto the target.  Each pair weighs less the
+    farther it is apart in units of the scale, which shrinks (Geman and McClure 1985).
+    """
+    cost = 1.0
+    for scale in scales:
+        moved = transform(T, source)
+        distance, index = target.nearest(moved, colour, 3.0 * scale)
+        weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
+        weight[distance >= 3.0 * scale] = 0.0
+        cost = float(np.mean(np.minimum(distance / (3.0 * scale), 1.0) ** 2))
+        if np.count_nonzero(weight) >= 6:
+            T = best_rigid_motion(moved, target.xyz[index], weight) @ T
+        elif weight.any():
+            shift = weight @ (target.xyz[index] - moved) / weight.sum()
+            T = T.copy()
+            T[:3, 3] += shift
+    return Fit(T, cost)
+
+
+def cost_at(source: F64, colour: F32, target: Target, T: F64, scale: float) -> float:
+    """The cost of a pose as it is, in units of ``scale``."""
+    distance, _ = target.nearest(transform(T, source), colour, 3.0 * scale)
+    return float(np.mean((distance / (3.0 * scale)) ** 2))
+
+
+def excess(source: F64, target: Target, T: F64, unit: float) -> float:
+    """How much of the target lies just beside the moved source, 0..0.3.
+
+    An object placed inside a larger surface fits it well, but the surface goes on around it.
+    """
+    tree = cKDTree(transform(T, source), balanced_tree=False, compact_nodes=False)
+    gap, _ = tree.query(target.xyz, distance_upper_bound=6 * unit)
+    on = np.count_nonzero(np.asarray(gap) < 3 * unit)
+    beside = np.count_nonzero(np.isfinite(np.asarray(gap))) - on
+    return 0.3 * min(1.0, beside / max(on, 1))

@@ -1,0 +1,96 @@
+"""Which points of the next frame belong to which object, decided for all objects at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.registration import Target
+from pointbrush.tracking.view import View
+
+NEIGHBOURS = 3
+
+
+@dataclass(eq=False)
+class Claim:
+    """Points that an object would have: ``cost`` (M,) metres in place and colour.
+
+    ``gap`` (M,) metres from the model in place alone, ``nearest`` (M,) the model point.
+    """
+
+    indices: I64
+    cost: F32
+    gap: F64
+    nearest: I64
+
+    def pick(self, which: Mask) -> Claim:
+        """The claim on some of the points only."""
+        return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
+
+
+def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reach: float) -> Claim:
+    """What a model at ``place`` (M, 3) of the world claims of the points ``indices``.
+
+    A point's cost is the least, over its nearest model points, of the distance in place and
+    colour; ``reach`` metres away it is claimed no more.
+    """
+    if len(indices) == 0 or len(place) == 0:
+        none = np.empty(0, np.int64)
+        return Claim(none, np.empty(0, np.float32), np.empty(0), none)
+    k = min(NEIGHBOURS, len(place))
+    tree = cKDTree(place, balanced_tree=False, compact_nodes=False)
+    gap, near = tree.query(view.xyz[indices], k=np.arange(1, k + 1), distance_upper_bound=reach)
+    gap, near = np.asarray(gap), np.asarray(near)
+    close = gap[:, 0] < reach
+    indices, gap, near = indices[close], gap[close], near[close]
+    own = view.colour(indices)
+    unlike = own[:, None, :] - colour[np.minimum(near, len(place) - 1)]
+    cost = np.sqrt(gap**2 + weight**2 * np.einsum("ijk,ijk->ij", unlike, unlike))
+    return Claim(indices, cost.min(axis=1).astype(np.float32), gap[:, 0], near[:, 0])
+
+
+def contested(view: View, found: Claim, rivals: list[Target], factor: float = 0.7) -> Mask:
+    """Which claimed points are more like something known to be unlabelled."""
+    lost = np.zeros(len(found.indices), np.bool_)
+    if not len(found.indices):
+        return lost
+    xyz, colour = view.xyz[found.indices].astype(np.float64), view.colour(found.indices)
+    most = float(found.cost.max()) + 1e-9
+    for rival in rivals:
+        if len(rival.xyz):
+            distance, _ = rival.nearest(xyz, colour, most)
+            lost |= distance < factor * found.cost
+    return lost
+
+
+def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
+    """Each point to the label that claims it at the least cost; ties to the first label."""
+    best = np.full(count, np.inf, np.float32)
+    for found in claims.values():
+        best[found.indices] = np.minimum(best[found.indices], found.cost)
+    taken = np.zeros(count, np.bool_)
+    result: dict[int, Claim] = {}
+    for label, found in claims.items():
+        mine = (found.cost <= best[found.indices]) & ~taken[found.indices]
+        taken[found.indices[mine]] = True
+        result[label] = found.pick(mine)
+    return result
+
+
+def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
+    """Which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach`` metres."""
+    joined = np.zeros(len(rest), np.bool_)
+    front = core
+    for _ in range(rounds):
+        open_ = np.flatnonzero(~joined)
+        if not len(open_) or not len(front):
+            break
+        tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
+        distance, _ = tree.query(rest[open_], distance_upper_bound=reach)
+        new = open_[np.asarray(distance) < reach]
+        joined[new] = True
+        front = rest[new]
+    return joined

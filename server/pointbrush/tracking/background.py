@@ -1,0 +1,144 @@
+"""What stood still and is unlabelled: such points are no object's, however near it comes.
+
+With a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
+that distance (measured on the recording itself).  Without one (lidar, moving sensors, unknown
+viewpoints): the unlabelled points of earlier frames, aligned by their poses, in their stored
+k-d trees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from scipy.ndimage import binary_dilation
+
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.view import View
+
+NEAR = 3.0
+"""Deviations within which a depth is the same depth."""
+
+
+class Background(Protocol):
+    """Knows the past; ``learn`` a frame after its labels are decided."""
+
+    def static(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) stood there before and are unlabelled."""
+
+    def learn(self, view: View, first: bool = False) -> None:
+        """Take in a frame whose ``labels`` are decided; ``first``: by a person."""
+
+
+@dataclass(frozen=True, slots=True)
+class Waver:
+    """Depth noise: standard deviation ``still + growing * depth**2`` metres."""
+
+    still: float
+    growing: float
+
+    def __call__(self, depth: F32) -> F32:
+        """(M,) standard deviations at (M,) depths."""
+        return np.asarray(self.still + self.growing * depth * depth, np.float32)
+
+
+def measure_waver(one: F32, other: F32) -> Waver:
+    """Fit the noise to the differences of two depth images of a sensor that stands still."""
+    both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
+    if len(both) < 100:
+        return Waver(0.004, 0.002)
+    change = np.abs(one[both] - other[both])
+    square = one[both].astype(np.float64) ** 2
+    parts = np.array_split(np.argsort(square, kind="stable"), 10)
+    x = np.array([float(np.median(square[p])) for p in parts])
+    y = np.array([float(np.median(change[p])) * 1.05 for p in parts])
+    growing = max(0.0, float(np.polyfit(x, y, 1)[0])) if np.ptp(x) > 1e-6 else 0.0
+    still = float(np.median(y - growing * x))
+    return Waver(max(still, 5e-4), growing)
+
+
+@dataclass(eq=False)
+class ImageBackground:
+    """The farthest depth of every pixel, and the last; the sensor stands still."""
+
+    waver: Waver
+    depth: F32
+    last: F32
+
+    def static(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = (a[indices] for a in view.cells)
+        limit = NEAR * self.waver(depth)
+        known = self.depth[cell]
+        still = (np.abs(depth - known) < limit) | (depth > known + limit)
+        return np.asarray(still | (np.abs(depth - self.last[cell]) < limit))
+
+    def learn(self, view: View, first: bool = False) -> None:
+        """See ``Background``."""
+        seen = view.depth.copy()
+        height, width = view.lens.shape if view.lens else (0, 0)
+        cell = view.cells[0]
+        labelled = np.zeros(len(seen), np.bool_)
+        for points in view.labels.values():
+            labelled[cell[points]] = True
+        if not first and labelled.any():
+            # What a run missed at an object's rim must not become background.
+            image = labelled[:-1].reshape(height, width)
+            rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
+            top, left = max(rows[0] - 3, 0), max(columns[0] - 3, 0)
+            part = image[top : rows[-1] + 4, left : columns[-1] + 4]
+            part[...] = binary_dilation(part, iterations=3)
+        seen[labelled] = np.nan
+        with np.errstate(invalid="ignore"):
+            limit = NEAR * self.waver(seen)
+            same = np.abs(seen - self.depth) < limit
+            farther = ~np.isnan(seen) & ~(seen <= self.depth + limit)
+        self.last = seen
+        self.depth[farther] = seen[farther]
+        self.depth[same] += np.float32(0.2) * (seen[same] - self.depth[same])
+
+
+@dataclass(eq=False)
+class TreeBackground:
+    """The unlabelled points of earlier frames, found by their k-d trees."""
+
+    reach: Callable[[F32], F32]
+    """Points (M, 3) of the world → (M,) metres within which a point is the same point."""
+    past: list[tuple[View, Mask]] = field(default_factory=list)
+
+    def static(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        world = view.xyz[indices]
+        still = np.zeros(len(indices), np.bool_)
+        reach = self.reach(world)
+        for earlier, labelled in self.past:
+            rest = np.flatnonzero(~still)
+            T = earlier.T_world_frame
+            at: F64 = world[rest].astype(np.float64)
+            if T is not None:
+                at = (at - T[:3, 3]) @ T[:3, :3]
+            distance, index = earlier.frame.kdtree.query(
+                at, distance_upper_bound=float(reach.max(initial=0.0)) + 1e-6
+            )
+            found = np.asarray(index) < len(labelled)
+            near = found & (np.asarray(distance) < reach[rest])
+            near[found] &= ~labelled[np.asarray(index)[found]]
+            still[rest[near]] = True
+        return still
+
+    def learn(self, view: View, first: bool = False) -> None:
+        """See ``Background``; keeps the first frame and two later ones."""
+        labelled = np.zeros(len(view.xyz), np.bool_)
+        for points in view.labels.values():
+            labelled[points] = True
+        if len(view.xyz) == 0:
+            return
+        entry = (view, labelled)
+        if first or not self.past:
+            self.past = [entry]
+        elif len(self.past) < 3:
+            self.past.append(entry)
+        else:
+            self.past = [self.past[0], self.past[2], entry]

@@ -1,0 +1,60 @@
+"""How well a fit explains what the sensor saw, and how far to trust it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.assign import Claim
+from pointbrush.tracking.interface import F64, Mask
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """``found``: there is something; ``inliers`` share of the visible model that was matched.
+
+    ``hidden`` and ``through`` (M,): model points behind something else, and in front of what
+    was measured; ``visible`` share of the facing model that nothing hides.
+    """
+
+    found: bool
+    inliers: float
+    confidence: float
+    hidden: Mask
+    through: Mask
+    visible: float
+
+
+def judge(
+    thing: Thing, view: View, image: bool, pose: F64 | None, world: F64 | None, found: Claim | None
+) -> Verdict:
+    """Compare the model at its place with the points assigned to it."""
+    n = len(thing.model.xyz)
+    nothing = np.zeros(n, np.bool_)
+    if pose is None or world is None or found is None:
+        return Verdict(False, 0.0, 0.0, nothing, nothing, 0.0)
+    facing = thing.model.facing(pose, view.eye)
+    matched = nothing.copy()
+    if len(found.indices):
+        tree = cKDTree(view.xyz[found.indices], balanced_tree=False, compact_nodes=False)
+        distance, _ = tree.query(world, distance_upper_bound=2.5 * thing.unit)
+        matched = np.isfinite(np.asarray(distance))
+    hidden = through = nothing
+    if image:
+        cell, depth = view.project(world)
+        seen = view.depth[cell]
+        with np.errstate(invalid="ignore"):
+            hidden = (seen < depth - 3 * thing.unit) & ~matched
+            through = (seen > depth + 4 * thing.unit) & ~matched & facing
+        hidden = hidden | (cell < 0)
+    expected = facing & ~hidden
+    inliers = float(matched[expected].mean()) if expected.any() else 0.0
+    visible = float(expected.sum() / max(1, facing.sum()))
+    enough = len(found.indices) >= max(4, 0.01 * thing.size)
+    good = enough and inliers > 0.25
+    confidence = float(np.clip(inliers * min(1.0, 0.4 + visible), 0, 1))
+    return Verdict(good, inliers, confidence, hidden, through, visible)

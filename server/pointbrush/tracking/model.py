@@ -1,0 +1,116 @@
+"""An object's surface as gathered so far: points with colour, where seen from, hits and misses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.registration import transform
+
+MOST_POINTS = 2500
+FACING = 0.25
+"""Cosine between the directions from which a point was and would be seen, to expect it."""
+
+
+@dataclass(eq=False)
+class Model:
+    """Surface points in start-frame coordinates.
+
+    ``xyz`` (M, 3), ``colour`` (M, 3) as ``View.colour`` gives it, ``seen`` (M, 3) unit vectors
+    to the sensor when last seen (zeros where its place is unknown), ``hits`` and ``misses`` (M,)
+    counts, ``spacing`` metres between neighbours.
+    """
+
+    xyz: F64
+    colour: F32
+    seen: F64
+    spacing: float
+    hits: F32
+    misses: F32
+
+    @staticmethod
+    def of(xyz: F64, colour: F32, eye: F64 | None, spacing: float) -> Model:
+        """A model of the points (M, 3) that a sensor at ``eye`` sees."""
+        n = len(xyz)
+        model = Model(
+            xyz,
+            colour,
+            _towards(xyz, eye),
+            spacing,
+            np.ones(n, np.float32),
+            np.zeros(n, np.float32),
+        )
+        return model._thin()
+
+    @property
+    def centre(self) -> F64:
+        """(3,) mean of the points."""
+        return np.asarray(self.xyz.mean(axis=0))
+
+    @property
+    def radius(self) -> float:
+        """Metres from the centre that hold nearly all points."""
+        return float(np.percentile(np.linalg.norm(self.xyz - self.centre, axis=1), 98))
+
+    def facing(self, pose: F64, eye: F64 | None) -> Mask:
+        """(M,) points whose side faces ``eye`` when the object is at ``pose``."""
+        if eye is None:
+            return np.ones(len(self.xyz), np.bool_)
+        now = _towards(self.xyz, transform(np.linalg.inv(pose), eye[None])[0])
+        unknown = ~self.seen.any(axis=1)
+        return np.asarray((np.einsum("ij,ij->i", now, self.seen) > FACING) | unknown)
+
+    def gather(self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None) -> None:
+        """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``."""
+        on = gap < 1.2 * self.spacing
+        self.hits[nearest[on]] += 1
+        self.misses[nearest[on]] = 0
+        towards = _towards(xyz, eye)
+        self.seen[nearest[on]] = towards[on]
+        new = np.flatnonzero(gap >= 0.9 * self.spacing)
+        if len(new) == 0:
+            return
+        self.xyz = np.vstack([self.xyz, xyz[new]])
+        self.colour = np.vstack([self.colour, colour[new]])
+        self.seen = np.vstack([self.seen, towards[new]])
+        self.hits = np.append(self.hits, np.ones(len(new), np.float32))
+        self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
+        self._keep(self._distinct())
+
+    def miss(self, which: Mask) -> None:
+        """Count points that the sensor saw through; those seen through too often leave."""
+        self.misses[which] += 1
+        keep = self.misses <= np.minimum(self.hits, 4) + 1
+        if keep.sum() >= 10:
+            self._keep(np.flatnonzero(keep))
+
+    def _distinct(self) -> I64:
+        """One point per cell of the model's spacing, the best confirmed."""
+        key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
+        key -= key.min(axis=0)
+        size = key.max(axis=0) + 1
+        flat = (key[:, 0] * size[1] + key[:, 1]) * size[2] + key[:, 2]
+        order = np.lexsort((-self.hits, flat))
+        first = np.concatenate([[True], np.diff(flat[order]) > 0])
+        kept = order[first]
+        if len(kept) > MOST_POINTS:
+            self.spacing *= 1.05 * float(np.sqrt(len(kept) / MOST_POINTS))
+            return self._distinct()
+        return np.sort(kept)
+
+    def _keep(self, which: I64) -> None:
+        self.xyz, self.colour, self.seen = self.xyz[which], self.colour[which], self.seen[which]
+        self.hits, self.misses = self.hits[which], self.misses[which]
+
+    def _thin(self) -> Model:
+        self._keep(self._distinct())
+        return self
+
+
+def _towards(xyz: F64, eye: F64 | None) -> F64:
+    if eye is None:
+        return np.zeros_like(xyz)
+    way = eye - xyz
+    return np.asarray(way / (np.linalg.norm(way, axis=1, keepdims=True) + 1e-9))

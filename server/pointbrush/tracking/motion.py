@@ -1,0 +1,81 @@
+"""Where an object will be: its last motion repeated, with the variations worth trying."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pointbrush.tracking.interface import F64
+from pointbrush.tracking.registration import transform
+
+MEMORY = 4
+
+
+@dataclass(eq=False)
+class Motion:
+    """Poses ``T_frame_start`` of the last frames; ``centre`` (3,) of the object in the start."""
+
+    centre: F64
+    poses: list[F64] = field(default_factory=lambda: [np.eye(4)])
+    gap: int = 1
+    """Frames since the last pose."""
+
+    def add(self, pose: F64) -> None:
+        """The object was found; a gap is filled by even motion."""
+        if self.gap > 1:
+            self.poses = [_between(self.poses[-1], pose, self.centre, 1 - 1 / self.gap)]
+        self.poses = [*self.poses[-(MEMORY - 1) :], pose]
+        self.gap = 1
+
+    @property
+    def speed(self) -> float:
+        """Metres a frame, of the centre."""
+        if len(self.poses) < 2:
+            return 0.0
+        return float(np.linalg.norm(self._at(-1) - self._at(-2)))
+
+    def _at(self, which: int) -> F64:
+        return transform(self.poses[which], self.centre[None])[0]
+
+    def predictions(self) -> list[F64]:
+        """Poses to try, the likeliest first: motion repeated, changing evenly, and at rest."""
+        last = self.poses[-1]
+        if len(self.poses) < 2:
+            return [last]
+        spin = last[:3, :3] @ self.poses[-2][:3, :3].T
+        velocity = self._at(-1) - self._at(-2)
+        turned, step = last[:3, :3].copy(), np.zeros(3)
+        gain = np.zeros(3)
+        if len(self.poses) > 2:
+            gain = velocity - (self._at(-2) - self._at(-3))
+        falling = velocity.copy()
+        even = np.zeros(3)
+        for _ in range(self.gap):
+            turned = spin @ turned
+            step = step + velocity
+            falling = falling + gain
+            even = even + falling
+        guesses = [(turned, step), (last[:3, :3], step), (last[:3, :3], np.zeros(3))]
+        if len(self.poses) > 2:
+            guesses.insert(0, (turned, even))
+        return [self._pose(R, self._at(-1) + t) for R, t in guesses]
+
+    def _pose(self, R: F64, at: F64) -> F64:
+        T = np.eye(4)
+        T[:3, :3] = _orthogonal(R)
+        T[:3, 3] = at - T[:3, :3] @ self.centre
+        return T
+
+
+def _orthogonal(R: F64) -> F64:
+    U, _, Vt = np.linalg.svd(R)
+    return np.asarray(U @ Vt)
+
+
+def _between(a: F64, b: F64, centre: F64, share: float) -> F64:
+    """A pose on the way from ``a`` to ``b``; rotation is taken from ``b``."""
+    start, end = transform(a, centre[None])[0], transform(b, centre[None])[0]
+    T = b.copy()
+    T[:3, 3] = start + share * (end - start) - b[:3, :3] @ centre
+    return T

@@ -1,0 +1,99 @@
+"""Where else an object may be: moving points of its colour that form a cluster of its size."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.interface import F64
+from pointbrush.tracking.model import Model
+from pointbrush.tracking.registration import Target, transform
+
+CLUSTERS = 4
+TURN = np.radians(40.0)
+TURNS = [
+    np.asarray(Rotation.from_rotvec(sign * TURN * axis).as_matrix())
+    for axis in np.eye(3)
+    for sign in (1.0, -1.0)
+]
+LIKE = 0.12
+"""Colour difference, in the units of ``View.colour``, up to which colours are alike."""
+
+
+def proposals(model: Model, target: Target, pose: F64) -> list[F64]:
+    """Poses (4, 4) to try for an object whose motion is not known.
+
+    Where ``pose`` puts it, and on each of the target's likeliest clusters: as ``pose`` has
+    turned it, turned by TURN about each axis either way, and with its longest direction along
+    the cluster's, both ways round.
+    """
+    world = transform(pose, model.xyz)
+    middle = world.mean(axis=0)
+    axis, length = _axis(world)
+    result = [_move(pose, middle, middle, R) for R in TURNS]
+    for centre, points in _clusters(model, target):
+        result.append(_move(pose, middle, centre, np.eye(3)))
+        result += [_move(pose, middle, centre, R) for R in TURNS]
+        along, other = _axis(points)
+        if length > 1.5 and other > 1.5:
+            result += [
+                _move(pose, middle, centre, _turn(axis, sign * along)) for sign in (1.0, -1.0)
+            ]
+    return result
+
+
+def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:
+    alike = np.ones(len(target.xyz), np.bool_)
+    if target.weight > 0:
+        palette = cKDTree(model.colour[:: max(1, len(model.colour) // 200)])
+        distance, _ = palette.query(target.colour, distance_upper_bound=LIKE)
+        alike = np.isfinite(np.asarray(distance))
+    points = target.xyz[alike]
+    found: list[tuple[F64, F64]] = []
+    radius = max(model.radius, 1e-3)
+    while len(points) >= 8 and len(found) < CLUSTERS:
+        some = points[:: max(1, len(points) // 60)]
+        near = cKDTree(points).query_ball_point(some, 0.6 * radius, return_length=True)
+        centre = some[int(np.argmax(near))]
+        for _ in range(3):
+            inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+            if not inside.any():
+                break
+            centre = points[inside].mean(axis=0)
+        inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+        if inside.sum() < 8:
+            break
+        found.append((centre, points[inside]))
+        points = points[~inside]
+    return found
+
+
+def _axis(xyz: F64) -> tuple[F64, float]:
+    """Longest direction, and how many times longer it is than the next."""
+    if len(xyz) < 3:
+        return np.array([1.0, 0.0, 0.0]), 1.0
+    values, vectors = np.linalg.eigh(np.cov(xyz.T))
+    spread = float(np.sqrt(max(values[2], 1e-12) / max(values[1], 1e-12)))
+    return vectors[:, 2], spread
+
+
+def _turn(a: F64, b: F64) -> F64:
+    """The least rotation (3, 3) that brings unit vector ``a`` to ``b``."""
+    v, c = np.cross(a, b), float(a @ b)
+    if c < -0.9999:
+        side = np.cross(a, [1.0, 0.0, 0.0])
+        if np.linalg.norm(side) < 1e-3:
+            side = np.cross(a, [0.0, 1.0, 0.0])
+        side /= np.linalg.norm(side)
+        return np.asarray(2 * np.outer(side, side) - np.eye(3))
+    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1 + c))
+
+
+def _move(pose: F64, middle: F64, centre: F64, R: F64) -> F64:
+    """``pose`` turned by ``R`` about ``middle`` and brought to ``centre``."""
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = centre - R @ middle
+    return T @ pose

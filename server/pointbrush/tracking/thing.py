@@ -1,0 +1,91 @@
+"""One label on its way through a recording: its model, its motion, what is beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.model import Model
+from pointbrush.tracking.motion import Motion
+from pointbrush.tracking.registration import Target, transform
+from pointbrush.tracking.view import View
+
+MOST_RIVALS = 1000
+LEAST_NOISE = 0.03
+"""Colour noise is at least this, in the units of ``View.colour``."""
+
+
+@dataclass(eq=False)
+class Rivals:
+    """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
+
+    xyz: F64
+    colour: F32
+
+    def targets(self, step: F64, weight: float) -> list[Target]:
+        """Where they may be now: where they were, or gone along with the object's ``step``."""
+        if not len(self.xyz):
+            return []
+        return [
+            Target(self.xyz, self.colour, weight),
+            Target(transform(step, self.xyz), self.colour, weight),
+        ]
+
+
+@dataclass(eq=False)
+class Thing:
+    """State of a label: ``weight`` metres per unit of colour, ``unit`` metres of tolerance.
+
+    ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
+    explain; ``size`` its number of points when last seen whole.
+    """
+
+    label: int
+    model: Model
+    motion: Motion
+    weight: float
+    unit: float
+    rivals: Rivals
+    size: float
+    missing: int = 0
+    bend: float = 0.0
+    stopped: bool = False
+
+    @property
+    def reach(self) -> float:
+        """Metres between a point and the model's point that stands for it."""
+        return max(self.unit, self.model.spacing)
+
+
+def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
+    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there."""
+    xyz = view.xyz[indices].astype(np.float64)
+    colour = view.colour(indices)
+    spacing, speckle = _texture(xyz, colour)
+    unit = max(spacing, noise)
+    weight = 0.0
+    if view.frame.rgb is not None and not _colourless(view, indices):
+        weight = 0.5 * unit / max(speckle, LEAST_NOISE)
+    model = Model.of(xyz, colour, view.eye, spacing)
+    thing = Thing(label, model, Motion(model.centre), weight, unit, rivals, float(len(indices)))
+    return thing
+
+
+def _texture(xyz: F64, colour: F32) -> tuple[float, float]:
+    """Median distance and colour difference between neighbours."""
+    if len(xyz) < 3:
+        return 0.02, LEAST_NOISE
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // 400))
+    distance, near = cKDTree(xyz).query(xyz[sample], k=2)
+    gaps = np.asarray(distance)[:, 1]
+    unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
+    return max(float(np.median(gaps)), 1e-4), float(np.median(unlike))
+
+
+def _colourless(view: View, indices: I64) -> bool:
+    """Whether many of the points were seen by no camera: exactly black."""
+    rgb = view.frame.rgb
+    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > 0.1

@@ -1,0 +1,198 @@
+"""One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
+
+The depth image exists where the sensor is pinhole-like.  It serves to tell what stood still,
+what is hidden and what is seen through.  A frame whose points lie on a pixel lattice as seen
+from the origin proves that the sensor was there, so that recordings without a viewpoint have
+an image too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
+
+I32 = NDArray[np.int32]
+WIDEST = 1.6
+"""Tangent of half the widest field of view that a pinhole image is made for."""
+MOST_CELLS = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lens:
+    """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``."""
+
+    eye: F32
+    axis: int
+    sign: float
+    least: tuple[float, float]
+    pitch: tuple[float, float]
+    shape: tuple[int, int]
+
+    def cells(self, xyz: F32) -> tuple[I32, F32]:
+        """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
+        local = xyz - self.eye if self.eye.any() else xyz
+        depth = np.float32(self.sign) * local[:, self.axis]
+        inverse = np.float32(1.0) / np.maximum(depth, np.float32(1e-3))
+        across, down = (a for a in range(3) if a != self.axis)
+        offset = [np.float32(-low / p + 0.5) for low, p in zip(self.least, self.pitch, strict=True)]
+        u = local[:, across] * inverse * np.float32(1 / self.pitch[0]) + offset[0]
+        v = local[:, down] * inverse * np.float32(1 / self.pitch[1]) + offset[1]
+        height, width = self.shape
+        inside = (u >= 0) & (u < width) & (v >= 0) & (v < height) & (depth > 1e-3)
+        u, v = np.where(inside, u, 0), np.where(inside, v, 0)
+        cell = v.astype(np.int32) * np.int32(width) + u.astype(np.int32)
+        return np.where(inside, cell, np.int32(-1)), depth
+
+
+def find_lens(frame: TrackFrame) -> Lens | None:
+    """The pixel grid of a pinhole-like frame, None where it has none."""
+    xyz = np.asarray(frame.xyz)
+    if len(xyz) < 500:
+        return None
+    eye = np.zeros(3) if frame.viewpoint is None else np.asarray(frame.viewpoint, np.float64)
+    sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
+    found = _axis(sample)
+    if found is None:
+        return None
+    axis, sign = found
+    across, down = (a for a in range(3) if a != axis)
+    plane = [sample[:, a] / np.abs(sample[:, axis]) for a in (across, down)]
+    lattice = [_lattice(p) for p in plane]
+    low = [float(p.min()) for p in plane]
+    span = [float(np.ptp(p)) for p in plane]
+    pitch = [p for p in lattice if p is not None]
+    if len(pitch) < 2:
+        if frame.viewpoint is None:
+            return None
+        pitch = [1.2 * float(np.sqrt(span[0] * span[1] / len(xyz)))] * 2
+    if min(pitch) <= 0:
+        return None
+    # The sample may miss the outermost pixels: a margin of whole cells.
+    low = [a - 8 * p for a, p in zip(low, pitch, strict=True)]
+    width, height = (int(s / p) + 17 for s, p in zip(span, pitch, strict=True))
+    if width * height > MOST_CELLS:
+        return None
+    return Lens(
+        eye.astype(np.float32), axis, sign, (low[0], low[1]), (pitch[0], pitch[1]), (height, width)
+    )
+
+
+def _axis(local: F64) -> tuple[int, float] | None:
+    for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
+        sign = 1.0 if local[:, axis].mean() > 0 else -1.0
+        depth = sign * local[:, axis]
+        others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
+        if depth.min() > 0 and (others / depth).max() < WIDEST:
+            return axis, sign
+    return None
+
+
+def _lattice(tangent: F64) -> float | None:
+    """Pitch of the lattice that the values lie on, None where they lie on none."""
+    values = np.sort(tangent)
+    gaps = np.diff(values)
+    steps = np.concatenate([[True], gaps > 2e-5])
+    levels = values[steps]
+    if len(levels) < 20 or len(levels) > len(values) / 4:
+        return None
+    pitch = float(np.median(np.diff(levels)))
+    return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)
+
+
+@dataclass(eq=False)
+class View:
+    """Frame ``number`` (of the run's order) with ``lens`` or None; arrays in stored order."""
+
+    number: int
+    frame: TrackFrame
+    lens: Lens | None
+    T_world_frame: F64 | None = None
+    labels: dict[int, I64] = field(default_factory=dict)
+
+    @cached_property
+    def xyz(self) -> F32:
+        """(N, 3) float32 in the world."""
+        local = np.asarray(self.frame.xyz, np.float32)
+        if self.T_world_frame is None:
+            return local
+        T = self.T_world_frame
+        return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+
+    @cached_property
+    def eye(self) -> F64 | None:
+        """(3,) the sensor in the world, None where unknown."""
+        at = self.frame.viewpoint
+        if at is None:
+            return None if self.lens is None else self.lens.eye.astype(np.float64)
+        T = self.T_world_frame
+        return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
+
+    @cached_property
+    def columns(self) -> list[F32]:
+        """x, y and z, each contiguous: culling reads them whole."""
+        return [np.ascontiguousarray(self.xyz[:, a]) for a in range(3)]
+
+    def box(self, lo: F64, hi: F64) -> I64:
+        """Sorted indices of the points inside a box of the world."""
+        blocks = getattr(self.frame, "blocks", None)
+        if blocks is not None and self.T_world_frame is None:
+            runs = blocks.overlapping(lo, hi)
+            first = blocks.first
+            some = _ranges(first[runs], first[runs + 1])
+            at = self.xyz[some]
+            return some[((at >= lo) & (at <= hi)).all(axis=1)]
+        inside = np.ones(len(self.xyz), np.bool_)
+        for column, low, high in zip(self.columns, lo, hi, strict=True):
+            inside &= (column >= np.float32(low)) & (column <= np.float32(high))
+        return np.flatnonzero(inside)
+
+    def colour(self, indices: I64) -> F32:
+        """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
+        if self.frame.rgb is None:
+            return np.zeros((len(indices), 3), np.float32)
+        rgb = np.asarray(self.frame.rgb)[indices].astype(np.float32)
+        total = rgb.sum(axis=1)
+        scale = 1.0 / (total + 60.0)
+        return np.stack(
+            [
+                1.7 * (rgb[:, 0] - rgb[:, 1]) * scale,
+                (2.0 * rgb[:, 2] - rgb[:, 0] - rgb[:, 1]) * scale,
+                total * np.float32(0.3 / 765),
+            ],
+            axis=1,
+        )
+
+    @cached_property
+    def cells(self) -> tuple[I32, F32]:
+        """Flat image cell and depth of every point; needs a lens."""
+        assert self.lens is not None  # noqa: S101  (callers ask only where there is one)
+        return self.lens.cells(np.asarray(self.frame.xyz, np.float32))
+
+    @cached_property
+    def depth(self) -> F32:
+        """(cells + 1,) depth image, NaN where nothing was measured and in the last entry."""
+        assert self.lens is not None  # noqa: S101
+        height, width = self.lens.shape
+        image = np.full(height * width + 1, np.nan, np.float32)
+        cell, depth = self.cells
+        image[cell] = depth
+        image[-1] = np.nan
+        return image
+
+    def project(self, world: F64) -> tuple[I32, F32]:
+        """Cell (-1 outside) and depth of any points of the world; needs a lens."""
+        assert self.lens is not None  # noqa: S101
+        T = self.T_world_frame
+        local = world if T is None else (world - T[:3, 3]) @ T[:3, :3]
+        return self.lens.cells(local.astype(np.float32))
+
+
+def _ranges(start: I64, stop: I64) -> I64:
+    length = stop - start
+    begin = np.cumsum(length) - length
+    return np.arange(int(length.sum()), dtype=np.int64) + np.repeat(start - begin, length)
