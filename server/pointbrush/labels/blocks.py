@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, Integer, and_, bindparam, func, select
+from sqlalchemy import ColumnElement, Connection, Table, and_, bindparam, select
 
 from pointbrush.labels.packing import BLOCK, Change, States, decode_change, decode_states
 from pointbrush.labels.schema import edit_blocks, snapshots
@@ -85,34 +88,26 @@ def block_size(points: int, block: int) -> int:
     return min(BLOCK, points - block * BLOCK)
 
 
-_RANGE = tuple(bindparam(name, type_=Integer) for name in ("of_sequence", "frame", "layer"))
-_SNAPSHOTS = select(snapshots.c.block, snapshots.c.data).where(
-    snapshots.c.sequence == _RANGE[0],
-    snapshots.c.frame == _RANGE[1],
-    snapshots.c.layer == _RANGE[2],
-    snapshots.c.block.between(bindparam("first"), bindparam("last")),
-)
-_SINCE = (
-    select(edit_blocks.c.block, edit_blocks.c.data)
-    .join(
-        snapshots,
-        and_(
-            snapshots.c.sequence == edit_blocks.c.sequence,
-            snapshots.c.frame == edit_blocks.c.frame,
-            snapshots.c.layer == edit_blocks.c.layer,
-            snapshots.c.block == edit_blocks.c.block,
-        ),
-        isouter=True,
+def _of_frame(table: Table) -> ColumnElement[bool]:
+    return and_(
+        table.c.sequence == bindparam("of_sequence"),
+        table.c.frame == bindparam("frame"),
+        table.c.layer == bindparam("layer"),
     )
-    .where(
-        edit_blocks.c.sequence == _RANGE[0],
-        edit_blocks.c.frame == _RANGE[1],
-        edit_blocks.c.layer == _RANGE[2],
-        edit_blocks.c.block.between(bindparam("first"), bindparam("last")),
-        edit_blocks.c.revision > func.coalesce(snapshots.c.revision, 0),
-    )
-    .order_by(edit_blocks.c.block, edit_blocks.c.revision)
+
+
+_SNAPSHOTS = select(snapshots.c.block, snapshots.c.revision, snapshots.c.data).where(
+    _of_frame(snapshots), snapshots.c.block.between(bindparam("first"), bindparam("last"))
 )
+_JOURNAL = select(edit_blocks.c.block, edit_blocks.c.data).where(_of_frame(edit_blocks))
+_WHOLE = _JOURNAL.where(
+    edit_blocks.c.block.between(bindparam("first"), bindparam("last"))
+).order_by(edit_blocks.c.block, edit_blocks.c.revision)
+# One block at a time, by equality: over a range, or joined to the snapshots, the database would
+# look through the whole history of each block.
+_SINCE = _JOURNAL.where(
+    edit_blocks.c.block == bindparam("block"), edit_blocks.c.revision > bindparam("after")
+).order_by(edit_blocks.c.revision)
 
 
 def load_blocks(
@@ -122,13 +117,24 @@ def load_blocks(
 
     Absent from the result: blocks that nothing ever wrote.
     """
-    here = {
-        "of_sequence": number, "frame": frame, "layer": layer, "first": first, "last": last,
-    }  # fmt: skip
-    blocks = {
-        block: Block(decode_states(data), 0) for block, data in connection.execute(_SNAPSHOTS, here)
-    }
-    for block, data in connection.execute(_SINCE, here):
+    here = {"of_sequence": number, "frame": frame, "layer": layer}
+    blocks: dict[int, Block] = {}
+    later: list[Any] = []
+    for block, revision, data in connection.execute(
+        _SNAPSHOTS, {**here, "first": first, "last": last}
+    ).all():
+        blocks[block] = Block(decode_states(data), 0)
+        later += connection.execute(_SINCE, {**here, "block": block, "after": revision}).all()
+    for start, stop in _gaps(first, last, sorted(blocks)):
+        later += connection.execute(_WHOLE, {**here, "first": start, "last": stop}).all()
+    for block, data in later:
         held = blocks.setdefault(block, Block(None, 0))
         held.apply(decode_change(data), block_size(points, block))
     return blocks
+
+
+def _gaps(first: int, last: int, present: list[int]) -> Iterator[tuple[int, int]]:
+    """The runs of first..last between the numbers in ``present``."""
+    for before, after in itertools.pairwise([first - 1, *present, last + 1]):
+        if after - before > 1:
+            yield before + 1, after - 1

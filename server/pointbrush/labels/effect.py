@@ -46,14 +46,18 @@ def effect_of(draft: Draft) -> Effect:
     turned = [n for n, label in draft.labels.items() if (label is not None) != state.exists[n]]
     effect = Effect()
     pieces: dict[int, list[Delta]] = {}
+    turns: dict[int, list[tuple[States, States]]] = {}
     for (frame, block), indices in _touched(connection, state, draft.changes, turned).items():
         before, after = _both_layers(connection, state, draft.changes, frame, block, indices)
-        _count(effect.counts, state, frame, before, after)
+        turns.setdefault(frame, []).append((before, after))
         shown = visible(after, exists)
         differs = visible(before, state.exists) != shown
         if differs.any():
             first = block * BLOCK
             pieces.setdefault(frame, []).append(_delta(indices[differs] + first, shown[differs]))
+    for frame, pairs in turns.items():
+        before, after = (np.concatenate(column) for column in zip(*pairs, strict=True))
+        _count(effect.counts, state, frame, before, after)
     effect.frames = {frame: _joined(deltas) for frame, deltas in pieces.items()}
     effect.changed = sum(len(delta) for delta in effect.frames.values())
     return effect

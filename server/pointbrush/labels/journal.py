@@ -14,7 +14,6 @@ from sqlalchemy import (
     and_,
     bindparam,
     delete,
-    func,
     insert,
     select,
     update,
@@ -53,6 +52,24 @@ _CHANGE_AT = select(edit_blocks.c.data).where(
     edit_blocks.c.layer == bindparam("layer"),
     edit_blocks.c.block == bindparam("block"),
 )
+_ID_OF = select(edits.c.id).where(
+    edits.c.sequence == bindparam("of_sequence"), edits.c.revision == bindparam("of_revision")
+)
+_REDONE = select(edits.c.revision, edits.c.redone).where(
+    edits.c.sequence == bindparam("of_sequence"),
+    edits.c.redone > bindparam("since"),
+    edits.c.state.in_(schema.IN_FORCE),
+)
+_STACK = (
+    select(edits)
+    .where(
+        edits.c.sequence == bindparam("of_sequence"),
+        edits.c.author == bindparam("of_author"),
+        edits.c.state == bindparam("in_state"),
+    )
+    .limit(1)
+)
+_FIRST, _LAST = _STACK.order_by(edits.c.revision), _STACK.order_by(edits.c.revision.desc())
 _INSERT_EDIT, _INSERT_BLOCK = insert(edits), insert(edit_blocks)
 
 
@@ -202,8 +219,8 @@ def edit_id_of(connection: Connection, number: int, revision: int | None) -> str
     """The id of the edit with this revision."""
     if revision is None:
         return None
-    here = and_(edits.c.sequence == number, edits.c.revision == revision)
-    return connection.execute(select(edits.c.id).where(here)).scalar_one_or_none()
+    values = {"of_sequence": number, "of_revision": revision}
+    return connection.execute(_ID_OF, values).scalar_one_or_none()
 
 
 def changes_of(connection: Connection, number: int, revision: int) -> dict[Place, Change]:
@@ -267,14 +284,10 @@ def redone_since(
     connection: Connection, number: int, since: int, after: int, before: int
 ) -> list[tuple[int, int]]:
     """Edits between two revisions, in force, redone after ``since``: in order, and when."""
-    query = select(edits.c.revision, edits.c.redone).where(
-        edits.c.sequence == number,
-        edits.c.redone > since,
-        edits.c.state.in_(schema.IN_FORCE),
-        edits.c.revision > after,
-        edits.c.revision < before,
-    )
-    return sorted((row.revision, row.redone) for row in connection.execute(query))
+    # The range of revisions is no condition of the query: it would make SQLite look through the
+    # whole history instead of the few that were ever redone.
+    rows = connection.execute(_REDONE, {"of_sequence": number, "since": since})
+    return sorted((row.revision, row.redone) for row in rows if after < row.revision < before)
 
 
 # ── stacks ───────────────────────────────────────────────────────────────────────────────────
@@ -282,13 +295,9 @@ def redone_since(
 
 def top_of_stack(connection: Connection, number: int, author: str, state: int) -> Row[Any] | None:
     """What ``author``'s undo (ACTIVE) or redo (UNDONE) would take: the last, or the first."""
-    edge = func.max if state == schema.ACTIVE else func.min
-    mine = and_(edits.c.sequence == number, edits.c.author == author, edits.c.state == state)
-    revision = connection.execute(select(edge(edits.c.revision)).where(mine)).scalar()
-    if revision is None:
-        return None
-    here = and_(edits.c.sequence == number, edits.c.revision == revision)
-    return connection.execute(select(edits).where(here)).one()
+    query = _LAST if state == schema.ACTIVE else _FIRST
+    values = {"of_sequence": number, "of_author": author, "in_state": state}
+    return connection.execute(query, values).one_or_none()
 
 
 def set_state(connection: Connection, number: int, revision: int, **values: int) -> None:
