@@ -61,9 +61,10 @@ class PointFrame:
             raise BadInputError(
                 f"xyz: expected (N, 3) float32 or float64, got {xyz.shape} {xyz.dtype}"
             )
-        finite = np.isfinite(xyz).all(axis=1)
+        finite = np.isfinite(xyz)
+        # By rows only once something is wrong: NumPy reduces along short rows slowly.
         if not finite.all():
-            bad = np.flatnonzero(~finite)
+            bad = np.flatnonzero(~finite.all(axis=1))
             raise BadInputError(
                 f"xyz: expected finite coordinates, got {bad.size} of {len(xyz)} points with "
                 f"NaN or infinity (first at point {bad[0]})"

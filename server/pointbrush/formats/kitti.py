@@ -126,8 +126,9 @@ def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> ND
 def read_poses(folder: Path, names: Sequence[str]) -> list[NDArray[np.float64]] | None:
     """``T_world_velodyne`` of each frame of ``names``, or None without a ``poses.txt``.
 
-    That has the poses of camera 0, ``calib.txt`` where it is on the car.  The world is the first frame's velodyne.  Raises BadInputError for lines that are not twelve
-    numbers, or a number of poses that does not fit the frames.
+    That has the poses of camera 0, ``calib.txt`` where it is on the car.  The world is the first
+    frame's velodyne.  Raises BadInputError for lines that are not twelve numbers, or a number of
+    poses that does not fit the frames.
     """
     path = folder / "poses.txt"
     if not path.is_file():

@@ -200,9 +200,7 @@ def _binary_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
     kinds = [(f"f{i}", f"<{f.kind}", (f.count,)) for i, f in enumerate(header.fields)]
     rows = np.frombuffer(body, np.dtype(kinds), header.points)
     return {
-        field.name: rows[f"f{i}"][:, 0].astype(field.kind)
-        for i, field in enumerate(header.fields)
-        if field.count == 1
+        field.name: rows[f"f{i}"][:, 0] for i, field in enumerate(header.fields) if field.count == 1
     }
 
 
@@ -232,7 +230,7 @@ def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Arr
     for field in header.fields:
         count = header.points * field.count
         if field.count == 1:
-            columns[field.name] = np.frombuffer(raw, f"<{field.kind}", count, at).copy()
+            columns[field.name] = np.frombuffer(raw, f"<{field.kind}", count, at)
         at += count * np.dtype(field.kind).itemsize
     return columns
 

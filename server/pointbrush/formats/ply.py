@@ -156,7 +156,7 @@ def _binary_columns(
     if not vertex.has_lists:
         dtype = np.dtype([(f"f{i}", order + p.kind) for i, p in enumerate(vertex.properties)])
         rows = np.frombuffer(data, dtype, vertex.count, offset)
-        return {p.name: rows[f"f{i}"].astype(p.kind) for i, p in enumerate(vertex.properties)}
+        return {p.name: rows[f"f{i}"] for i, p in enumerate(vertex.properties)}
     return _gathered_columns(name, data, offset, vertex, order)
 
 

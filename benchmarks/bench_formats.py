@@ -1,0 +1,117 @@
+"""Reading files: points a second per format, beside the usual Python reader of that format.
+
+python benchmarks/bench_formats.py [--points 1000000]
+
+The files are synthetic and seeded, except the Kinect recording under ../shared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import laspy
+import numpy as np
+from plyfile import PlyData
+
+from pointbrush.formats import read
+from pointbrush.formats.las import read_chunks
+from pointbrush.formats.pcd import write_pcd
+from pointbrush.formats.ply import write_ply
+from pointbrush.formats.text import write_csv
+
+KINECT = Path(__file__).parent.parent.parent / "shared" / "realdata" / "pcl_kinect3"
+ROUNDS = 5
+
+
+def write_files(folder: Path, count: int) -> None:
+    """The same cloud in each format; text has a tenth of it."""
+    rng = np.random.default_rng(0)
+    xyz = rng.normal(scale=3, size=(count, 3)).astype(np.float32)
+    columns = {axis: xyz[:, i] for i, axis in enumerate("xyz")}
+    colors = {c: rng.integers(0, 256, count, dtype=np.uint8) for c in ("red", "green", "blue")}
+    with (folder / "a.ply").open("wb") as file:
+        write_ply(file, columns | colors)
+    with (folder / "a.pcd").open("wb") as file:
+        write_pcd(file, columns)
+    with (folder / "a.csv").open("wb") as file:
+        write_csv(file, {k: v[: count // 10] for k, v in (columns | colors).items()})
+    np.savez(folder / "a.npz", xyz=xyz, rgb=np.stack(list(colors.values()), axis=1))
+    (folder / "a.bin").write_bytes(np.hstack([xyz, rng.random((count, 1))]).astype("<f4").tobytes())
+    las = laspy.LasData(laspy.LasHeader(version="1.2", point_format=3))
+    las.header.scales = [0.001] * 3
+    las.x, las.y, las.z = xyz.astype(float).T
+    for color, values in colors.items():
+        setattr(las, color, values.astype(np.uint16) * 257)
+    las.write(folder / "a.las")
+    las.write(folder / "a.laz")
+
+
+def ours(path: Path) -> int:
+    """Points of all frames, those left out too: they were decoded."""
+    return sum(len(frame) + frame.dropped for frame in read(path))
+
+
+def plyfile(path: Path) -> int:
+    """The same columns as arrays."""
+    vertex = PlyData.read(path)["vertex"]
+    return len(np.stack([vertex[name] for name in ("x", "y", "z")], axis=1))
+
+
+def laspy_read(path: Path) -> int:
+    """The same coordinates as float64."""
+    return len(laspy.read(path).xyz)
+
+
+def loadtxt(path: Path) -> int:
+    """NumPy's own reader of text."""
+    return len(np.loadtxt(path, delimiter=",", skiprows=1))
+
+
+def rate(run: Callable[[Path], int], path: Path) -> float:
+    """Millions of points a second, best of some rounds."""
+    best, count = float("inf"), 0
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        count = run(path)
+        best = min(best, time.perf_counter() - start)
+    return count / best / 1e6
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=1_000_000)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_files(folder, given.points)
+        rows: list[tuple[str, Path, Callable[[Path], int] | None]] = [
+            ("PLY, binary", folder / "a.ply", plyfile),
+            ("PCD, binary", folder / "a.pcd", None),
+            ("PCD, binary_compressed, Kinect", KINECT, None),
+            ("NPZ", folder / "a.npz", None),
+            ("KITTI", folder / "a.bin", None),
+            ("LAS", folder / "a.las", laspy_read),
+            ("LAZ", folder / "a.laz", laspy_read),
+            ("CSV", folder / "a.csv", loadtxt),
+        ]
+        print("| format | M points/s | usual reader | ratio |\n|---|---|---|---|")
+        for title, path, peer in rows:
+            if path.exists():
+                mine = rate(ours, path)
+                other = f"{rate(peer, path):.1f}" if peer else ""
+                ratio = f"{mine / float(other):.1f}" if other else ""
+                label = f"{other} ({peer.__name__})" if peer else ""
+                print(f"| {title} | {mine:.1f} | {label} | {ratio} |")
+        chunks = rate(
+            lambda path: sum(len(chunk) for chunk in read_chunks(path, 250_000)), folder / "a.las"
+        )
+        print(f"| LAS, by chunks of 250 k | {chunks:.1f} | | |")
+
+
+if __name__ == "__main__":
+    main()
