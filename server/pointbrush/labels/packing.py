@@ -70,7 +70,10 @@ def written_by(revision: int) -> np.uint64:
 
 def encode_change(change: Change) -> bytes:
     """Bytes of a change: a table of its distinct words, gaps between points, codes."""
-    words, codes = np.unique(np.concatenate([change.before, change.after]), return_inverse=True)
+    before, before_codes = _distinct(change.before)
+    after, after_codes = _distinct(change.after)
+    words = np.concatenate([before, after])
+    codes = np.concatenate([before_codes, after_codes + len(before)])
     gaps = np.diff(change.indices, prepend=0).astype(np.uint16)
     body = (
         _HEAD.pack(len(gaps), len(words)),
@@ -79,6 +82,13 @@ def encode_change(change: Change) -> bytes:
         codes.astype(_code_type(len(words))).tobytes(),
     )
     return zlib.compress(b"".join(body), _LEVEL)
+
+
+def _distinct(states: States) -> tuple[States, NDArray[np.intp]]:
+    """The distinct words, and for each word its place among them."""
+    if len(states) and (states == states[0]).all():  # of most edits, at once
+        return states[:1], np.zeros(len(states), np.intp)
+    return np.unique(states, return_inverse=True)
 
 
 def decode_change(data: bytes) -> Change:

@@ -93,7 +93,7 @@ def _follow_chains(
     counts, and so on.
     """
     for one in uncovered:
-        while gone := undone.intersection(writer_of(one.words).tolist()):
+        while gone := undone.intersection(np.unique(writer_of(one.words)).tolist()):
             _step_down(connection, number, one, sorted(gone))
 
 
