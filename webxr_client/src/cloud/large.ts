@@ -6,6 +6,8 @@ import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 
 export const PAGE_POINTS = 65536;
+/** Somewhat more than the half that each level brings: not all below a chunk is refined. */
+const REFINED = 0.6;
 
 class Page {
   readonly points: Points<BufferGeometry, RawShaderMaterial>;
@@ -104,10 +106,18 @@ export class LargeCloud {
     for (const page of this.pages) page.loadLabels(frame);
   }
 
+  /** A coarse chunk's points become as small as those of the finest chunks below it. */
   private setDensities(frame: CloudFrame): void {
-    const refined = new Set(frame.pieces.map((piece) => this.parents[piece.index] ?? -1));
+    const depths = new Map<number, number>();
+    const indices = frame.pieces.map((piece) => piece.index).sort((one, other) => other - one);
+    // A chunk's number is above its parent's: from the last to the first, children come first.
+    for (const index of indices) {
+      const parent = this.parents[index] ?? -1;
+      const depth = (depths.get(index) ?? 0) + 1;
+      depths.set(parent, Math.max(depths.get(parent) ?? 0, depth));
+    }
     for (const page of this.pages) {
-      if (page.piece) page.setDensity(refined.has(page.piece.index) ? 0.5 : 0.9);
+      if (page.piece) page.setDensity(0.9 * REFINED ** (depths.get(page.piece.index) ?? 0));
     }
   }
 

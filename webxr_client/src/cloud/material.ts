@@ -55,7 +55,7 @@ export class PointUniforms {
     const scale = Math.max(1, height / 900);
     this.pixelLimits.value.set(
       1.4 * scale * Math.min(1, this.pointSize),
-      40 * scale * this.pointSize,
+      26 * scale * this.pointSize,
     );
   }
 

@@ -8,7 +8,7 @@ import type { Playback } from './playback';
 
 /** Points kept at once. */
 const BUDGET = 3_000_000;
-const BUDGET_SOFTWARE = 400_000;
+const BUDGET_SOFTWARE = 700_000;
 /** A chunk whose points would lie closer than this many pixels adds nothing to see. */
 const FINEST_PIXELS = 0.7;
 const PERIOD_MS = 250;

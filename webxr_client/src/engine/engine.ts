@@ -323,7 +323,7 @@ export class Engine {
     camera.updateProjectionMatrix();
     this.camera.walkSpeed = Math.max(0.5, size / 8);
     // A brush for what one sees: 5 cm in a room, as much larger in a street.
-    if (jump) setRadius(0.05 * Math.max(0.4, eye.distanceTo(target) / 3));
+    if (jump) setRadius(Math.min(1, Math.max(0.02, eye.distanceTo(target) / 60)));
     this.camera.lookAt(eye, target, jump);
     this.viewer.invalidate();
   }
