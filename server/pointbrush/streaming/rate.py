@@ -36,19 +36,37 @@ class _Sent:
 
 
 @dataclass(slots=True)
+class Floor:
+    """The least of what was seen lately."""
+
+    value: float = 0.0
+    _since: float = float("-inf")
+
+    def note(self, value: float, now: float) -> None:
+        """One more value."""
+        if value <= self.value or now - self._since > FLOOR_MEMORY:
+            self.value, self._since = value, now
+
+
+@dataclass(slots=True)
 class Link:
     """In-flight frame messages of one viewer and the rate they leave at."""
 
     credits: int
     rate: float = 0.0
     """Estimated bytes a second; 0 before the first credit."""
-    round_trip: float = 0.0
     _flight: deque[_Sent] = field(default_factory=deque)
     _bytes: int = 0
     _delivered: int = 0
     _delivered_time: float = 0.0
     _samples: deque[tuple[float, float]] = field(default_factory=deque)
-    _floor: tuple[float, float] | None = None
+    _trip: Floor = field(default_factory=Floor)
+    _own: Floor = field(default_factory=Floor)
+
+    @property
+    def round_trip(self) -> float:
+        """Seconds from a message to its credit when nothing is ahead of it, at most."""
+        return self._trip.value
 
     @property
     def in_flight(self) -> int:
@@ -57,16 +75,15 @@ class Link:
 
     @property
     def window(self) -> int:
-        """Bytes that may be in flight; a single message always may."""
+        """Bytes that may be in flight, one more message apart: a long way is never filled else."""
         if not self.rate:
             return FIRST_WINDOW
         return min(LARGEST_WINDOW, int(self.rate * (self.round_trip + QUEUE_SECONDS)))
 
-    def has_room(self, nbytes: int) -> bool:
-        """Whether a message of this size may be sent now."""
-        if not self._flight:
-            return True
-        return len(self._flight) < self.credits and self._bytes + nbytes <= self.window
+    @property
+    def has_room(self) -> bool:
+        """Whether another message may be sent now."""
+        return len(self._flight) < self.credits and self._bytes <= self.window
 
     def sent(self, nbytes: int, now: float, *, idle: bool = False) -> None:
         """Note a frame message; ``idle``: the link had nothing to carry just before."""
@@ -95,16 +112,18 @@ class Link:
         if not self.rate:
             self.rate = sample
             self._samples.append((now, sample))
+            self._trip.note(latency, now)
             return
-        self._learn_floor(latency - (sent.ahead + sent.nbytes) / self.rate, now)
-        expected = self.round_trip + (sent.ahead + sent.nbytes) / self.rate
-        if latency > SLOW_FACTOR * expected + SLOW_SECONDS:
+        carried = (sent.ahead + sent.nbytes) / self.rate
+        self._trip.note(latency, now)
+        self._own.note(max(0.0, latency - carried), now)
+        if latency > SLOW_FACTOR * (self.round_trip + carried) + SLOW_SECONDS:
             self._samples.clear()
             self._samples.append((now, sample))
             self.rate = sample
         elif sent.idle:
-            carried = (sent.ahead + sent.nbytes) / max(latency - self.round_trip, SHORTEST)
-            sample = max(sample, min(carried, 2 * self.rate))
+            way = max(latency - self._own.value, SHORTEST)
+            sample = max(sample, min((sent.ahead + sent.nbytes) / way, 2 * self.rate))
             self.rate += RAISE * max(sample - self.rate, 0.0)
         else:
             # Kept falling in value, so that the first is the greatest of those remembered.
@@ -114,12 +133,6 @@ class Link:
             while self._samples[0][0] < now - MEMORY:
                 self._samples.popleft()
             self.rate = self._samples[0][1]
-
-    def _learn_floor(self, trip: float, now: float) -> None:
-        trip = max(trip, 0.0)
-        if self._floor is None or trip <= self._floor[1] or now - self._floor[0] > FLOOR_MEMORY:
-            self._floor = (now, trip)
-        self.round_trip = self._floor[1]
 
 
 EASE_GROW, EASE_LEAST = 1.15, 0.01

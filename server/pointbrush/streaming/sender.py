@@ -104,11 +104,13 @@ class Sender:
         """Send one piece; False when there is none, or no room for it on the link."""
         session = self._session
         room, plan = session.room, session.plan
-        if room is None or plan.link.in_flight >= plan.link.credits:
+        if room is None:
+            return False
+        if not plan.link.has_room:
             self._idle = False
             return False
         try:
-            piece, nbytes = await self._next_piece(room)
+            piece = await self._next_piece(room)
         except PointbrushError as error:
             session.refuse(error)
             session.room = None
@@ -116,14 +118,11 @@ class Sender:
         if piece is None:
             self._idle = True
             return False
-        if not plan.link.has_room(nbytes):
-            self._idle = False
-            return False
         if session.room is room and session.plan is plan:
             await self._send_piece(room, piece)
         return True
 
-    async def _next_piece(self, room: Room) -> tuple[Piece | None, int]:
+    async def _next_piece(self, room: Room) -> Piece | None:
         session = self._session
         if room.recording.manifest.large:
             return await self._next_wanted(room)
@@ -131,30 +130,30 @@ class Sender:
             table = await room.table(frame)
             piece = session.plan.piece(step, frame, table, session.now())
             if piece is not None:
-                return piece, table.size(piece.first, piece.stop)
-        return None, 0
+                return piece
+        return None
 
-    async def _next_wanted(self, room: Room) -> tuple[Piece | None, int]:
+    async def _next_wanted(self, room: Room) -> Piece | None:
         """The root of the frame in view first, then runs of the chunks asked for."""
         session = self._session
         plan = session.plan
         frame = plan.focus if plan.clock is None else plan.clock.due(session.now())
         if frame not in plan.held:
             table = await room.table(frame)
-            return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0]), 0
+            return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
         if session.wanted is None or not session.wanted[1]:
-            return None, 0
+            return None
         frame, chunks = session.wanted
         table = await room.table(frame)
         while chunks and chunks[0] >= table.chunks:
             chunks.pop(0)
         if not chunks:
-            return None, 0
+            return None
         first = chunks[0]
         stop = first + 1
         while stop in chunks[: stop - first + 1] and table.size(first, stop + 1) <= LARGE_PIECE:
             stop += 1
-        return Piece(frame, first, stop, final=False), table.size(first, stop)
+        return Piece(frame, first, stop, final=False)
 
     async def _send_piece(self, room: Room, piece: Piece) -> None:
         session = self._session

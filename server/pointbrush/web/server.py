@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ipaddress
+import signal
 import socket
 import sys
+import threading
 
 import segno
 import uvicorn
@@ -35,6 +37,10 @@ def run(workspace: Workspace, settings: Settings) -> None:
     listener = listen(settings.host, settings.port)
     url = page_url(settings, listener.getsockname()[1], app.state.token, secure=tls is not None)
     app.state.ready = lambda: announce(url, code=tls is not None or not is_loopback(settings.host))
+    if threading.current_thread() is threading.main_thread():
+        # uvicorn drains, then raises the signal again: it must unwind us, not end us on the spot,
+        # so that the workspace is closed and its worker processes end.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         Server(config(app, settings, tls)).run([listener])
     finally:

@@ -1,0 +1,121 @@
+"""The link's estimate, the page's budget, the pace: against simulated links."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pointbrush.streaming.load import Load
+from pointbrush.streaming.rate import UNLIMITED, Link, Pace, PageBudget
+
+
+class Pipe:
+    """A link that carries ``rate`` bytes a second after ``delay`` seconds."""
+
+    def __init__(self, rate: float, delay: float) -> None:
+        self.rate, self.delay, self.free = rate, delay, 0.0
+
+    def carry(self, nbytes: int, now: float) -> float:
+        """When the credit for a message sent now comes back."""
+        self.free = max(self.free, now) + nbytes / self.rate
+        return self.free + self.delay
+
+
+def saturate(link: Link, pipe: Pipe, seconds: float, size: int = 20_000, now: float = 0.0) -> float:
+    """Always another message, as much as the window allows; returns the time."""
+    acks: list[float] = []
+    end = now + seconds
+    while now < end:
+        while link.has_room:
+            link.sent(size, now)
+            acks.append(pipe.carry(size, now))
+        now = acks.pop(0)
+        link.credited(1, now)
+    while acks:
+        link.credited(1, acks.pop(0))
+    return now
+
+
+@given(rate=st.floats(5e4, 5e7), delay=st.floats(0, 0.2))
+def test_a_full_link_is_measured(rate: float, delay: float) -> None:
+    link = Link(credits=64)
+    saturate(link, Pipe(rate, delay), 5.0, size=max(1000, int(rate / 100)))
+    assert 0.5 * rate < link.rate < 1.5 * rate
+
+
+def test_a_slower_link_is_noticed_at_the_next_credit() -> None:
+    link, pipe = Link(credits=8), Pipe(10e6, 0.01)
+    now = saturate(link, pipe, 2.0, size=100_000)
+    pipe.rate = 0.5e6
+    now = saturate(link, pipe, 1.0, size=100_000, now=now)
+    assert link.rate < 1e6
+    pipe.rate = 10e6
+    saturate(link, pipe, 3.0, size=100_000, now=now)
+    assert link.rate > 5e6
+
+
+def test_an_idle_link_with_a_long_way_is_not_taken_for_a_slow_one() -> None:
+    link, pipe = Link(credits=8), Pipe(10e6, 0.1)
+    now = saturate(link, pipe, 2.0)
+    before = link.rate
+    for _ in range(100):
+        link.sent(50_000, now, idle=True)
+        link.credited(1, pipe.carry(50_000, now))
+        now += 0.5
+    assert link.rate >= 0.9 * before
+
+
+@given(st.lists(st.one_of(st.integers(1, 2_000_000), st.integers(-64, -1)), max_size=200))
+def test_in_flight_is_bounded_whatever_the_credits_say(steps: list[int]) -> None:
+    link, now = Link(credits=8), 0.0
+    for step in steps:
+        now += 0.001
+        if step < 0:
+            link.credited(-step, now)
+        elif link.has_room:
+            window = link.window
+            link.sent(step, now)
+            assert link._bytes <= window + step
+        assert 0 <= link.in_flight <= 8
+    assert link._bytes == sum(sent.nbytes for sent in link._flight)
+
+
+def test_a_page_that_falls_behind_gets_fewer_points_and_more_again() -> None:
+    page = PageBudget()
+    assert page.limit == UNLIMITED
+    now = 0.0
+    for _ in range(20):
+        now += 0.3
+        page.report(40.0, 11.1, None, min(200_000, page.limit), now)
+    slow = page.limit
+    assert slow < 20_000
+    for _ in range(60):
+        now += 0.3
+        page.report(5.0, 11.1, None, min(200_000, page.limit), now)
+    assert page.limit > 200_000
+    page.report(0, 0, 5_000, 200_000, now)
+    assert page.limit == 5_000
+
+
+def test_pace_eases_off_after_skipped_frames_and_comes_back() -> None:
+    pace, now = Pace(), 0.0
+    for _ in range(5):
+        now += 0.5
+        pace.left(skipped=2, lead=0.0, now=now)
+    assert pace.ease < 0.05
+    for _ in range(60):
+        now += 0.5
+        pace.left(skipped=0, lead=0.9, now=now)
+    assert pace.ease == 1.0
+
+
+@pytest.mark.parametrize(("lag", "busy"), [(0.1, 0.2), (0.0, 0.95)])
+def test_a_busy_loop_sends_less(lag: float, busy: float) -> None:
+    load = Load()
+    for _ in range(100):
+        load.note(lag, busy)
+    assert load.share() < 0.1
+    for _ in range(200):
+        load.note(0.001, 0.1)
+    assert load.share() == 1.0
