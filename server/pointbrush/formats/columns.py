@@ -163,8 +163,9 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
     """
     if values.dtype.kind == "f":
         values = np.where(np.isnan(values), 0, values)
-        if np.any(values % 1):
-            at = int(np.flatnonzero(values % 1)[0])
+        fractions = np.flatnonzero((values != np.rint(values)) | np.isinf(values))
+        if fractions.size:
+            at = int(fractions[0])
             raise BadInputError(f"{name}: expected whole {what}s, got {values[at]} at point {at}")
     elif values.dtype.kind not in "uib":
         raise BadInputError(f"{name}: expected {what}s as numbers, got {values.dtype}")

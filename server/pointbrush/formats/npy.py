@@ -69,7 +69,9 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
                 try:
                     arrays[key] = np.asarray(archive[key])
                 except READ_ERRORS as error:
-                    raise BadInputError(f"{path.name}: array '{key}': {error}") from None
+                    raise BadInputError(
+                        f"{path.name}: expected a whole array '{key}', {error}"
+                    ) from None
         keys = ", ".join(archive.files) or "no arrays"
     points = _first(arrays, POINTS)
     if points is None and len(arrays) == 1 and not {"x", "y", "z"} & set(arrays):

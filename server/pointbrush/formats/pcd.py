@@ -185,9 +185,10 @@ def _typed(field: Field, values: NDArray[np.float64]) -> Array:
         # Text can hold more digits than the declared float keeps: far from the origin they count.
         far = field.kind == "f4" and len(values) and np.nanmax(np.abs(values), initial=0) > 4096
         packed = field.name.lower() in ("rgb", "rgba")
-        return values if far and not packed else values.astype(field.kind)
-    values = np.where(np.isfinite(values), values, 0)
-    return values.astype(np.int64)
+        with np.errstate(over="ignore"):
+            return values if far and not packed else values.astype(field.kind)
+    # A missing pixel may have "nan" in a field of integers too.
+    return np.where(np.abs(values) < 2.0**63, values, 0).astype(np.int64)
 
 
 def _binary_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:

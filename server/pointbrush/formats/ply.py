@@ -277,10 +277,13 @@ def _typed(name: str, prop: Property, values: NDArray[np.float64]) -> Array:
         far = len(values) and np.nanmax(np.abs(values), initial=0) > 4096
         return values if far else values.astype(kind)
     info = np.iinfo(kind)
-    if np.any(values % 1) or (len(values) and not (values >= info.min).all()):
-        raise BadInputError(f"{name}: expected '{prop.name}' as {kind.name}, got {values.min():g}")
-    if len(values) and not (values <= info.max).all():
-        raise BadInputError(f"{name}: expected '{prop.name}' as {kind.name}, got {values.max():g}")
+    whole = np.isfinite(values) & (values == np.rint(values))
+    bad = np.flatnonzero(~(whole & (values >= info.min) & (values <= info.max)))
+    if bad.size:
+        raise BadInputError(
+            f"{name}: expected '{prop.name}' as {kind.name}, got {values[bad[0]]:g} at vertex "
+            f"{bad[0]}"
+        )
     return values.astype(kind)
 
 
