@@ -7,6 +7,7 @@ import signal
 import socket
 import sys
 import threading
+from pathlib import Path
 
 import segno
 import uvicorn
@@ -14,11 +15,18 @@ import uvicorn
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
+from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.workspace import Workspace
 
+try:
+    import resource
+except ImportError:  # Windows has no such limit
+    resource = None  # type: ignore[assignment]
+
 DRAIN_SECONDS = 5
 BACKLOG = 512
+MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
 
 
@@ -34,9 +42,13 @@ def run(workspace: Workspace, settings: Settings) -> None:
     app = create_app(workspace, settings)
     tls = certificate(settings)
     require_safe(settings, tls)
+    app.state.certificate = tls
+    allow_many_sockets()
     listener = listen(settings.host, settings.port)
     url = page_url(settings, listener.getsockname()[1], app.state.token, secure=tls is not None)
-    app.state.ready = lambda: announce(url, code=tls is not None or not is_loopback(settings.host))
+    wide = tls is not None or not is_loopback(settings.host)
+    authority = None if tls is None else tls.authority
+    app.state.ready = lambda: announce(url, code=wide, authority=authority)
     if threading.current_thread() is threading.main_thread():
         # uvicorn drains, then raises the signal again: it must unwind us, not end us on the spot,
         # so that the workspace is closed and its worker processes end.
@@ -134,9 +146,23 @@ def lan_address() -> str:
         return address
 
 
-def announce(url: str, *, code: bool) -> None:
-    """Print the one line, and a QR code for the headset's or phone's camera."""
+def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
+    """Print the one line; off this machine also a QR code, and how to trust the certificate."""
     print(f"pointbrush ready at {url}", flush=True)
     if code:
         segno.make(url, micro=False).terminal(out=sys.stdout, compact=True)
-        sys.stdout.flush()
+    if authority is not None:
+        trust = url.partition("/?")[0] + "/trust"
+        print(f"the headset's warning about the certificate is explained at {trust}")
+        print(f"fingerprint of its authority: {fingerprint(authority)}")
+    sys.stdout.flush()
+
+
+def allow_many_sockets() -> None:
+    """Use as many file descriptors as this process may: idle viewers keep one each."""
+    if resource is None:
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = MOST_FILES if hard == resource.RLIM_INFINITY else min(MOST_FILES, hard)
+    if soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
