@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import sqlite3
 import tempfile
 import time
 from collections.abc import Callable
@@ -80,18 +81,38 @@ def row(name: str, times: list[tuple[float, float]]) -> None:
     )
 
 
-def strokes(store: LabelStore, count: int) -> None:
+def bare_commit(path: Path) -> Callable[[], object]:
+    """A durable commit of 4 kB to a SQLite file of its own: what the machine takes at least."""
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("PRAGMA synchronous=FULL")
+    connection.execute("CREATE TABLE rows (data BLOB)")
+
+    def commit() -> None:
+        connection.execute("BEGIN IMMEDIATE")
+        connection.execute("INSERT INTO rows VALUES (?)", (bytes(4096),))
+        connection.execute("COMMIT")
+
+    return commit
+
+
+def strokes(store: LabelStore, count: int, commit: Callable[[], object] | None) -> None:
     """Strokes and undos, alternately in both sequences, so that the machine's load is shared."""
     rng = np.random.default_rng(2)
     drawn: dict[str, list[tuple[float, float]]] = {"empty": [], "long": []}
     undone: dict[str, list[tuple[float, float]]] = {"empty": [], "long": []}
+    bare: list[tuple[float, float]] = []
     for number in range(count):
         points = stroke(rng, 60, 25)
+        if commit is not None:
+            bare.append(timed(commit))
         for sequence in drawn:
             work = timed(lambda s=sequence, p=points, n=number: paint(store, s, p, 1 + n % 3))
             drawn[sequence].append(work)
             if number % 5 == 4:
                 undone[sequence].append(timed(lambda s=sequence: store.undo(s, AUTHORS[0])))
+    if bare:
+        row("for comparison: a bare durable commit of 4 kB", bare)
     row("stroke, about 1,500 points, empty sequence", drawn["empty"])
     row("stroke, the same, long history", drawn["long"])
     row("undo of it, empty sequence", undone["empty"])
@@ -143,7 +164,8 @@ def main() -> None:
         filling = timed(lambda: fill(store, "long", given.edits))[0] / 1e3
         print(f"{given.edits:,} edits made in {filling:.0f} s; milliseconds:\n")
         print("| | n | p50 | p95 | max | p50 computing |\n|---|---|---|---|---|---|")
-        strokes(store, given.strokes)
+        commit = None if given.database else bare_commit(Path(folder) / "bare.sqlite")
+        strokes(store, given.strokes, commit)
         others(store, url)
         if store._database.path is not None:
             size = store._database.path.stat().st_size / 2**20
