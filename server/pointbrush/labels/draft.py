@@ -16,6 +16,7 @@ from sqlalchemy import Connection
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.packing import (
     BLOCK,
+    DELETED_BIT,
     DELETED_SHIFT,
     DELETION,
     LABEL_BITS,
@@ -76,7 +77,8 @@ class Draft:
         return words
 
     def write(self, frame: int, write: Write) -> None:
-        """Add what a Write does, by the rules: locked labels keep, ``only`` limits.
+        """Add what a Write does, by the rules: locked labels keep, ``only`` and
+        ``living`` limit.
 
         Raises BadInputError, NotFoundError, LockedLabelError.
         """
@@ -93,6 +95,9 @@ class Draft:
             free &= label == 0
         elif piece.only == "not_painted":
             free &= (shown >> PROVENANCE_SHIFT) & np.uint64(0xFF) != PAINTED
+        if piece.living is not None:
+            deletion = self.words((frame, DELETION, piece.block), piece.indices)
+            free &= ((deletion & DELETED_BIT) == 0) == piece.living
         values = words & VALUE_BITS
         if piece.label is not None:
             gains = free & self.state.locked[piece.label.astype(np.intp)]

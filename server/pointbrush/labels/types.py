@@ -47,6 +47,8 @@ class Write:
     ``deleted``     bool, (n,) bool, or None: keep.
     ``only``        which points may change: all, those without a label, or those that no
                     person painted.  Evaluated when the edit commits.
+    ``living``      True: only points that are not deleted; False: only deleted ones; None: both.
+                    Evaluated when the edit commits.
     """
 
     indices: NDArray[Any]
@@ -54,6 +56,7 @@ class Write:
     provenance: ArrayLike | None = None
     deleted: ArrayLike | None = None
     only: Only = "any"
+    living: bool | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,6 +28,7 @@ class BlockWrite:
     provenance: NDArray[np.uint64] | None
     deleted: NDArray[np.uint64] | None
     only: str
+    living: bool | None
 
 
 def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockWrite]:
@@ -53,6 +54,7 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
             None if provenance is None else provenance[start:stop],
             None if deleted is None else deleted[start:stop],
             write.only,
+            write.living,
         )
 
 

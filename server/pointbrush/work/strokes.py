@@ -91,15 +91,15 @@ class LiveStroke:
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
         numbers = self._selector.numbers
-        living = self._alive(numbers)
-        write = _write(self._brush, numbers, living)
+        restores = self._brush.tool == "restore"
+        count = np.count_nonzero(self._deleted(numbers) == restores)
         return self._store.apply(
             self._recording.manifest.id,
             edit_id=self.id,
             author=author,
             kind=self._brush.tool,
-            writes={self.frame: write},
-            summary=f"{self._brush.tool} {len(write.indices):,} points",
+            writes={self.frame: _write(self._brush, numbers)},
+            summary=f"{self._brush.tool} {count:,} points",
         )
 
     def _alive(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -117,15 +117,17 @@ class LiveStroke:
         return deleted
 
 
-def _write(brush: Stroke, numbers: NDArray[np.int64], living: NDArray[np.bool_]) -> Write:
+def _write(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
+    # Which points are deleted is looked at when the edit commits: somebody may delete some of
+    # them until then, and the order of the journal decides what the stroke finds.
     only: Only = "unlabeled" if brush.only_unlabeled else "any"
     match brush.tool:
         case "paint":
-            return Write(numbers[living], label=brush.label, provenance=PAINTED, only=only)
+            return Write(numbers, label=brush.label, provenance=PAINTED, only=only, living=True)
         case "erase":
-            return Write(numbers[living], label=0, provenance=0)
+            return Write(numbers, label=0, provenance=0, living=True)
         case "delete":
-            return Write(numbers[living], deleted=True, only=only)
+            return Write(numbers, deleted=True, only=only, living=True)
         case "restore":
-            return Write(numbers[~living], deleted=False)
+            return Write(numbers, deleted=False, living=False)
     raise ConflictError(f"tool: expected one the workspace knows, got {brush.tool!r}")

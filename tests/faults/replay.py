@@ -1,0 +1,240 @@
+"""What the annotations must be: the journal's order, and what each author asked for.
+
+Which points a stroke takes is found by brute force; what it does to them, undo and the palette by
+the slow model of tests/labels.  Only a tracking run's findings are taken from its own record.
+"""
+
+from __future__ import annotations
+
+import io
+import itertools
+import json
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels.packing import LABELS, decode_change, label_of, provenance_of
+from pointbrush.sequences import open_sequence
+from tests.faults.clients import NO_ID, SEQUENCE, Asked, Edit, Person
+from tests.labels.label_model import Edit as ModelEdit
+from tests.labels.label_model import Mark, Model
+
+ALIKE = {"create": "label", "change": "label", "remove": "label", "track": "tracking"}
+"""What the journal calls an edit."""
+
+
+class QuickModel(Model):
+    """The model, with a replay that goes on where the last one ended as long as it may."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._held: dict[str, tuple[list[bool], dict[Any, Any]]] = {}
+
+    def top(self, layer: str) -> dict[tuple[int, int], tuple[Any, ModelEdit]]:
+        flags = [edit.in_force for edit in self.edits]
+        seen, found = self._held.get(layer, ([], {}))
+        if flags[: len(seen)] != seen:
+            seen, found = [], {}
+        for edit in self.edits[len(seen) :]:
+            if edit.in_force:
+                found.update({p: (value, edit) for p, value in getattr(edit, layer).items()})
+        self._held[layer] = flags, found
+        return found
+
+
+class Replay:
+    """The model of one sequence, brought up to date after every restart."""
+
+    def __init__(self, workspace: Path) -> None:
+        recording = open_sequence(workspace / "sequences" / SEQUENCE)
+        self._database = workspace / "labels.sqlite"
+        self._source_index = [recording[i].source_index for i in range(len(recording))]
+        self._xyz = [recording[i].source_xyz().astype(np.float64) for i in range(len(recording))]
+        self.model = QuickModel()
+        self.revision = 0
+        self.edits = self.runs = 0
+
+    # ── the journal against what was asked ──
+
+    def catch_up(self, api: httpx.Client, people: list[Person]) -> None:
+        """Take in what was committed since; raises AssertionError where a promise is broken."""
+        rows = self._rows(api)
+        assert [row["revision"] for row in rows] == [
+            self.revision + 1 + i for i in range(len(rows))
+        ], "revisions have gaps"
+        mine = {person.name: self._due(person) for person in people}
+        for row in rows:
+            if row["author"] == "setup":
+                asked = Asked({"kind": "create", "name": row["summary"].split("'")[1]})
+            else:
+                assert row["author"] in mine, f"an author nobody knows: {row}"
+                asked = self._match(row, mine[row["author"]])
+            self._apply(row, asked)
+            self.revision = row["revision"]
+        for name, due in mine.items():
+            for asked in due:
+                assert asked.answer is None, f"an answered edit of {name} is missing: {asked}"
+
+    def _rows(self, api: httpx.Client) -> list[dict[str, Any]]:
+        rows: list[dict[str, Any]] = []
+        before = None
+        while True:
+            params = {"limit": 1000, **({} if before is None else {"before": before})}
+            found = api.get(f"/sequences/{SEQUENCE}/edits", params=params).raise_for_status().json()
+            rows += [row for row in found if row["revision"] > self.revision]
+            if not found or found[-1]["revision"] <= self.revision + 1:
+                return rows[::-1]
+            before = found[-1]["revision"]
+
+    def _due(self, person: Person) -> list[Asked]:
+        """What may be new in the journal, in the order it was asked; sees to the answers."""
+        due = []
+        for asked in person.asked:
+            if asked.revision is None:
+                if asked.refused is None:
+                    due.append(asked)
+                continue
+            # In the journal before: sent again, it must be answered as it was the first time.
+            if asked.answer is not None and "revision" in asked.answer:
+                assert asked.answer["revision"] == asked.revision, f"applied twice: {asked}"
+            assert asked.refused is None or asked.edit["kind"] == "track", asked
+        person.asked = [asked for asked in due if asked is person.waiting or asked.answer]
+        return due
+
+    def _match(self, row: dict[str, Any], due: list[Asked]) -> Asked:
+        while due:
+            asked = due.pop(0)
+            if self._is(row, asked.edit):
+                asked.revision = row["revision"]
+                self._compare_answer(row, asked)
+                return asked
+            assert asked.answer is None, f"missing or out of order: {asked}, the journal has {row}"
+        raise AssertionError(f"an edit that nobody asked for, or that was refused: {row}")
+
+    @staticmethod
+    def _is(row: dict[str, Any], edit: Edit) -> bool:
+        kind = edit["stroke"]["tool"] if edit["kind"] == "stroke" else edit["kind"]
+        if row["kind"] != ALIKE.get(kind, kind):
+            return False
+        starts = {"create": "create label", "change": "change", "remove": "delete label"}
+        if kind in NO_ID:
+            return bool(row["summary"].startswith(starts[kind]))
+        return bool(row["id"] == edit["id"])
+
+    @staticmethod
+    def _compare_answer(row: dict[str, Any], asked: Asked) -> None:
+        if asked.answer is not None and "revision" in asked.answer:
+            said = (asked.answer["revision"], asked.answer["changed"])
+            assert said == (row["revision"], row["points"]), f"{asked}: the journal has {row}"
+
+    # ── the model ──
+
+    def _apply(self, row: dict[str, Any], asked: Asked) -> None:
+        edit, author, model = asked.edit, row["author"], self.model
+        self.edits += 1
+        match edit["kind"]:
+            case "stroke":
+                self._stroke(author, edit["frame"], edit["stroke"])
+            case "undo":
+                model.undo(author)
+            case "redo":
+                model.redo(author)
+            case "create":
+                model.create(author, edit["name"], None)
+            case "change":
+                model.change(author, edit["label"], **edit["fields"])
+            case "remove":
+                model.delete(author, edit["label"])
+            case "track":
+                self._track(author, row["revision"])
+
+    def _stroke(self, author: str, frame: int, stroke: dict[str, Any]) -> None:
+        shown = self.model.visible()
+        taken = swept(self._xyz[frame], stroke).tolist()
+        wants_deleted = stroke["tool"] == "restore"
+        points = [
+            (frame, point)
+            for point in taken
+            if shown.get((frame, point), (0, 0, False))[2] == wants_deleted
+        ]
+        only = "unlabeled" if stroke["only_unlabeled"] else "any"
+        match stroke["tool"]:
+            case "paint":
+                self.model.write(author, points, stroke["label"], 1, None, only)
+            case "erase":
+                self.model.write(author, points, 0, 0, None)
+            case "delete":
+                self.model.write(author, points, None, None, True, only)
+            case "restore":
+                self.model.write(author, points, None, None, False)
+
+    def _track(self, author: str, revision: int) -> None:
+        """A run's findings as recorded; all of its frames must be there."""
+        self.runs += 1
+        edit = ModelEdit(author)
+        with closing(sqlite3.connect(self._database)) as database:
+            where = "FROM edit_blocks WHERE revision = ? AND layer = ?"
+            blocks = database.execute(f"SELECT frame, block, data {where}", (revision, LABELS))
+            for frame, block, data in blocks.fetchall():
+                assert block == 0
+                change = decode_change(data)
+                sources = self._source_index[frame][change.indices].tolist()
+                marks = zip(label_of(change.after), provenance_of(change.after), strict=True)
+                for point, (label, provenance) in zip(sources, marks, strict=True):
+                    edit.marks[frame, point] = Mark(int(label), int(provenance))
+            tracks = database.execute(
+                "SELECT frame, label, data FROM edit_tracks WHERE revision = ?", (revision,)
+            ).fetchall()
+        edit.tracks = {(frame, label): json.loads(data) for frame, label, data in tracks}
+        start = next(iter(edit.tracks.values()))["start"]
+        frames = {frame for frame, _ in edit.tracks}
+        assert frames == set(range(min(frames), max(frames) + 1)), "a run with frames missing"
+        assert start in (min(frames), max(frames)), "a run without its start"
+        assert len(frames) > 1, "a run that is cut short"
+        self.model.commit(edit)
+
+    # ── the model against what the server shows ──
+
+    def compare(self, api: httpx.Client) -> None:
+        """Every layer of every frame, the palette and the tracks."""
+        visible, base = self.model.visible(), f"/sequences/{SEQUENCE}"
+        for frame, xyz in enumerate(self._xyz):
+            wanted = [visible.get((frame, point), (0, 0, False)) for point in range(len(xyz))]
+            for column, layer in enumerate(("label", "provenance", "deleted")):
+                path = f"{base}/frames/{frame}/annotation?layer={layer}"
+                response = api.get(path).raise_for_status()
+                shown = np.load(io.BytesIO(response.content))
+                expected = np.array([values[column] for values in wanted])
+                wrong = np.flatnonzero(shown != expected)
+                assert not len(wrong), (
+                    f"frame {frame}, {layer}: {len(wrong)} points differ from the replay of "
+                    f"{self.edits} edits, such as {wrong[:5]}: {shown[wrong[:5]]}, expected "
+                    f"{expected[wrong[:5]]}"
+                )
+        labels = api.get(f"{base}/labels").raise_for_status().json()
+        palette = {n: (f["name"], f["locked"]) for n, f in self.model.palette().items()}
+        assert {label["id"]: (label["name"], label["locked"]) for label in labels} == palette
+        shown_tracks = api.get(f"{base}/tracks").raise_for_status().json()
+        assert {(t["frame"], t["label"]): t["points"] for t in shown_tracks} == {
+            place: track["points"] for place, track in self.model.tracks().items()
+        }
+
+
+def swept(xyz: NDArray[np.float64], stroke: dict[str, Any]) -> NDArray[np.int64]:
+    """Points within the radius of the samples' polyline, one by one."""
+    line = np.array([sample["origin"] for sample in stroke["samples"]])
+    near = np.zeros(len(xyz), np.bool_)
+    for a, b in zip(
+        line[: max(1, len(line) - 1)], line[1:] if len(line) > 1 else line, strict=True
+    ):
+        axis = b - a
+        length = axis @ axis
+        along = np.clip((xyz - a) @ axis / length, 0, 1) if length else np.zeros(len(xyz))
+        nearest = a + along[:, None] * axis
+        near |= ((xyz - nearest) ** 2).sum(axis=1) <= stroke["radius"] ** 2
+    return np.flatnonzero(near)

@@ -1,0 +1,95 @@
+"""`pointbrush serve` in a process of its own, to be killed, stopped and starved."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+TOKEN = "test-token-of-the-owner"
+START_SECONDS = 60
+PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
+
+
+class ServerProcess:
+    """A running server; what it said on stderr is kept."""
+
+    def __init__(self, workspace: Path, **environment: str) -> None:
+        self.workspace = workspace
+        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 – closed with the process
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
+            stdout=subprocess.PIPE,
+            stderr=self._stderr,
+            text=True,
+            env={
+                **os.environ,
+                **PLENTY,
+                "POINTBRUSH_WORKSPACE": str(workspace),
+                "POINTBRUSH_TOKEN": TOKEN,
+                **environment,
+            },
+        )
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        assert line.startswith("pointbrush ready at "), self.stderr
+        self.url = line.split()[-1].split("/?token=")[0]
+
+    @property
+    def stderr(self) -> str:
+        if not self._stderr.closed:
+            self._stderr.seek(0)
+            self._said = self._stderr.read().decode(errors="replace")
+        return self._said
+
+    def api(self, token: str = TOKEN, timeout: float = 30.0) -> httpx.Client:
+        headers = {"Authorization": f"Bearer {token}"}
+        return httpx.Client(base_url=f"{self.url}/api/v1", headers=headers, timeout=timeout)
+
+    def kill(self) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(30)
+        self._close()
+
+    def stop(self, timeout: float = 30.0) -> int:
+        """SIGTERM; returns the exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(timeout)
+        self._close()
+        return code
+
+    def _close(self) -> None:
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+        if self.stderr:
+            print(self.stderr, file=sys.stderr)
+        self._stderr.close()
+
+
+@contextmanager
+def running(workspace: Path, **environment: str) -> Iterator[ServerProcess]:
+    """A server until the context ends, which kills it if nobody else has."""
+    server = ServerProcess(workspace, **environment)
+    try:
+        yield server
+    finally:
+        if server.process.poll() is None:
+            server.kill()
+
+
+def eventually(found: Callable[[], Any], seconds: float = 20.0, every: float = 0.05) -> Any:
+    """What ``found`` gives once it is true."""
+    deadline = time.monotonic() + seconds
+    while not (value := found()):
+        assert time.monotonic() < deadline, f"not within {seconds} s"
+        time.sleep(every)
+    return value
