@@ -102,6 +102,7 @@ def test_another_window_sees_the_paint_and_the_palette(
     count = painted(server, 0, 1)
     assert count > 20
     other.until(f"pb.labels()[1] === {count}")
+    other.until("pb.state.loaded.value.every((r) => r.complete && r.last - r.first === 5)")
     before = other.ask("pb.counters().bytes")
     server.request("PATCH", f"sequences/{SEQUENCE}/labels/1", json={"color": "#00ff00"})
     other.until("pb.state.palette.value[0].color === '#00ff00'")

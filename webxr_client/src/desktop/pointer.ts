@@ -28,6 +28,8 @@ const MAX_DABS = 48;
 const TOOL_COLORS = { erase: '#e8edf2', delete: '#ff5d5d', restore: '#7ddc8f' } as const;
 
 export class DeskPointer {
+  /** Where the brush is on the surface, room coordinates; null off the recording. */
+  brushAt: Vector3 | null = null;
   private drag: Drag | null = null;
   private stroke: Stroke | null = null;
   private readonly last = { x: 0, y: 0 };
@@ -323,7 +325,8 @@ export class DeskPointer {
     if (brushed) {
       const half = Math.tan((camera.fov * Math.PI) / 360) * hit.distance;
       const pixel = half / (this.canvas.clientHeight / 2);
-      this.ring.show(this.roomPosition(hit), radius, this.color, camera, pixel);
+      this.brushAt = this.roomPosition(hit);
+      this.ring.show(this.brushAt, radius, this.color, camera, pixel);
       const { r, g, b } = srgb(this.color);
       uniforms.brushColour.value.set(r, g, b);
       uniforms.brushRadius.value = radius;
@@ -331,6 +334,7 @@ export class DeskPointer {
       this.aim(hit, through && shape === 'brush');
     } else {
       this.ring.hide();
+      this.brushAt = null;
       uniforms.brushMode.value = 0;
     }
     let points = 0;
@@ -354,6 +358,7 @@ export class DeskPointer {
 
   private hideBrush(): void {
     this.ring.hide();
+    this.brushAt = null;
     this.deps.viewer.uniforms.brushMode.value = 0;
     if (state.hover.peek()) state.hover.value = null;
   }

@@ -7,6 +7,7 @@ import { DeskCamera } from '../desktop/camera';
 import { viewOf } from '../desktop/framing';
 import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
+import { DeskPresence } from '../desktop/presence';
 import { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { Brush, SequenceInfo, ServerPresence } from '../protocol/messages';
@@ -37,6 +38,7 @@ export class Engine {
   readonly strokes: Strokes;
   readonly camera: DeskCamera;
   private readonly pointer: DeskPointer;
+  private readonly presence: DeskPresence;
   private readonly detail: Detail;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
@@ -58,6 +60,7 @@ export class Engine {
     const frame = (): CloudFrame | null => this.playback.frame;
     const { viewer, camera, strokes } = this;
     this.pointer = new DeskPointer({ viewer, camera, strokes, frame });
+    this.presence = new DeskPresence(this.link);
     this.detail = new Detail(this.viewer, this.playback, this.link);
     this.bind();
     this.follow();
@@ -87,6 +90,7 @@ export class Engine {
       this.viewer.invalidate();
     }
     this.pointer.update();
+    this.presence.update(now, this.pointer.brushAt);
     this.detail.update(now);
   }
 

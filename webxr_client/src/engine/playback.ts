@@ -9,7 +9,8 @@ import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
 import { state } from '../state';
 
-const CACHE_BYTES = 640 << 20;
+/** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
+const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).deviceMemory ?? 4);
 const DESK_MS = 1000 / 60;
 
 export class Playback {

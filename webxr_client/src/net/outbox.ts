@@ -33,11 +33,14 @@ export interface OutboxStorage {
 
 /** An unfinished stroke of another tab may still be going on; older ones were cut off. */
 const ABANDONED_MS = 10_000;
+/** A stroke is saved whole each time: not with every batch of samples. */
+const SAVE_MS = 250;
 const SAMPLES_PER_MESSAGE = 1024;
 
 export class Outbox {
   private readonly entries = new Map<string, OutboxEntry>();
   private last = 0;
+  private saved = 0;
 
   constructor(
     private readonly storage: OutboxStorage,
@@ -65,7 +68,7 @@ export class Outbox {
       if (!entry) return;
       if (message.type === 'stroke_samples') entry.samples.push(...message.samples);
       else entry.ended = true;
-      this.storage.put(entry);
+      if (entry.ended || this.now() - this.saved > SAVE_MS) this.save(entry);
       return;
     }
     // Two edits within a millisecond keep their order.
@@ -73,6 +76,11 @@ export class Outbox {
     const ended = message.type !== 'stroke_begin';
     const entry = { id: message.id, sequence, at: this.last, first: message, samples: [], ended };
     this.entries.set(message.id, entry);
+    this.save(entry);
+  }
+
+  private save(entry: OutboxEntry): void {
+    this.saved = this.now();
     this.storage.put(entry);
   }
 

@@ -62,18 +62,31 @@ describe('a stroke', () => {
     expect(painted(frame, 2)).toBe(0);
   });
 
+  it('shows and sends nothing more once the server has refused it', () => {
+    const { frame, sent, strokes } = setUp();
+    const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+    stroke.add(at);
+    strokes.flush();
+    strokes.drop(stroke.id);
+    expect(painted(frame, 2)).toBe(0);
+    const before = sent.length;
+    stroke.add(at);
+    stroke.end();
+    expect(painted(frame, 2)).toBe(0);
+    expect(sent).toHaveLength(before);
+  });
+
   it('spares locked labels, and labelled points when only unlabelled ones are asked for', () => {
     for (const [brush, locked] of [
       [ray, (label: number) => label === 1],
       [{ ...ray, only_unlabeled: true }, () => false],
     ] as const) {
       const { frame, strokes } = setUp(locked);
-      frame.setOverlay('server', { indices: Uint32Array.of(0), values: Uint16Array.of(0) });
       frame.pieces[0]!.labels = new Uint16Array(1600).fill(1, 0, 820);
       const stroke = strokes.begin(frame, brush, [0, 0, 0]);
       stroke.add(at);
       strokes.flush();
-      expect(painted(frame, 1)).toBe(820 - 0 - (frame.labelOf(0) === 0 ? 1 : 0));
+      expect(painted(frame, 1)).toBe(820);
       expect(painted(frame, 2)).toBeGreaterThan(5);
     }
   });

@@ -33,6 +33,7 @@ class LiveStroke implements Stroke {
   private readonly waiting: Sample[] = [];
   private readonly started: number;
   readonly preview: StrokePreview;
+  refused = false;
 
   constructor(
     readonly id: string,
@@ -64,6 +65,7 @@ class LiveStroke implements Stroke {
 
   /** Send what has gathered; once per picture. */
   flush(): void {
+    if (this.refused) return;
     if (this.waiting.length > 0) {
       this.deps.send({ type: 'stroke_samples', id: this.id, samples: this.waiting.splice(0) });
     }
@@ -71,9 +73,15 @@ class LiveStroke implements Stroke {
     this.deps.changed();
   }
 
+  /** The server will not have it: nothing more to send or to show. */
+  refuse(): void {
+    this.refused = true;
+    this.preview.frame.dropOverlay(this.id);
+  }
+
   end(): void {
     this.flush();
-    this.deps.send({ type: 'stroke_end', id: this.id });
+    if (!this.refused) this.deps.send({ type: 'stroke_end', id: this.id });
     this.finished(this);
   }
 }
@@ -92,7 +100,7 @@ export class Strokes {
   begin(frame: CloudFrame, brush: Brush, shift: Vec): Stroke {
     const stroke = new LiveStroke(crypto.randomUUID(), frame, brush, shift, this.deps, (done) => {
       this.live.delete(done);
-      this.ended.set(done.id, done.preview);
+      if (!done.refused) this.ended.set(done.id, done.preview);
     });
     this.live.add(stroke);
     return stroke;
@@ -117,6 +125,7 @@ export class Strokes {
 
   /** The server's own values are here, or it refused: the preview has served. */
   drop(id: string): void {
+    for (const stroke of this.live) if (stroke.id === id) stroke.refuse();
     const preview = this.ended.get(id);
     if (!preview) return;
     this.ended.delete(id);
