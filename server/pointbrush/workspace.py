@@ -116,8 +116,12 @@ class Workspace:
         file_format: str | None = None,
         drop_invalid: bool = False,
         cleanup: Path | None = None,
+        roots: Sequence[Path] = (),
     ) -> Job:
-        """Import files as one sequence in a job; ``cleanup`` is removed when it has ended."""
+        """Import files as one sequence in a job; ``cleanup`` is removed when it has ended.
+
+        With ``roots``, nothing that lies or leads outside them is read.
+        """
         for path in paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
@@ -132,6 +136,7 @@ class Workspace:
             format=file_format,
             drop_invalid=drop_invalid,
             max_points=self.settings.max_frame_points,
+            roots=tuple(roots),
         )
         return self._submit_import(sequence, work, importing.import_source_labels, cleanup)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError, TooLargeError
 from pointbrush.formats import Limits, open_source, read
 
 
@@ -149,6 +149,20 @@ def test_what_is_not_there_is_not_found(tmp_path):
 
 def test_the_first_bytes_tell_where_the_name_does_not(tmp_path):
     assert values(cloud(tmp_path / "upload", 7)) == [7]
+
+
+@pytest.mark.parametrize("inside", ["link.ply", "sub/link.ply", "sub"])
+def test_links_out_of_the_allowed_folders_are_refused(tmp_path, inside):
+    cloud(tmp_path / "secret" / "0.ply", 1)
+    cloud(tmp_path / "open" / "run" / "0.ply", 2)
+    roots = ((tmp_path / "open").resolve(),)
+    assert values(tmp_path / "open" / "run", limits=Limits(roots=roots)) == [2]
+    link = tmp_path / "open" / "run" / inside
+    link.parent.mkdir(exist_ok=True)
+    link.symlink_to(tmp_path / "secret" / ("0.ply" if inside.endswith("ply") else ""))
+    for path in (tmp_path / "open" / "run", tmp_path / "secret", tmp_path / "open" / "*" / "*"):
+        with pytest.raises(ForbiddenError, match="outside the allowed folders"):
+            open_source([path], limits=Limits(roots=roots))
 
 
 def hostile_zip(path: Path, name: str, data: bytes = b"x") -> Path:

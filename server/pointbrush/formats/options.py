@@ -14,7 +14,10 @@ from pointbrush.frame import DepthCamera
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Upper bounds checked before anything is allocated."""
+    """Bounds on what is read, checked before anything is allocated.
+
+    With ``roots`` (resolved folders), nothing is read that lies, or leads by a link, outside them.
+    """
 
     max_points: int = 500_000_000
     max_files: int = 200_000
@@ -22,6 +25,7 @@ class Limits:
     max_archive_ratio: int = 200
     native_memory: int = 4 * 2**30
     native_stall_seconds: float = 60.0
+    roots: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

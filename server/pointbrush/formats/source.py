@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import glob
+import os
 import shutil
 import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.formats.archive import is_archive, unpack
 from pointbrush.formats.folder import list_files, list_folder
 from pointbrush.formats.listing import Listing
@@ -75,16 +76,19 @@ def open_source(
     """Find the frames that ``paths`` name, without reading points yet.
 
     Raises NotFoundError for a path or glob that matches nothing, BadInputError for an unknown
-    format, a folder without points or with several formats, a damaged archive; TooLargeError.
+    format, a folder without points or with several formats, a damaged archive; TooLargeError;
+    ForbiddenError for what leads outside ``limits.roots``.
     """
     if not paths:
         raise BadInputError("path: expected one or more files or folders, got none")
     options = ReadOptions(drop_invalid=drop_invalid, limits=limits or Limits())
     if format is not None:
         format_named(format)
+    found = _expand(paths)
+    _require_inside(found, options.limits.roots)
     temporary: list[Path] = []
     try:
-        listings = _listings(_expand(paths), format, options, temporary)
+        listings = _listings(found, format, options, temporary)
     except BaseException:
         _remove(temporary)
         raise
@@ -117,6 +121,21 @@ def _expand(paths: Sequence[Path]) -> list[Path]:
             raise NotFoundError(f"path: expected {kind}, there is no {path}")
         found += sorted((Path(match) for match in matches), key=natural_key)
     return found
+
+
+def _require_inside(paths: Sequence[Path], roots: Sequence[Path]) -> None:
+    """Raise ForbiddenError for a path, or a link below it, that leads outside the roots."""
+    if not roots:
+        return
+    for path in paths:
+        below = (
+            Path(folder, name)
+            for folder, folders, files in os.walk(path)
+            for name in (*folders, *files)
+        )
+        for candidate in (path, *(inner for inner in below if inner.is_symlink())):
+            if not any(candidate.resolve().is_relative_to(root) for root in roots):
+                raise ForbiddenError(f"path: expected nothing outside the allowed folders, {path}")
 
 
 def _listings(

@@ -137,6 +137,7 @@ def _import_path(workspace: Workspace, body: ImportBody) -> Job:
         fps=body.fps,
         file_format=body.format,
         drop_invalid=body.drop_invalid,
+        roots=workspace.settings.roots,
     )
 
 

@@ -39,6 +39,7 @@ class ImportWork:
     format: str | None = None
     drop_invalid: bool = False
     max_points: int = 500_000_000
+    roots: tuple[Path, ...] = ()
 
     def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; nothing is left behind on any error."""
@@ -46,7 +47,9 @@ class ImportWork:
             "sequence_id": self.sequence_id,
             "source": ", ".join(str(path) for path in self.paths),
         }
-        options = ReadOptions(drop_invalid=self.drop_invalid, limits=Limits(self.max_points))
+        options = ReadOptions(
+            drop_invalid=self.drop_invalid, limits=Limits(self.max_points, roots=self.roots)
+        )
         scan = _large_scan(self.paths, options.limits)
         if scan is not None:
             import_large(
