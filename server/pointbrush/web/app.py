@@ -26,6 +26,7 @@ from pointbrush.web import (
     routes_meta,
     routes_sequences,
     routes_tracking,
+    routes_trust,
     socket,
 )
 from pointbrush.web.auth import Gate
@@ -63,6 +64,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.include_router(api)
     app.include_router(socket.router, prefix=PREFIX)
     app.include_router(routes_meta.open_router)
+    app.include_router(routes_trust.router)
     app.include_router(page.router)
     app.add_middleware(Guard, settings=settings, gate=app.state.gate, metrics=app.state.metrics)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

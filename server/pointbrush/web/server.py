@@ -19,11 +19,6 @@ from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.workspace import Workspace
 
-try:
-    import resource
-except ImportError:  # Windows has no such limit
-    resource = None  # type: ignore[assignment]
-
 DRAIN_SECONDS = 5
 BACKLOG = 512
 MOST_FILES = 65_536
@@ -160,8 +155,10 @@ def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
 
 def allow_many_sockets() -> None:
     """Use as many file descriptors as this process may: idle viewers keep one each."""
-    if resource is None:
+    if sys.platform == "win32":
         return
+    import resource
+
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = MOST_FILES if hard == resource.RLIM_INFINITY else min(MOST_FILES, hard)
     if soft < wanted:

@@ -1,0 +1,122 @@
+"""The process: what it prints, where it refuses to listen, how it ends, HTTPS."""
+
+from __future__ import annotations
+
+import signal
+import ssl
+import stat
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+from cryptography import x509
+
+from pointbrush.errors import BadInputError
+from pointbrush.settings import Settings
+from pointbrush.web import tls
+from pointbrush.web.server import is_loopback, listen, page_url, require_safe
+
+
+@contextmanager
+def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A ``pointbrush serve`` and the URL that it prints; it has ended in order afterwards."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert line.startswith("pointbrush ready at http"), line + process.stdout.read()
+        try:
+            yield process, line.split()[-1]
+        finally:
+            process.terminate()
+            rest = process.communicate(timeout=20)[0]
+        assert "Traceback" not in rest
+
+
+def test_it_says_where_it_is_and_ends_in_order(tmp_path: Path) -> None:
+    with started("--workspace", str(tmp_path / "w")) as (process, url):
+        assert url.startswith("http://127.0.0.1:")
+        with httpx.Client() as client:
+            response = client.get(url)
+            assert response.status_code == 303
+            address = url.partition("/?")[0]
+            assert client.get(f"{address}/api/v1/me").json()["role"] == "admin"
+            assert client.get(f"{address}/trust").status_code == 404
+    assert process.returncode in (0, -signal.SIGTERM)
+
+
+def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
+    with listen("127.0.0.1", 0) as taken:
+        taken.listen()
+        port = taken.getsockname()[1]
+        done = subprocess.run(
+            [sys.executable, "-m", "pointbrush.cli", "serve", "--workspace", str(tmp_path),
+             "--port", str(port)],
+            capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert str(port) in done.stderr
+
+
+def test_plain_http_stays_on_this_machine() -> None:
+    require_safe(Settings(host="127.0.0.1"), None)
+    require_safe(Settings(host="0.0.0.0", insecure=True), None)
+    require_safe(Settings(host="0.0.0.0"), tls.Certificate(Path("a"), Path("b")))
+    for host in ("0.0.0.0", "::", "192.168.1.2", "example.org"):
+        assert not is_loopback(host)
+        with pytest.raises(BadInputError, match="tls"):
+            require_safe(Settings(host=host), None)
+
+
+@pytest.mark.parametrize(
+    ("host", "url"),
+    [("127.0.0.1", "http://127.0.0.1:8/?token=t"), ("::1", "http://[::1]:8/?token=t")],
+)
+def test_page_url(host: str, url: str) -> None:
+    assert page_url(Settings(host=host), 8, "t", secure=False) == url
+
+
+def test_https_with_an_authority_that_is_kept(tmp_path: Path) -> None:
+    workspace = tmp_path / "w"
+    with started("--workspace", str(workspace), "--tls") as (_, url):
+        address = url.partition("/?")[0]
+        assert address.startswith("https://127.0.0.1:")
+        folder = workspace / "tls"
+        context = ssl.create_default_context(cafile=str(folder / "authority.pem"))
+        with httpx.Client(verify=context) as client:
+            response = client.get(url)
+            assert "secure" in response.headers["set-cookie"].lower()
+            page = client.get(f"{address}/trust").text
+            downloaded = client.get(f"{address}/trust/authority.crt").content
+            assert client.get(f"{address}/api/v1/me").status_code == 200
+    assert downloaded == (folder / "authority.pem").read_bytes()
+    assert b"PRIVATE" not in downloaded
+    assert x509.load_pem_x509_certificate(downloaded).subject
+    assert "{fingerprint}" not in page
+    for name in ("authority.key", "server.key"):
+        assert stat.S_IMODE((folder / name).stat().st_mode) == 0o600
+    before = (folder / "authority.pem").read_bytes(), (folder / "server.pem").read_bytes()
+    settings = Settings(workspace=workspace, tls=True)
+    tls.certificate(settings)
+    assert before == ((folder / "authority.pem").read_bytes(), (folder / "server.pem").read_bytes())
+    # A new name needs a new certificate, under the same authority.
+    tls.certificate(Settings(workspace=workspace, tls=True, allowed_hosts="studio.lan"))
+    assert (folder / "authority.pem").read_bytes() == before[0]
+    assert (folder / "server.pem").read_bytes() != before[1]
+
+
+def test_given_certificates_must_be_there(tmp_path: Path) -> None:
+    with pytest.raises(BadInputError, match="keyfile"):
+        tls.certificate(Settings(certfile="a.pem"))
+    with pytest.raises(BadInputError, match="exist"):
+        tls.certificate(Settings(certfile=str(tmp_path / "a"), keyfile=str(tmp_path / "b")))
+    assert tls.certificate(Settings()) is None
