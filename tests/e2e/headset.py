@@ -14,6 +14,10 @@ IWER = (
     Path(__file__).parents[2] / "webxr_client" / "node_modules" / "iwer" / "build" / "iwer.min.js"
 )
 
+# Lengths of the pulses that tell what is felt, milliseconds.
+PAINTING = 25
+TICK = 6
+
 QUEST = "new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true })"
 VIVE = """(() => {
   const gamepad = {
@@ -63,6 +67,12 @@ class Headset(Desk):
     """A desk whose page runs in a headset; poses are given in the headset's own space."""
 
     # ── session ──────────────────────────────────────────────────────────────────────────
+
+    def ready(self) -> None:
+        # Drawing in software is slow, and what is drawn is for the eyes.
+        self.until("window.__pointbrush !== undefined")
+        self.ask("pb.setDrawing(false)")
+        super().ready()
 
     def enter(self) -> None:
         self.page.get_by_role("button", name="Enter VR").click()
@@ -122,6 +132,20 @@ class Headset(Desk):
         self.frames(1)
         self.lean(0, 0, hand, pad)
 
+    def hand_to(self, hand: str, point: list[float]) -> None:
+        """Bring the place where a bare hand pinches to a point of the headset's space."""
+        for _ in range(3):
+            self.frames()
+            self.ask(
+                f"""(() => {{
+                  const tip = hs.headset.cockpit.painter.tip.clone();
+                  hs.headset.cockpit.rig.group.worldToLocal(tip);
+                  const [x, y, z] = {json.dumps(point)}, at = device.hands.{hand}.position;
+                  at.set(at.x + x - tip.x, at.y + y - tip.y, at.z + z - tip.z);
+                }})()"""
+            )
+        self.frames()
+
     # ── what people do ───────────────────────────────────────────────────────────────────
 
     def reach(self, point: list[float], hand: str = "right") -> None:
@@ -151,13 +175,19 @@ class Headset(Desk):
         place = self.ask(f"hs.onPanel('{panel}', {u}, {v})")
         self.move(hand, place["out"], place["at"])
 
+    def flick_to_frame(self, frame: int) -> None:
+        self.ask(f"pb.engine.playback.seek({frame})")
+        self.until(f"pb.shown().frame === {frame} && pb.shown().points === pb.shown().total")
+
     def pulses(self) -> list[dict[str, Any]]:
         """What the hands felt since this was last asked."""
         felt: list[dict[str, Any]] = self.ask("window.pulses.splice(0)")
         return felt
 
 
-def wear(browser: Browser, url: str, device: str = QUEST, size: tuple[int, int] = (1280, 720)) -> Headset:
+def wear(
+    browser: Browser, url: str, device: str = QUEST, size: tuple[int, int] = (1280, 720)
+) -> Headset:
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
     context.add_init_script(runtime(device))
     return Headset(context, url)

@@ -105,6 +105,12 @@ class LiveServer:
         ).content
         return load_npy(data)
 
+    def points(self, sequence: str, frame: int) -> NDArray[Any]:
+        """Coordinates (N, 3) in the source's order."""
+        data = self.request("GET", f"sequences/{sequence}/frames/{frame}/points").content
+        xyz: NDArray[Any] = load_npy(data)["xyz"]
+        return xyz
+
     def create_label(self, sequence: str, name: str, color: str) -> int:
         body = {"name": name, "color": color}
         label: int = self.request("POST", f"sequences/{sequence}/labels", json=body).json()["id"]

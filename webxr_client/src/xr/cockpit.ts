@@ -18,6 +18,7 @@ import { Painter } from './painter';
 import { PalettePanel } from './palette-panel';
 import type { Panel } from './panel';
 import { Place } from './place';
+import { nearest } from './nearest';
 import { Presence } from './presence';
 import { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
@@ -25,8 +26,8 @@ import { TimelinePanel } from './timeline-panel';
 import { Lessons, Tips } from './tips';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 
-/** One stands so far from the middle of things, metres. */
-const ARM = 1.4;
+/** One stands so far before the nearest things, metres. */
+const ARM = 0.9;
 
 interface Body {
   readonly hand: Hand;
@@ -249,11 +250,12 @@ export class Cockpit {
     const { viewer } = this.engine;
     const seen = viewOf('sensor', frame, viewer.room.matrix, 60, 1);
     if (!seen) return;
-    const { target } = seen;
-    const way = target.clone().sub(seen.eye).setY(0);
-    const back = Math.min(ARM, way.length());
+    const way = seen.target.clone().sub(seen.eye).setY(0);
+    const length = way.length();
     way.normalize();
-    this.rig.standAt(target.addScaledVector(way, -back), way);
+    const near = nearest(frame, viewer.room.matrix, seen.eye, way);
+    const ahead = Math.max(0, Math.min(length, near) - ARM);
+    this.rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
     this.placeTimeline();
   }
 

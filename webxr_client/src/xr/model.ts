@@ -8,7 +8,8 @@ const JOINTS = 25;
 const ORDER = 110;
 
 function part(geometry: BufferGeometry, color: number): Mesh {
-  const mesh = new Mesh(geometry, new MeshBasicMaterial({ color }));
+  // Among the transparent things, so that it is drawn over the panels.
+  const mesh = new Mesh(geometry, new MeshBasicMaterial({ color, transparent: true }));
   mesh.renderOrder = ORDER;
   return mesh;
 }
@@ -49,7 +50,7 @@ export class HandModel {
 
   constructor(hand: XRHand) {
     for (const space of hand.values()) this.spaces.push(space);
-    const material = new MeshBasicMaterial({ color: LIGHT });
+    const material = new MeshBasicMaterial({ color: LIGHT, transparent: true });
     this.mesh = new InstancedMesh(new SphereGeometry(1, 10, 8), material, JOINTS);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.frustumCulled = false;

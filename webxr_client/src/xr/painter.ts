@@ -48,7 +48,7 @@ export class Painter {
   ) {
     const material = new MeshBasicMaterial({ transparent: true, opacity: 0.28, depthWrite: false });
     this.ball = new Mesh(new SphereGeometry(1, 32, 20), material);
-    this.ball.renderOrder = 20;
+    this.ball.renderOrder = 95;
     this.ball.frustumCulled = false;
     const geometry = new BufferGeometry();
     const corners = new Float32BufferAttribute(new Float32Array(3 * LASSO_CORNERS), 3);
@@ -56,7 +56,7 @@ export class Painter {
     geometry.setAttribute('position', corners);
     this.outline = new Line(geometry, new LineBasicMaterial({ depthTest: false }));
     this.outline.frustumCulled = false;
-    this.outline.renderOrder = 21;
+    this.outline.renderOrder = 96;
     this.outline.visible = false;
     engine.strokes.results.add(this.felt);
   }

@@ -24,7 +24,7 @@ export class TimelinePanel extends Panel {
   private readoutAt = 0;
 
   constructor() {
-    super({ width: 0.78, height: 0.36, pixelsPerMetre: 2000, em: 0.0165 }, 90);
+    super({ width: 0.9, height: 0.43, pixelsPerMetre: 1800, em: 0.02 }, 90);
     const material = new MeshBasicMaterial({
       color: 0xffffff,
       depthTest: false,

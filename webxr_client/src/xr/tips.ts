@@ -12,8 +12,6 @@ const KEY = 'pointbrush.learnt';
 interface Tip {
   readonly text: string;
   readonly lessons: readonly Lesson[];
-  /** Height and depth on the grip, metres; beside it to the outside. */
-  readonly at: readonly [number, number];
 }
 
 /** The words for a device in the hand that paints, or in the other one. */
@@ -22,40 +20,35 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
   const tips: Tip[] = [];
   if (device.pad === 'none') {
     const text = paints ? 'Pinch: paint' : 'Your palette';
-    return [{ text, lessons: ['paint'], at: [0.06, -0.03] }];
+    return [{ text, lessons: ['paint'] }];
   }
   const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
   if (paints) {
-    tips.push({ text: 'Trigger: paint (half: smaller)', lessons: ['paint'], at: [-0.02, -0.05] });
+    tips.push({ text: 'Trigger: paint (half: smaller)', lessons: ['paint'] });
     tips.push({
       text: `${pad} ← →: frames   ↑ ↓: size`,
       lessons: ['step', 'size'],
-      at: [0.06, -0.03],
     });
-    tips.push({ text: `${pad} pressed: play`, lessons: ['play'], at: [0.085, -0.03] });
+    tips.push({ text: `${pad} pressed: play`, lessons: ['play'] });
   } else {
     tips.push({
       text: `${pad} ↑: go there   ← →: turn`,
       lessons: ['teleport', 'turn'],
-      at: [0.06, -0.03],
     });
-    tips.push({ text: 'Trigger: second corner of a box', lessons: ['panel'], at: [-0.02, -0.05] });
   }
   if (device.squeeze >= 0) {
-    tips.push({ text: 'Grip: move the room', lessons: ['grab'], at: [-0.045, 0.02] });
+    tips.push({ text: 'Grip: move the room', lessons: ['grab'] });
   }
   const [first, second] = [device.primaryName[side], device.secondaryName[side]];
   if (first)
     tips.push({
-      text: `${first}: ${paints ? 'eraser' : 'palette'}`,
+      text: `${first}: ${paints ? 'eraser' : 'timeline'}`,
       lessons: [paints ? 'erase' : 'panel'],
-      at: [0.03, -0.01],
     });
   if (second)
     tips.push({
       text: `${second}: ${paints ? 'undo' : 'redo'}`,
       lessons: [paints ? 'undo' : 'redo'],
-      at: [0.01, 0.01],
     });
   return tips;
 }
@@ -90,6 +83,9 @@ function load(): [string, number][] {
 }
 
 const FADE_PER_SECOND = 2;
+/** Metres on the grip: the first line, and from one line to the next. */
+const TOP = 0.07;
+const LINE = 0.021;
 
 export class Tips {
   readonly group = new Group();
@@ -101,11 +97,16 @@ export class Tips {
     this.clear();
     if (!hand.device) return;
     const mirror = hand.side === 'left' ? -1 : 1;
-    for (const tip of tipsFor(hand.device, paints, hand.side === 'left')) {
+    for (const [line, tip] of tipsFor(hand.device, paints, hand.side === 'left').entries()) {
       const sign = new Sign({ em: 0.0095 });
       sign.write(tip.text);
       const half = sign.mesh.scale.x / 2;
-      sign.mesh.position.set(mirror * (0.045 + half), tip.at[0], tip.at[1]);
+      // One below the other, beside the controller, to the outside.
+      sign.mesh.position.set(
+        mirror * (0.045 + half),
+        TOP - line * LINE * 0.73,
+        -0.03 + line * LINE * 0.68,
+      );
       sign.mesh.rotation.x = -0.7;
       this.group.add(sign.mesh);
       this.entries.push({ tip, sign, opacity: 1 });

@@ -1,0 +1,209 @@
+"""In the headset: moving oneself and the recording, other controllers, what gets lost, others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from tests.e2e.desk import Desk
+from tests.e2e.headset import QUEST, VIVE, Headset, wear
+from tests.e2e.server import LiveServer
+
+SEQUENCE = "juggling"
+PERSON = 7
+Truth = Callable[[int, int], list[float]]
+Wear = Callable[..., Headset]
+
+
+@pytest.fixture
+def put_on(browser: Browser, server: LiveServer) -> Iterator[Wear]:
+    worn: list[Headset] = []
+
+    def one(device: str = QUEST) -> Headset:
+        headset = wear(browser, server.page_url, device)
+        worn.append(headset)
+        headset.ready()
+        headset.enter()
+        return headset
+
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    yield one
+    for headset in worn:
+        headset.context.close()
+        assert headset.complaints == []
+
+
+def painted(server: LiveServer, frame: int, label: int = 1) -> int:
+    return int((server.annotation(SEQUENCE, frame) == label).sum())
+
+
+RIG = "hs.headset.cockpit.rig"
+
+
+def test_stands_on_the_floor_at_true_scale_before_the_scene(put_on: Wear, truth: Truth) -> None:
+    headset = put_on()
+    assert headset.ask("pb.engine.viewer.world.scale.x") == 1
+    assert abs(headset.ask(f"{RIG}.head.y") - 1.6) < 1e-3
+    x, _, z = headset.ask(f"hs.place({truth(0, PERSON)})")
+    # Somebody to paint is ahead, and within a few steps.
+    assert z < 0
+    assert (x * x + z * z) ** 0.5 < 3
+
+
+def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
+    headset = put_on()
+    before = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
+    headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
+    headset.flick(0, -1, "left")
+    after = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
+    assert abs(after[1] - before[1]) > 0.5
+    turned = headset.ask(f"{RIG}.group.rotation.y")
+    headset.flick(1, 0, "left")
+    assert abs(abs(headset.ask(f"{RIG}.group.rotation.y") - turned) - 0.5236) < 1e-3
+    # One turns where one stands.
+    assert abs(headset.ask(f"{RIG}.head.x") - after[0]) < 1e-3
+
+
+def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    radius = headset.ask("pb.state.brush.value.radius")
+    headset.move("left", [-0.2, 1.2, -0.4])
+    headset.move("right", [0.2, 1.2, -0.4])
+    for hand in ("left", "right"):
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 1)")
+    headset.frames()
+    headset.move("left", [-0.4, 1.2, -0.4])
+    headset.move("right", [0.4, 1.2, -0.4])
+    for hand in ("left", "right"):
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 0)")
+    headset.frames()
+    assert abs(headset.ask("pb.engine.viewer.world.scale.x") - 2) < 0.01
+    # The ball keeps its size in the hand: half as much of the recording.
+    assert abs(headset.ask("pb.state.brush.value.radius") - radius / 2) < 1e-3
+    headset.paint([truth(0, PERSON)])
+    headset.settled()
+    assert painted(server, 0) > 5
+    headset.click("palette", "View")
+    headset.click("palette", "Reset")
+    headset.until("pb.engine.viewer.world.scale.x === 1")
+    assert abs(headset.ask("pb.state.brush.value.radius") - radius) < 1e-3
+
+
+def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: Truth) -> None:
+    headset = put_on(VIVE)
+    headset.until("hs.headset.cockpit.hands.right.device?.id === 'vive'")
+
+    def quadrant(x: float, y: float) -> None:
+        headset.ask(f"device.controllers.right.updateAxes('touchpad', {x}, {y})")
+        headset.frames()
+        headset.ask("device.controllers.right.updateButtonValue('touchpad', 1)")
+        headset.frames(1)
+        headset.ask("device.controllers.right.updateButtonValue('touchpad', 0)")
+        headset.frames()
+
+    quadrant(0.8, 0)
+    headset.until("pb.state.frame.value === 1")
+    quadrant(-0.8, 0)
+    headset.until("pb.state.frame.value === 0")
+    radius = headset.ask("pb.state.brush.value.radius")
+    quadrant(0, -0.8)
+    assert headset.ask("pb.state.brush.value.radius") > radius
+    quadrant(0, 0.8)
+    quadrant(0, 0.8)
+    assert headset.ask("pb.state.brush.value.radius") < radius
+    quadrant(0, 0)
+    headset.until("pb.state.playing.value")
+    quadrant(0, 0)
+    headset.until("!pb.state.playing.value")
+    headset.flick_to_frame(0)
+    headset.paint([truth(0, PERSON)])
+    headset.settled()
+    assert painted(server, 0) > 5
+
+
+def test_a_pinch_paints(put_on: Wear, server: LiveServer, truth: Truth) -> None:
+    headset = put_on()
+    headset.ask("(device.primaryInputMode = 'hand')")
+    headset.until("hs.headset.cockpit.hands.right.device?.id === 'hand'")
+    target = headset.ask(f"hs.place({truth(0, PERSON)})")
+    headset.hand_to("right", target)
+    headset.ask("device.hands.right.updatePinchValue(1)")
+    headset.frames(3)
+    headset.ask("device.hands.right.updatePinchValue(0)")
+    headset.frames()
+    headset.settled()
+    assert painted(server, 0) > 5
+
+
+def test_left_handed_people_paint_with_the_left(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    headset.click("palette", "View")
+    headset.click("palette", "Left-handed")
+    headset.frames()
+    headset.reach(truth(0, PERSON), "left")
+    headset.trigger(1, "left")
+    headset.trigger(0, "left")
+    headset.settled()
+    assert painted(server, 0) > 5
+
+
+def test_a_lost_controller_ends_its_stroke_and_comes_back(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    headset.paint([truth(0, PERSON)], release=False)
+    headset.ask("(device.controllers.right.connected = false)")
+    headset.until("hs.headset.cockpit.hands.right.source === null")
+    headset.settled()
+    assert painted(server, 0) > 5
+    headset.ask("(device.controllers.right.connected = true)")
+    headset.until("hs.headset.cockpit.hands.right.source !== null")
+
+
+def test_a_lost_session_is_told_and_can_be_entered_again(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    headset.paint([truth(0, PERSON)], release=False)
+    headset.ask("void pb.engine.viewer.renderer.xr.getSession().end()")
+    headset.until("pb.state.xr.value.session === 'lost'")
+    headset.settled()
+    assert painted(server, 0) > 5
+    headset.page.get_by_text("The headset session ended").wait_for()
+    headset.enter()
+    headset.until("pb.state.xr.value.session === 'running'")
+
+
+def test_a_lost_server_does_not_stop_the_painting(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    server.kill()
+    headset.until("pb.state.connection.value.state === 'offline'")
+    headset.paint([truth(0, PERSON)])
+    headset.until("pb.state.pending.value > 0 && pb.labels()[1] > 5")
+    server.start()
+    headset.until("pb.state.connection.value.state === 'online'")
+    headset.settled()
+    assert painted(server, 0) > 5
+    headset.complaints.clear()
+
+
+def test_others_see_head_hands_and_brush(put_on: Wear, open_desk: Callable[..., Desk]) -> None:
+    other = open_desk(width=700, height=500)
+    headset = put_on()
+    headset.move("right", [0.2, 1.3, -0.5])
+    other.until("pb.state.people.value.some((person) => person.head !== null)")
+    head = other.ask("pb.state.people.value.find((person) => person.head).head")
+    mine = headset.ask(f"[{RIG}.head.x, {RIG}.head.y, {RIG}.head.z]")
+    assert all(abs(a - b) < 0.05 for a, b in zip(head, mine, strict=False))
+    assert other.ask("pb.state.people.value.find((person) => person.head).hands.length") == 2
+    # The desk does not fly into the headset's place when that one leaves.
+    headset.ask("void pb.engine.viewer.renderer.xr.getSession().end()")
+    other.until("pb.state.people.value.every((person) => person.head === null)")

@@ -1,0 +1,47 @@
+import { describe, expect, it } from 'vitest';
+import { contrast, difference, inkOn, LABEL_COLORS, suggestColor, suggestName } from './colors';
+import { clock, count, metres, shortCount } from './format';
+
+describe('suggested colours', () => {
+  it('differ from those in use, as long as there are any', () => {
+    const taken: string[] = [];
+    for (let i = 0; i < LABEL_COLORS.length; i++) taken.push(suggestColor(taken));
+    expect(new Set(taken).size).toBe(LABEL_COLORS.length);
+    const [first, second] = taken;
+    expect(difference(first!, second!)).toBeGreaterThan(0.2);
+  });
+
+  it('are legible on the panels and under their own ink', () => {
+    for (const color of LABEL_COLORS) {
+      expect(contrast(color, '#12161b')).toBeGreaterThan(4.5);
+      expect(contrast(color, inkOn(color))).toBeGreaterThan(4.5);
+    }
+  });
+});
+
+describe('suggested names', () => {
+  it('count on', () => {
+    expect(suggestName('pin', ['pin 1', 'Pin 7', 'pinball 9'])).toBe('pin 8');
+    expect(suggestName('a+b', ['a+b 2'])).toBe('a+b 3');
+    expect(suggestName('', [])).toBe('label 1');
+  });
+});
+
+describe('numbers', () => {
+  it('read easily', () => {
+    expect(count(1234567)).toBe('1\u2009234\u2009567');
+    expect([9999, 217088, 1234567].map(shortCount)).toEqual([
+      '9\u2009999',
+      '217\u2009k',
+      '1.23\u2009M',
+    ]);
+    expect([0.005, 0.05, 0.25, 1.5, 12].map(metres)).toEqual([
+      '0.5 cm',
+      '5.0 cm',
+      '25 cm',
+      '1.50 m',
+      '12.0 m',
+    ]);
+    expect(clock(83.4)).toBe('1:23.40');
+  });
+});

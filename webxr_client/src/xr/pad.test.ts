@@ -1,0 +1,143 @@
+import { describe, expect, it } from 'vitest';
+import { deviceFor } from './devices';
+import { readPad, Repeat, Switch } from './pad';
+import { Pressure } from './pressure';
+
+const out = { x: 0, y: 0, click: false };
+const pad = (kind: 'stick' | 'touchpad', x: number, y: number, pressed = false) => {
+  readPad(kind, x, y, pressed, out);
+  return [Math.sign(out.x), Math.sign(out.y) || 0, out.click];
+};
+
+describe('devices', () => {
+  it('know the controllers by their profile, most specific first', () => {
+    expect(deviceFor(['meta-quest-touch-plus', 'generic-trigger'], 4, false).id).toBe('touch');
+    expect(deviceFor(['htc-vive', 'generic-trigger-squeeze-touchpad'], 2, false).pad).toBe(
+      'touchpad',
+    );
+    expect(deviceFor(['generic-hand-select'], 0, true).pad).toBe('none');
+  });
+
+  it('tell unknown controllers apart by their axes', () => {
+    expect(deviceFor(['acme-wand'], 4, false).axes).toEqual([2, 3]);
+    expect(deviceFor(['acme-wand'], 2, false).axes).toEqual([0, 1]);
+  });
+});
+
+describe('a thumbstick', () => {
+  it('points where it leans most; up is positive', () => {
+    expect(pad('stick', 0.9, 0.2)).toEqual([1, 0, false]);
+    expect(pad('stick', -0.5, 0.2)).toEqual([-1, 0, false]);
+    expect(pad('stick', 0.1, -0.8)).toEqual([0, 1, false]);
+  });
+
+  it('is pressed only near the middle, and silent at rest', () => {
+    expect(pad('stick', 0.05, 0.02, true)).toEqual([0, 0, true]);
+    expect(pad('stick', 0.95, 0, true)).toEqual([1, 0, false]);
+    expect(pad('stick', 0.1, 0.1)).toEqual([0, 0, false]);
+  });
+});
+
+describe('a touchpad', () => {
+  it('has four quadrants round a middle, and only pressing counts', () => {
+    expect(pad('touchpad', 0.8, 0.1)).toEqual([0, 0, false]);
+    expect(pad('touchpad', 0.8, 0.1, true)).toEqual([1, 0, false]);
+    expect(pad('touchpad', -0.8, 0.1, true)).toEqual([-1, 0, false]);
+    expect(pad('touchpad', 0.1, -0.8, true)).toEqual([0, 1, false]);
+    expect(pad('touchpad', 0.1, 0.8, true)).toEqual([0, -1, false]);
+    expect(pad('touchpad', 0.1, 0.1, true)).toEqual([0, 0, true]);
+  });
+});
+
+describe('holding', () => {
+  it('steps once at once, then runs faster and faster', () => {
+    const repeat = new Repeat();
+    const steps: number[] = [];
+    for (let now = 0; now < 3000; now += 10) if (repeat.update(1, now) === 1) steps.push(now);
+    expect(steps[0]).toBe(0);
+    expect(steps[1]).toBeGreaterThanOrEqual(350);
+    const first = steps[2]! - steps[1]!;
+    const last = steps.at(-1)! - steps.at(-2)!;
+    expect(last).toBeLessThan(first / 2);
+  });
+
+  it('stays one step on a display of three pictures a second', () => {
+    const repeat = new Repeat();
+    const steps = [
+      repeat.update(1, 0),
+      repeat.update(1, 330),
+      repeat.update(1, 660),
+      repeat.update(0, 990),
+    ];
+    expect(steps).toEqual([1, 0, 0, 0]);
+  });
+
+  it('begins anew in the other direction', () => {
+    const repeat = new Repeat();
+    expect(repeat.update(-0.9, 0)).toBe(-1);
+    expect(repeat.update(0.9, 10)).toBe(1);
+  });
+});
+
+describe('a switch', () => {
+  it('does not flutter round its limit', () => {
+    const button = new Switch(0.6, 0.4);
+    expect([0.5, 0.65, 0.55, 0.62, 0.45, 0.39, 0.5].map((value) => button.update(value))).toEqual([
+      0, 1, 0, 0, 0, -1, 0,
+    ]);
+  });
+});
+
+describe('the trigger as pressure', () => {
+  const run = (samples: [number, number][]): number[] => {
+    const pressure = new Pressure();
+    return samples.map(([value, now]) => pressure.update(value, now));
+  };
+
+  it('paints with all of the ball after a quick full press, never with half first', () => {
+    expect(
+      run([
+        [0, 0],
+        [0.3, 10],
+        [0.6, 20],
+        [0.95, 30],
+        [0.5, 40],
+        [0.05, 50],
+      ]),
+    ).toEqual([0, 0, 0, 1, 1, 0]);
+  });
+
+  it('paints with half of it while it is held half pressed', () => {
+    expect(
+      run([
+        [0.4, 0],
+        [0.4, 40],
+        [0.4, 80],
+        [0.9, 90],
+        [0, 100],
+      ]),
+    ).toEqual([0, 0, 0.5, 1, 0]);
+  });
+
+  it('goes back to half only when it stays there', () => {
+    expect(
+      run([
+        [1, 0],
+        [0.4, 10],
+        [0.4, 100],
+        [0.4, 220],
+      ]),
+    ).toEqual([1, 1, 1, 0.5]);
+  });
+
+  it('makes a short tap a dab', () => {
+    expect(
+      run([
+        [0.4, 0],
+        [0.4, 20],
+        [0, 40],
+        [0, 60],
+      ]),
+    ).toEqual([0, 0, 0.5, 0]);
+  });
+});
