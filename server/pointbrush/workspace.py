@@ -20,7 +20,7 @@ from pointbrush.errors import (
     ForbiddenError,
     NotFoundError,
 )
-from pointbrush.formats import EXPORTS, export
+from pointbrush.formats import EXPORTS, export, source_name
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import ENDED, Job, JobRunner, Work
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
@@ -125,8 +125,7 @@ class Workspace:
         for path in paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        default = paths[0].stem if len(paths) == 1 else paths[0].parent.name
-        sequence = self.library.reserve(name or default)
+        sequence = self.library.reserve(name or source_name(paths))
         work = importing.ImportWork(
             paths=tuple(path.absolute() for path in paths),
             target=self.library.folder / sequence,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError, TooLargeError
-from pointbrush.formats import Limits, open_source, read
+from pointbrush.formats import Limits, open_source, read, source_name
 
 
 def cloud(path: Path, value: float) -> Path:
@@ -122,6 +122,25 @@ def test_the_subfolder_with_the_points_is_found(tmp_path):
     assert open_source([tmp_path / "two" / "npz"]).name == "two"
     with pytest.raises(BadInputError, match=r"one recording, got 2 folders.*one, two"):
         open_source([tmp_path])
+
+
+@pytest.mark.parametrize(
+    ("paths", "name"),
+    [
+        (["run/a.copc.laz"], "a"),
+        (["run/a.tar.gz"], "a"),
+        (["run/a.b.ply"], "a.b"),
+        (["run/*.ply"], "run"),
+        (["run/0.ply", "run/1.ply"], "run"),
+        ([f"{'0af' * 10}12/scan_08.ply", f"{'0af' * 10}12/scan_09.ply"], "scan"),
+        ([f"{'0af' * 10}12/8.ply", f"{'0af' * 10}12/9.ply"], "upload"),
+    ],
+)
+def test_names_of_recordings(tmp_path, paths, name):
+    assert source_name([tmp_path / path for path in paths]) == name
+    (tmp_path / "kitchen" / "raw" / "data").mkdir(parents=True)
+    for inner in ("kitchen", "kitchen/raw", "kitchen/raw/data"):
+        assert source_name([tmp_path / inner]) == "kitchen"
 
 
 def test_notes_beside_the_folder_with_the_points_are_no_points(tmp_path):

@@ -6,7 +6,7 @@ from pointbrush.formats.exports import EXPORTS, Export, LabeledFrame, export
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_palette
 from pointbrush.formats.registry import FORMATS, Format
-from pointbrush.formats.source import Source, open_source, read
+from pointbrush.formats.source import Source, open_source, read, source_name
 
 __all__ = [
     "EXPORTS",
@@ -21,5 +21,6 @@ __all__ = [
     "export",
     "open_source",
     "read",
+    "source_name",
     "source_palette",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
+import re
 import shutil
 import weakref
 from collections.abc import Iterator, Sequence
@@ -11,13 +12,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
-from pointbrush.formats.archive import is_archive, unpack
+from pointbrush.formats.archive import ENDINGS, is_archive, unpack
 from pointbrush.formats.folder import list_files, list_folder
 from pointbrush.formats.listing import Listing
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import natural_key, rate_of
 from pointbrush.frame import PointFrame
+
+# Folders within a recording, which say nothing about it.
+INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")
 
 
 @dataclass
@@ -97,7 +101,7 @@ def open_source(
     count = sum(c for c in counts if c is not None) if None not in counts else None
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
-    return Source(_frames(listings, options), count, fps, _name(paths, listings), temporary)
+    return Source(_frames(listings, options), count, fps, source_name(paths), temporary)
 
 
 def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:
@@ -159,14 +163,26 @@ def _listings(
     return listings
 
 
-def _name(paths: Sequence[Path], listings: list[Listing]) -> str:
+def source_name(paths: Sequence[Path]) -> str:
+    """What to call the recording at ``paths``: by its file, folder or archive, without endings.
+
+    Several files are called by their folder, or, where that has a random name (uploads), by what
+    their names have in common.
+    """
     path = Path(paths[0])
     if len(paths) > 1 or glob.has_magic(str(path)):
-        path = path.absolute().parent
-    elif path.is_dir() and path.resolve().name in ("raw", "npz", "velodyne"):
-        path = path.resolve().parent
-    name = path.resolve().name
-    for ending in (".tar.gz", ".tar.bz2", ".tar.xz", ".copc.laz", ".pcd.bin"):
-        if name.lower().endswith(ending):
-            return name[: -len(ending)]
-    return name if path.is_dir() else (Path(name).stem or listings[0].format)
+        folder = path.absolute().parent
+        stems = [Path(each).stem for each in paths]
+        # By characters, which is what this function does in spite of its name.
+        common = os.path.commonprefix(stems).rstrip("0123456789_-. ")  # noqa: RUF071
+        random_name = re.fullmatch("[0-9a-f]{32}", folder.name) is not None
+        return (common or "upload") if random_name else folder.name
+    path = path.resolve()
+    if path.is_dir():
+        while path.name.lower() in INNER and path.parent.name:
+            path = path.parent
+        return path.name
+    for ending in (*ENDINGS, ".copc.laz"):
+        if path.name.lower().endswith(ending) and len(path.name) > len(ending):
+            return path.name[: -len(ending)]
+    return path.stem
