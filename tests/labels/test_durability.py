@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import resource
 import subprocess
 import sys
 import time
@@ -119,6 +120,41 @@ def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None
     assert store.check("s") == []
     store.undo("s", "ann")
     assert (store.values("s", 0).label == before.label).all()
+    store.close()
+
+
+def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
+    path = tmp_path / "labels.sqlite"
+    store = LabelStore(f"sqlite:///{path}")
+    store.register("s", [500_000])
+    store.create_label("s", "ann", name="pin")
+    rng = np.random.default_rng(0)
+
+    def stroke(name: str) -> int:
+        points = np.flatnonzero(rng.random(500_000) < 0.2)
+        write = Write(points, label=1, provenance=1)
+        commit = store.apply(
+            "s", edit_id=name, author="ann", kind="paint", writes={0: write}, summary=""
+        )
+        return commit.revision
+
+    stroke("before")
+    before = store.values("s", 0)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    log = path.with_name("labels.sqlite-wal")
+    resource.setrlimit(resource.RLIMIT_FSIZE, (log.stat().st_size + 20_000, hard))
+    try:
+        with pytest.raises(UnavailableError):
+            stroke("after")
+        assert (store.values("s", 0).label == before.label).all()
+        assert store.find("s", "after") is None
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert stroke("after") == before.revision + 1
+    again = LabelStore(f"sqlite:///{path}")
+    assert (again.values("s", 0).label == store.values("s", 0).label).all()
+    assert again.check("s") == []
+    again.close()
     store.close()
 
 
