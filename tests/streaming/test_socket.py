@@ -332,6 +332,40 @@ def test_locked_and_unknown_labels(served: Served) -> None:
     served.workspace.delete_label("wall", "somebody", locked.id)
 
 
+def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> None:
+    label = served.workspace.create_label("wall", "somebody", name="moving").id
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.hello("Tracker")
+            await client.open("wall", frame=9)
+            await client.until("frame", frame=9, final=True)
+            await paint(client, 9, radius=0.5, label=label)
+            run_id = str(uuid.uuid4())
+            await client.send(
+                type="track", id=run_id, labels=[label], start=9, stop=11, method="icp"
+            )
+            job = await client.until("job", timeout=60, state="done")
+            assert (job["kind"], job["sequence"]) == ("tracking", "wall")
+            await client.drain(0.3)
+            tracked = [m for m in client.log if m["type"] == "annotation" and m["provisional"]]
+            assert {message["frame"] for message in tracked} <= {9, 10, 11}
+            assert tracked
+            for frame in (10, 11):
+                np.testing.assert_array_equal(
+                    client.frames[frame].values, stored_values(served, frame)
+                )
+            cells = [c for m in client.log if m["type"] == "timeline" for c in m["cells"]]
+            mine = [cell for cell in cells if cell["label"] == label and cell["frame"] == 10]
+            assert mine[-1]["confidence"] is not None
+            await client.send(type="undo", id=str(uuid.uuid4()))
+            undone = await client.until("stroke_result", final=True)
+            await settled(client, 10, undone["revision"])
+            assert not (stored_values(served, 10) == label).any()
+
+    run(scenario)
+
+
 BAD = [
     (b"", 400),
     (b"\xc1", 400),
