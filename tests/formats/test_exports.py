@@ -95,7 +95,6 @@ def test_semantickitti_bits_and_layout(tmp_path):
         points = np.fromfile(root / "velodyne" / f"{frame.stem}.bin", "<f4").reshape(-1, 4)
         label = np.fromfile(root / "labels" / f"{frame.stem}.label", "<u4")
         assert len(points) == len(label) == COUNT - DELETED
-        assert np.array_equal(points[:, :3], frame.points.xyz[DELETED:].astype(np.float32))
         assert np.array_equal(label >> 16, frame.label[DELETED:])
         category = {0: 0, 1: 1, 3: 1, 7: 2}
         assert (label & 0xFFFF).tolist() == [category[v] for v in frame.label[DELETED:].tolist()]
@@ -103,7 +102,18 @@ def test_semantickitti_bits_and_layout(tmp_path):
     assert [frame.timestamp for frame in back] == [0.0, 0.1]
     for frame, original in zip(back, frames(), strict=True):
         assert np.array_equal(frame.label, original.label[DELETED:])
-        assert np.allclose(frame.pose, np.eye(4))
+        # Far from the origin the pose carries what float32 could not.
+        world = frame.xyz.astype(float) @ frame.pose[:3, :3].T + frame.pose[:3, 3]
+        assert np.abs(world - original.points.xyz[DELETED:]).max() < 1e-6
+
+
+def test_near_coordinates_and_poses_stay_as_they_are_in_semantickitti(tmp_path):
+    near = PointFrame(xyz=np.random.default_rng(0).normal(size=(9, 3)), pose=np.eye(4))
+    zeros = np.zeros(9, np.uint16), np.zeros(9, np.uint8), np.zeros(9, bool)
+    export("semantickitti", [LabeledFrame(5, near, *zeros)], PALETTE, tmp_path / "out")
+    (frame,) = read(tmp_path / "out")
+    assert np.array_equal(frame.xyz, near.xyz.astype(np.float32))
+    assert frame.pose.tolist() == np.eye(4).tolist()
 
 
 @given(st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 65535)), min_size=1))

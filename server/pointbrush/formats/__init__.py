@@ -5,7 +5,7 @@ from __future__ import annotations
 from pointbrush.formats.exports import EXPORTS, Export, LabeledFrame, export
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_palette
-from pointbrush.formats.registry import FORMATS, Format
+from pointbrush.formats.registry import FORMATS, Format, format_names
 from pointbrush.formats.source import Source, open_source, read, source_name
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "Source",
     "SourceLabel",
     "export",
+    "format_names",
     "open_source",
     "read",
     "source_name",

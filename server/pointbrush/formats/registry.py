@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -83,8 +84,16 @@ ALIASES = {
 }
 
 
-def _with_plugins() -> dict[str, Format]:
-    formats = {entry.name: entry for entry in BUILT_IN}
+FORMATS: dict[str, Format] = {entry.name: entry for entry in BUILT_IN}
+"""Formats by name; those of plug-ins join when a format is first asked for."""
+
+
+@cache
+def load_plugins() -> None:
+    """Add the formats of plug-ins to FORMATS, once.
+
+    Not at import: a plug-in imports this package, perhaps before it is complete.
+    """
     for point in entry_points(group="pointbrush.formats"):
         # A plug-in that does not load must not take the built-in formats with it.
         try:
@@ -93,17 +102,20 @@ def _with_plugins() -> dict[str, Format]:
             log.exception("format plug-in %s could not be loaded", point.name)
             continue
         if isinstance(plugin, Format):
-            formats[plugin.name] = plugin
+            FORMATS[plugin.name] = plugin
         else:
             log.error("format plug-in %s: expected a Format, got %r", point.name, plugin)
-    return formats
 
 
-FORMATS: dict[str, Format] = _with_plugins()
+def format_names() -> list[str]:
+    """Every name that ``format_named`` takes, those of plug-ins too."""
+    load_plugins()
+    return sorted({*FORMATS, *ALIASES})
 
 
 def format_named(name: str) -> Format:
     """The format called ``name``; raises BadInputError listing what there is."""
+    load_plugins()
     key = name.lower().lstrip(".")
     key = ALIASES.get(key, key)
     if key not in FORMATS:
@@ -113,6 +125,7 @@ def format_named(name: str) -> Format:
 
 def format_by_name(path: Path) -> Format | None:
     """The format that a file's ending tells; the longest ending wins (``.copc.laz``)."""
+    load_plugins()
     lower = path.name.lower()
     matches = [
         (len(extension), entry)

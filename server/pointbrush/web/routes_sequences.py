@@ -16,7 +16,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import FORMATS
+from pointbrush.formats import format_names
 from pointbrush.jobs import Job
 from pointbrush.settings import Settings
 from pointbrush.streaming.encoding import describe
@@ -89,7 +89,7 @@ IMPORT_BODY: dict[str, Any] = {
                         },
                         "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
                         "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
-                        "format": {"type": "string", "enum": sorted(FORMATS)},
+                        "format": {"type": "string", "enum": format_names()},
                     },
                 }
             },

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from pointbrush.formats import FORMATS
+from pointbrush.formats import format_names
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit, EditInfo
 from pointbrush.sequences import Manifest
@@ -105,7 +105,7 @@ class ImportBody(Body):
     path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
-    format: Annotated[str, Field(pattern=one_of(FORMATS))] | None = None
+    format: Annotated[str, Field(pattern=one_of(format_names()))] | None = None
     drop_invalid: bool = False
 
 

@@ -2,6 +2,9 @@
 
 A ``.label`` entry is a uint32: the category number in the lower 16 bits, the label id in the
 upper 16.  ``.bin`` and ``.label`` have the same points; deleted ones are in neither.
+
+``.bin`` holds float32: coordinates far from the origin (UTM) would lose centimetres, so that they
+are written relative to a shift, which the poses undo.
 """
 
 from __future__ import annotations
@@ -17,23 +20,28 @@ from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.kitti import pack_label
 
 ROOT = "sequences/00"
+# Beyond this distance the step of a float32 exceeds a millimetre.
+FAR = 8192.0
 
 
 def write_semantickitti(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
     """``sequences/00/velodyne/NNNNNN.bin`` and ``labels/NNNNNN.label``, palette at the top."""
     poses: list[NDArray[np.float64] | None] = []
     times: list[float | None] = []
+    shift: NDArray[np.float64] | None = None
     for frame in frames:
         keep, label = frame.keep, frame.label[frame.keep]
+        if shift is None and len(keep):
+            shift = _shift(frame.points.xyz)
         records = np.zeros((len(keep), 4), "<f4")
-        records[:, :3] = frame.points.xyz[keep]
+        records[:, :3] = frame.points.xyz[keep] - (0.0 if shift is None else shift)
         if frame.points.intensity is not None:
             records[:, 3] = frame.points.intensity[keep]
         with output.file(f"{ROOT}/velodyne/{frame.stem}.bin") as file:
             file.write(records.tobytes())
         with output.file(f"{ROOT}/labels/{frame.stem}.label") as file:
             file.write(pack_label(palette.category(label), label).tobytes())
-        poses.append(frame.points.pose)
+        poses.append(_shifted(frame.points.pose, shift))
         times.append(frame.points.timestamp)
     _write_lines(
         "poses.txt", [None if pose is None else pose[:3].ravel() for pose in poses], output
@@ -44,6 +52,24 @@ def write_semantickitti(frames: Iterable[LabeledFrame], palette: Palette, output
         with output.file(f"{ROOT}/calib.txt") as file:
             file.write(b"Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
     write_palette(palette, output)
+
+
+def _shift(xyz: NDArray[np.float32] | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Whole metres to subtract from all frames: (3,), zero unless points are far away."""
+    if xyz.dtype == np.float32 or float(np.abs(xyz).max()) < FAR:
+        return np.zeros(3)
+    return np.asarray(np.floor(xyz.mean(axis=0)), np.float64)
+
+
+def _shifted(
+    pose: NDArray[np.float64] | None, shift: NDArray[np.float64] | None
+) -> NDArray[np.float64] | None:
+    """The pose of points that were written relative to ``shift``."""
+    if shift is None or not shift.any():
+        return pose
+    T_frame_shifted = np.eye(4)
+    T_frame_shifted[:3, 3] = shift
+    return T_frame_shifted if pose is None else pose @ T_frame_shifted
 
 
 def _write_lines(
