@@ -56,6 +56,7 @@ class Room:
         self._start = 0
         self._tables: OrderedDict[int, FrameTable] = OrderedDict()
         self._palette_stale = self._tracks_stale = False
+        self._refreshing = asyncio.Lock()
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
@@ -188,12 +189,14 @@ class Room:
 
     async def refresh(self) -> None:
         """Read palette and tracks again if a commit changed them."""
-        if self._palette_stale:
-            self._palette_stale = False
-            self.palette = await self._run(self.workspace.store.palette, self.id)
-        if self._tracks_stale:
-            self._tracks_stale = False
-            self.tracks = by_cell(await self._run(self.workspace.store.tracks, self.id))
+        # While one viewer's task reads, the others must wait: what is here is still the old.
+        async with self._refreshing:
+            if self._palette_stale:
+                self._palette_stale = False
+                self.palette = await self._run(self.workspace.store.palette, self.id)
+            if self._tracks_stale:
+                self._tracks_stale = False
+                self.tracks = by_cell(await self._run(self.workspace.store.tracks, self.id))
 
     async def labels_message(self, author: str) -> bytes:
         """The palette, its counts, and what this author can take back."""

@@ -89,12 +89,13 @@ class Sender:
         if room is None or pause is None or pause > 0:
             return
         self._states_time = session.now()
-        await room.refresh()
-        if outbox.labels:
-            outbox.labels = False
-            await session.send(await room.labels_message(session.author))
+        # Cleared first: what changes while we read is sent the next time.
+        labels, outbox.labels = outbox.labels, False
         cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
+        await room.refresh()
+        if labels:
+            await session.send(await room.labels_message(session.author))
         if cells is None or cells:
             await session.send(await room.timeline_message(cells))
 
