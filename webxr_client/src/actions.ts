@@ -97,7 +97,8 @@ export interface Actions {
   dismissNotice(id: number): void;
 
   // headset
-  enterVR(): Promise<void>;
+  /** `passthrough`: the real room stays in sight. */
+  enterVR(passthrough?: boolean): Promise<void>;
   exitVR(): Promise<void>;
 }
 

@@ -1,8 +1,12 @@
 /** Who else is here, and whether the server is. */
+import { signal } from '@preact/signals';
 import { state, type Person } from '../state';
 import { inkOn } from './colors';
 
 const SHOWN = 4;
+
+/** The person through whose eyes one looks, or null. */
+export const following = signal<string | null>(null);
 
 export function People() {
   const people = state.people.value;
@@ -23,14 +27,21 @@ export function People() {
 
 function PersonBadge({ person }: { person: Person }) {
   const where = `on frame ${person.frame}${person.head ? ', in a headset' : ''}`;
+  const on = following.value === person.viewer;
+  const can = person.head ? (on ? ': look for yourself again' : ': see what they see') : '';
   return (
-    <li
-      class="person"
-      style={{ '--color': person.color, '--ink': inkOn(person.color) }}
-      data-tip={`${nameOf(person)}, ${where}`}
-    >
-      {initials(nameOf(person))}
-      <span class="visually-hidden">{where}</span>
+    <li>
+      <button
+        type="button"
+        class="person"
+        style={{ '--color': person.color, '--ink': inkOn(person.color) }}
+        aria-pressed={on}
+        aria-label={`${nameOf(person)}, ${where}`}
+        data-tip={`${nameOf(person)}, ${where}${can}`}
+        onClick={() => (following.value = on || !person.head ? null : person.viewer)}
+      >
+        {initials(nameOf(person))}
+      </button>
     </li>
   );
 }

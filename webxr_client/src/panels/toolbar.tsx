@@ -190,19 +190,27 @@ function VrButton() {
       <Button icon="exit" label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
     );
   }
+  const starting = session === 'starting';
   return (
-    <Button
-      icon="headset"
-      label="Enter VR"
-      kind="primary"
-      tip={
-        passthrough
-          ? 'Step into the recording; the room around you can stay visible'
-          : 'Step into the recording'
-      }
-      disabled={session === 'starting'}
-      onClick={() => void actions.enterVR()}
-    />
+    <div class="group">
+      <Button
+        icon="headset"
+        label="Enter VR"
+        kind="primary"
+        tip="Step into the recording"
+        disabled={starting}
+        onClick={() => void actions.enterVR()}
+      />
+      {passthrough && (
+        <Button
+          icon="eye"
+          kind="outlined"
+          tip="Step in with the real room in sight"
+          disabled={starting}
+          onClick={() => void actions.enterVR(true)}
+        />
+      )}
+    </div>
   );
 }
 

@@ -5,39 +5,25 @@
 import { effect } from '@preact/signals';
 import { Quaternion, Vector3 } from 'three';
 import { actions } from '../actions';
-import { viewOf } from '../desktop/framing';
 import type { Engine } from '../engine/engine';
 import { isActive, notify, state } from '../state';
+import { Body } from './body';
 import { Buttons } from './buttons';
 import { Hand } from './hand';
-import { BUMP, BUTTON_TICK, FRAME_TICK, type Pulse } from './haptics';
+import { BUMP, FRAME_TICK, type Pulse } from './haptics';
 import { Hud } from './hud';
 import { Locomotion } from './locomotion';
-import { controllerModel, disposeModel, HandModel, Ray } from './model';
 import { Painter } from './painter';
 import { PalettePanel } from './palette-panel';
 import type { Panel } from './panel';
 import { Place } from './place';
-import { nearest } from './nearest';
 import { Presence } from './presence';
 import { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
 import { TimelinePanel } from './timeline-panel';
-import { Lessons, Tips } from './tips';
+import { layLow, standBefore } from './standing';
+import { Lessons } from './tips';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
-
-/** One stands so far before the nearest things, metres. */
-const ARM = 0.9;
-
-interface Body {
-  readonly hand: Hand;
-  readonly tips: Tips;
-  readonly ray: Ray;
-  model: ReturnType<typeof controllerModel> | null;
-  joints: HandModel | null;
-  /** The panel that its ray is on. */
-  on: Panel | null;
-}
 
 export class Cockpit {
   readonly rig = new Rig();
@@ -58,6 +44,7 @@ export class Cockpit {
   private readonly undo: (() => void)[] = [];
   private readonly headTurn = new Quaternion();
   private readonly panels: readonly Panel[];
+  private readonly farPanels: readonly Panel[];
   private standing = false;
   private last = -1;
   private frame = -1;
@@ -79,17 +66,11 @@ export class Cockpit {
       reset: () => this.reset(),
     });
     this.panels = [this.palette, this.timeline];
+    this.farPanels = [this.timeline];
     this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
     this.hud = new Hud();
     this.presence = new Presence(engine.link);
-    this.bodies = [this.hands.left, this.hands.right].map((hand) => ({
-      hand,
-      tips: new Tips(this.lessons),
-      ray: new Ray(),
-      model: null,
-      joints: null,
-      on: null,
-    }));
+    this.bodies = [this.hands.left, this.hands.right].map((hand) => new Body(hand, this.lessons));
     this.assemble();
     this.listen();
   }
@@ -109,10 +90,7 @@ export class Cockpit {
     group.position.y = this.height;
     viewer.scene.add(group);
     group.add(viewer.camera, this.timeline.mesh, this.hud.group);
-    for (const { hand, ray } of this.bodies) {
-      group.add(hand.grip);
-      viewer.scene.add(ray.line);
-    }
+    for (const body of this.bodies) body.addTo(viewer.scene, group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
     this.holdPalette();
@@ -125,7 +103,7 @@ export class Cockpit {
     this.palette.mesh.position.set(side * 0.1, 0.13, -0.09);
     this.palette.mesh.rotation.set(-0.75, 0, 0);
     hand.grip.add(this.palette.mesh);
-    for (const body of this.bodies) body.tips.set(body.hand, body.hand === this.brushHand);
+    for (const body of this.bodies) body.explain(body.hand === this.brushHand);
   }
 
   private listen(): void {
@@ -138,8 +116,8 @@ export class Cockpit {
       undo.push(() => session.removeEventListener(type, run as EventListener));
     };
     on('inputsourceschange', (event) => this.sources(event.added, event.removed));
-    on('selectstart', (event) => this.handOf(event.inputSource)?.select(true));
-    on('selectend', (event) => this.handOf(event.inputSource)?.select(false));
+    on('selectstart', (event) => this.bodyOf(event.inputSource)?.hand.select(true));
+    on('selectend', (event) => this.bodyOf(event.inputSource)?.hand.select(false));
     on('visibilitychange', () => {
       if (session.visibilityState !== 'visible') this.painter.finish();
     });
@@ -171,45 +149,24 @@ export class Cockpit {
     });
   }
 
-  private handOf(source: XRInputSource): Hand | null {
-    return Object.values(this.hands).find((hand) => hand.source === source) ?? null;
+  private bodyOf(source: XRInputSource): Body | undefined {
+    return this.bodies.find(({ hand }) => hand.source === source);
   }
 
   private sources(added: readonly XRInputSource[], removed: readonly XRInputSource[]): void {
     for (const source of removed) {
-      const body = this.bodies.find(({ hand }) => hand.source === source);
+      const body = this.bodyOf(source);
       if (!body) continue;
       if (body.hand === this.brushHand) this.painter.finish();
-      this.strip(body);
-      body.hand.detach();
+      body.strip();
       this.hud.say(`The ${body.hand.side} controller is away`);
     }
     for (const source of added) {
       if (source.targetRayMode !== 'tracked-pointer') continue;
       const side: Side = source.handedness === 'left' ? 'left' : 'right';
       const body = this.bodies.find(({ hand }) => hand.side === side)!;
-      this.strip(body);
-      body.hand.attach(source);
-      this.dress(body, source);
+      body.dress(source, body.hand === this.brushHand, this.rig.group);
     }
-  }
-
-  private dress(body: Body, source: XRInputSource): void {
-    if (source.hand) {
-      body.joints = new HandModel(source.hand);
-      this.rig.group.add(body.joints.mesh);
-    } else {
-      body.model = controllerModel(body.hand.device!);
-      body.hand.grip.add(body.model);
-    }
-    body.tips.set(body.hand, body.hand === this.brushHand);
-  }
-
-  private strip(body: Body): void {
-    if (body.model) disposeModel(body.model);
-    body.joints?.dispose();
-    body.model = body.joints = null;
-    body.tips.clear();
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────
@@ -226,11 +183,15 @@ export class Cockpit {
     const { matrixWorld } = this.rig.group;
     left.update(frame, space, matrixWorld);
     right.update(frame, space, matrixWorld);
-    for (const { joints } of this.bodies) joints?.update(frame, space);
+    for (const body of this.bodies) body.joints?.update(frame, space);
     this.rig.group.updateMatrixWorld(true);
     this.moveWorld();
     this.place.update();
-    this.pointAtPanels();
+    for (const body of this.bodies) {
+      const brush = body.hand === this.brushHand;
+      // The hand that holds the palette cannot point at it.
+      body.point(brush ? this.panels : this.farPanels, brush ? this.painter : null);
+    }
     this.buttons.update(this.brushHand, this.otherHand, seconds, now);
     this.locomotion.update(this.otherHand, seconds);
     this.paint(now);
@@ -242,40 +203,17 @@ export class Cockpit {
     this.hud.update(this.rig, seconds, now);
   }
 
-  /** Before the recording's middle, where the sensor looked. */
   private stand(): void {
     const frame = this.engine.playback.frame;
-    if (!frame) return;
+    if (!frame || !standBefore(frame, this.engine.viewer.room.matrix, this.rig)) return;
     this.standing = true;
-    const { viewer } = this.engine;
-    const seen = viewOf('sensor', frame, viewer.room.matrix, 60, 1);
-    if (!seen) return;
-    const way = seen.target.clone().sub(seen.eye).setY(0);
-    const length = way.length();
-    way.normalize();
-    const near = nearest(frame, viewer.room.matrix, seen.eye, way);
-    const ahead = Math.max(0, Math.min(length, near) - ARM);
-    this.rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
-    this.placeTimeline();
-  }
-
-  /** The timeline stands at arm's length, low, and leans back. */
-  private placeTimeline(): void {
-    const { mesh } = this.timeline;
-    const { headInRig } = this.rig;
-    const yaw = Math.atan2(-this.rig.ahead.x, -this.rig.ahead.z) - this.rig.group.rotation.y;
-    mesh.rotation.set(-0.65, yaw, 0, 'YXZ');
-    mesh.position.set(
-      headInRig.x - Math.sin(yaw) * 0.72,
-      Math.max(0.55, headInRig.y - 0.62),
-      headInRig.z - Math.cos(yaw) * 0.72,
-    );
+    layLow(this.timeline.mesh, this.rig);
   }
 
   private toggleTimeline(): void {
     const { mesh } = this.timeline;
     mesh.visible = !mesh.visible;
-    if (mesh.visible) this.placeTimeline();
+    if (mesh.visible) layLow(mesh, this.rig);
   }
 
   private moveWorld(): void {
@@ -290,34 +228,6 @@ export class Cockpit {
     if (this.grab.active && !was) this.lessons.done('grab');
     // The ball keeps its size in the hand.
     if (grown !== 1) actions.setRadius(state.brush.peek().radius / grown);
-  }
-
-  private pointAtPanels(): void {
-    for (const body of this.bodies) {
-      const { hand } = body;
-      const held = body.on?.held ? body.on : null;
-      let nearest: Panel | null = null;
-      let distance = Infinity;
-      for (const panel of this.panels) {
-        if (held && panel !== held) continue;
-        // The hand that holds the palette cannot point at it.
-        if (!hand.tracked || (panel === this.palette && hand === this.otherHand)) continue;
-        const away = panel.meet(hand.origin, hand.direction);
-        if (away < 0 || away >= distance) continue;
-        nearest = panel;
-        distance = away;
-      }
-      const busy = hand === this.brushHand && this.painter.painting;
-      if (busy) nearest = null;
-      if (body.on && body.on !== nearest) body.on.leave();
-      body.on = nearest;
-      if (nearest) {
-        nearest.meet(hand.origin, hand.direction);
-        if (nearest.point(hand.edge.click)) this.feel(hand, BUTTON_TICK);
-      }
-      const reach = hand === this.brushHand ? this.painter.reach : -1;
-      body.ray.show(hand.origin, hand.direction, nearest ? distance : hand.tracked ? reach : -1);
-    }
   }
 
   private paint(now: number): void {
@@ -387,10 +297,7 @@ export class Cockpit {
     this.presence.gone();
     this.painter.dispose();
     this.locomotion.dispose();
-    for (const body of this.bodies) {
-      this.strip(body);
-      body.ray.dispose();
-    }
+    for (const body of this.bodies) body.dispose();
     for (const panel of this.panels) panel.dispose();
     this.hud.dispose();
     viewer.camera.removeFromParent();

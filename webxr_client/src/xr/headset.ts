@@ -18,7 +18,10 @@ export class Headset {
   private leaving = false;
 
   constructor(private readonly engine: Engine) {
-    bindActions({ enterVR: () => this.enter(), exitVR: () => this.exit() });
+    bindActions({
+      enterVR: (passthrough) => this.enter(passthrough ? 'immersive-ar' : 'immersive-vr'),
+      exitVR: () => this.exit(),
+    });
     const { xr } = navigator;
     if (!xr) {
       patch(state.xr, { supported: false });
@@ -68,12 +71,6 @@ export class Headset {
     viewer.backdrop.showSky(mode === 'immersive-vr');
     this.cockpit = new Cockpit(this.engine, session, floor ? 0 : 1.2, mode);
     patch(state.xr, { session: 'running', detail: '' });
-  }
-
-  /** Enter with the real room in sight, or without it. */
-  async switchTo(mode: Mode): Promise<void> {
-    await this.exit();
-    await this.enter(mode);
   }
 
   async exit(): Promise<void> {

@@ -1,5 +1,6 @@
 /** The headset: sessions on request, and the others in the room. */
 import type { Engine } from '../engine/engine';
+import { followPeople } from './follow';
 import { Headset } from './headset';
 import { installHeadsetHook } from './hook';
 import { People } from './people';
@@ -9,6 +10,7 @@ export function installHeadset(engine: Engine): Headset {
   const headset = new Headset(engine);
   installHeadsetHook(engine, headset);
   const { viewer } = engine;
+  followPeople(engine);
   const people = new People(viewer.world, () => viewer.invalidate());
   viewer.ticks.add(() => people.face(headset.cockpit?.rig.head ?? viewer.camera.position));
   return headset;

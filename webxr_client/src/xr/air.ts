@@ -1,0 +1,118 @@
+/** Shapes drawn in the air: a lasso, or a box by its corners or between both hands. */
+import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Line, LineBasicMaterial, Matrix4, Quaternion, Vector3 } from 'three'; // prettier-ignore
+import type { Viewer } from '../cloud/viewer';
+import type { Brush, SequenceInfo } from '../protocol/messages';
+import type { Hand } from './hand';
+import { AirLasso } from './lasso';
+import type { Place } from './place';
+
+const CORNERS = 4000;
+const SMALLEST = 0.005;
+/** Twelve edges as one line; bits choose between the corners' x, y and z. */
+const BOX_PATH = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4] as const;
+
+export type AirWay = 'lasso' | 'box';
+
+export class AirShape {
+  readonly line: Line<BufferGeometry, LineBasicMaterial>;
+  private way: AirWay = 'lasso';
+  private readonly lasso = new AirLasso();
+  private readonly start = new Vector3();
+  private readonly from = new Vector3();
+  private readonly to = new Vector3();
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly place: Place,
+  ) {
+    const geometry = new BufferGeometry();
+    const corners = new Float32BufferAttribute(new Float32Array(3 * CORNERS), 3);
+    geometry.setAttribute('position', corners.setUsage(DynamicDrawUsage));
+    this.line = new Line(geometry, new LineBasicMaterial({ depthTest: false, transparent: true }));
+    this.line.frustumCulled = false;
+    this.line.renderOrder = 96;
+    this.line.visible = false;
+  }
+
+  begin(way: AirWay, tip: Vector3): void {
+    this.way = way;
+    this.lasso.begin();
+    this.start.copy(tip);
+    this.from.copy(tip);
+    this.to.copy(tip);
+  }
+
+  go(tip: Vector3, other: Hand): void {
+    if (this.way === 'box') this.stretch(tip, other);
+    else if (this.lasso.add(tip)) this.drawLast(tip);
+  }
+
+  /** Between both hands while the other trigger is held too; else from where one began. */
+  private stretch(tip: Vector3, other: Hand): void {
+    const two = other.tracked && other.trigger >= 0.5;
+    this.from.copy(two ? other.origin : this.start);
+    if (two) this.from.addScaledVector(other.direction, other.device?.tip ?? 0);
+    this.to.copy(tip);
+    this.drawBox();
+  }
+
+  hide(): void {
+    this.line.visible = false;
+  }
+
+  /** What a stroke of this shape says besides its brush; null when it encloses nothing. */
+  end(eye: Vector3, info: SequenceInfo): Partial<Brush> | null {
+    if (this.way === 'lasso') return this.lasso.end(eye, this.place.localFromScene, info);
+    return this.box(info);
+  }
+
+  /** The box lies along the room's axes. */
+  private box(info: SequenceInfo): Partial<Brush> {
+    const { world, room } = this.viewer;
+    const one = world.worldToLocal(this.from.clone());
+    const other = world.worldToLocal(this.to.clone());
+    const size = other.clone().sub(one);
+    const localFromRoom = new Matrix4().copy(room.matrix).invert();
+    const { x, y, z } = one.add(other).multiplyScalar(0.5).applyMatrix4(localFromRoom);
+    const edge = (length: number): number => Math.max(SMALLEST, Math.abs(length));
+    return {
+      center: [x + info.shift[0], y + info.shift[1], z + info.shift[2]],
+      size: [edge(size.x), edge(size.y), edge(size.z)],
+      quaternion: new Quaternion().setFromRotationMatrix(localFromRoom).toArray(),
+    };
+  }
+
+  private drawLast(tip: Vector3): void {
+    const end = this.lasso.corners.length / 3 - 1;
+    if (end >= CORNERS) return;
+    this.line.geometry.getAttribute('position').setXYZ(end, tip.x, tip.y, tip.z);
+    this.shown(end + 1);
+  }
+
+  private drawBox(): void {
+    const { from, to } = this;
+    const corners = this.line.geometry.getAttribute('position');
+    for (let i = 0; i < BOX_PATH.length; i++) {
+      const bits = BOX_PATH[i]!;
+      corners.setXYZ(
+        i,
+        bits & 1 ? to.x : from.x,
+        bits & 2 ? to.y : from.y,
+        bits & 4 ? to.z : from.z,
+      );
+    }
+    this.shown(BOX_PATH.length);
+  }
+
+  private shown(count: number): void {
+    this.line.geometry.getAttribute('position').needsUpdate = true;
+    this.line.geometry.setDrawRange(0, count);
+    this.line.visible = count > 1;
+  }
+
+  dispose(): void {
+    this.line.removeFromParent();
+    this.line.geometry.dispose();
+    this.line.material.dispose();
+  }
+}

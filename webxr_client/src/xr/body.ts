@@ -1,0 +1,84 @@
+/** What one sees of a hand: its model, its ray, its tips; and the panel that it points at. */
+import type { Group, Object3D } from 'three';
+import type { Hand } from './hand';
+import { BUTTON_TICK } from './haptics';
+import { controllerModel, disposeModel, HandModel, Ray } from './model';
+import type { Painter } from './painter';
+import type { Panel } from './panel';
+import { Tips, type Lessons } from './tips';
+
+export class Body {
+  readonly tips: Tips;
+  joints: HandModel | null = null;
+  /** The panel that its ray is on. */
+  on: Panel | null = null;
+  private readonly ray = new Ray();
+  private model: Group | null = null;
+
+  constructor(
+    readonly hand: Hand,
+    lessons: Lessons,
+  ) {
+    this.tips = new Tips(lessons);
+  }
+
+  addTo(scene: Object3D, rig: Object3D): void {
+    rig.add(this.hand.grip);
+    scene.add(this.ray.line);
+  }
+
+  /** A controller or hand has come. */
+  dress(source: XRInputSource, paints: boolean, rig: Object3D): void {
+    this.strip();
+    this.hand.attach(source);
+    if (source.hand) {
+      this.joints = new HandModel(source.hand);
+      rig.add(this.joints.mesh);
+    } else {
+      this.model = controllerModel(this.hand.device!);
+      this.hand.grip.add(this.model);
+    }
+    this.explain(paints);
+  }
+
+  explain(paints: boolean): void {
+    this.tips.set(this.hand, paints);
+  }
+
+  /** It has gone. */
+  strip(): void {
+    if (this.model) disposeModel(this.model);
+    this.joints?.dispose();
+    this.model = this.joints = null;
+    this.tips.clear();
+    this.hand.detach();
+  }
+
+  /** Let the ray meet the panels; a held one keeps it. `painter`: what this hand paints with. */
+  point(panels: readonly Panel[], painter: Painter | null): void {
+    const { hand } = this;
+    const held = this.on?.held ? this.on : null;
+    let nearest: Panel | null = null;
+    let distance = Infinity;
+    const free = hand.tracked && !painter?.painting;
+    for (const panel of panels) {
+      if (!free || (held && panel !== held)) continue;
+      const away = panel.meet(hand.origin, hand.direction);
+      if (away < 0 || away >= distance) continue;
+      nearest = panel;
+      distance = away;
+    }
+    if (this.on && this.on !== nearest) this.on.leave();
+    this.on = nearest;
+    if (nearest?.point(hand.edge.click)) {
+      hand.pulse(BUTTON_TICK.strength, BUTTON_TICK.milliseconds);
+    }
+    const reach = painter && hand.tracked ? painter.reach : -1;
+    this.ray.show(hand.origin, hand.direction, nearest ? distance : reach);
+  }
+
+  dispose(): void {
+    this.strip();
+    this.ray.dispose();
+  }
+}

@@ -1,0 +1,66 @@
+/** Where one stands at first, and where the timeline lies. */
+import { Vector3, type Matrix4, type Object3D } from 'three';
+import type { CloudFrame } from '../cloud/frame';
+import { viewOf } from '../desktop/framing';
+import type { Rig } from './rig';
+
+const SAMPLES = 3000;
+/** Half the width of the way ahead, and what stands on it: higher than a floor, lower than a lamp. */
+const ASIDE = 1.2;
+const [LOW, HIGH] = [0.3, 2];
+/** Stray points do not count. */
+const PART = 0.05;
+
+/** Metres from `eye` along a level `way` to the nearest things at body height, in the room. */
+function nearest(frame: CloudFrame, room: Matrix4, eye: Vector3, way: Vector3): number {
+  const piece = frame.pieces[0];
+  if (!piece) return 0;
+  const at = new Vector3();
+  const found: number[] = [];
+  const step = Math.max(1, Math.floor(piece.count / SAMPLES));
+  const { origin, scale, words } = piece;
+  for (let i = 0; i < piece.count; i += step) {
+    at.fromArray(words, 6 * i);
+    at.set(at.x * scale[0] + origin[0], at.y * scale[1] + origin[1], at.z * scale[2] + origin[2]);
+    at.applyMatrix4(room);
+    if (at.y < LOW || at.y > HIGH) continue;
+    at.sub(eye).setY(0);
+    const along = at.dot(way);
+    if (along > 0.2 && at.addScaledVector(way, -along).length() < ASIDE) found.push(along);
+  }
+  found.sort((a, b) => a - b);
+  return found[Math.floor(PART * found.length)] ?? 0;
+}
+
+/** One stands so far before the nearest things, metres. */
+const ARM = 0.9;
+
+/** Stand on the sensor's line of sight, within reach of what it saw; false without points. */
+export function standBefore(frame: CloudFrame, room: Matrix4, rig: Rig): boolean {
+  const seen = viewOf('sensor', frame, room, 60, 1);
+  if (!seen) return false;
+  const way = seen.target.clone().sub(seen.eye).setY(0);
+  const length = way.length();
+  way.normalize();
+  const near = nearest(frame, room, seen.eye, way);
+  const ahead = Math.max(0, Math.min(length, near) - ARM);
+  rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
+  return true;
+}
+
+const LENGTH = 0.75;
+const BELOW = 0.62;
+const LOWEST = 0.55;
+const LEAN = -0.65;
+
+/** Lay a panel before the person, at arm's length and low, leaning back. */
+export function layLow(panel: Object3D, rig: Rig): void {
+  const { headInRig, ahead, group } = rig;
+  const yaw = Math.atan2(-ahead.x, -ahead.z) - group.rotation.y;
+  panel.rotation.set(LEAN, yaw, 0, 'YXZ');
+  panel.position.set(
+    headInRig.x - Math.sin(yaw) * LENGTH,
+    Math.max(LOWEST, headInRig.y - BELOW),
+    headInRig.z - Math.cos(yaw) * LENGTH,
+  );
+}
