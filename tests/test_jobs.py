@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -127,6 +130,25 @@ def test_a_worker_that_dies_fails_its_job_and_the_next_one_runs(
 def test_unknown_jobs_are_not_found(runner: JobRunner) -> None:
     with pytest.raises(NotFoundError):
         runner.job("nothing")
+
+
+def test_workers_end_when_the_server_is_killed() -> None:
+    script = (
+        "import os, sys, time\n"
+        "from pointbrush.jobs import JobRunner\n"
+        "runner = JobRunner(print, workers=1)\n"
+        "future = runner._submit(os.getpid)\n"
+        "print(future.result(), flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE) as server:
+        assert server.stdout is not None
+        worker = int(server.stdout.readline())
+        server.kill()
+    deadline = time.monotonic() + 30
+    while Path(f"/proc/{worker}").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not Path(f"/proc/{worker}").exists()
 
 
 def test_close_cancels_what_runs(seen: Seen) -> None:
