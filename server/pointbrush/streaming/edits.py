@@ -36,8 +36,8 @@ EDITS = (
     messages.Redo,
     messages.Track,
 )
-WAITING = 64
-"""Edits that may wait; a viewer that sends faster is read more slowly."""
+WAITING, WAITING_BYTES = 64, 1 << 20
+"""Edits that may wait, and their bytes; a viewer that sends faster is read more slowly."""
 LIVE_STROKES = 8
 EDITORS = ("annotator", "reviewer", "admin")
 
@@ -47,23 +47,36 @@ class Editor:
 
     def __init__(self, session: ViewerSession) -> None:
         self._session = session
-        self._queue: asyncio.Queue[Edit] = asyncio.Queue(WAITING)
+        self._queue: asyncio.Queue[tuple[Edit, int]] = asyncio.Queue(WAITING)
+        self._bytes, self._fewer = 0, asyncio.Event()
         self._live: dict[str, LiveStroke | Commit] = {}
         self._refused: dict[str, None] = {}
 
-    async def put(self, edit: Edit) -> None:
-        """Queue an edit; waits while too many are queued."""
-        await self._queue.put(edit)
+    async def put(self, edit: Edit, nbytes: int) -> None:
+        """Queue an edit that came as ``nbytes``; waits while too much is queued."""
+        while self._bytes >= WAITING_BYTES:
+            self._fewer.clear()
+            await self._fewer.wait()
+        self._bytes += nbytes
+        await self._queue.put((edit, nbytes))
 
     async def run(self) -> None:
         """Apply edits until cancelled."""
         while True:
-            edit = await self._queue.get()
+            edit, nbytes = await self._queue.get()
             try:
                 await self._apply(edit)
             except PointbrushError as error:
                 self._drop(edit)
                 self._session.refuse(error, edit.id)
+            finally:
+                self._bytes -= nbytes
+                self._fewer.set()
+                self._queue.task_done()
+
+    async def idle(self) -> None:
+        """Wait until every edit that was put has been answered."""
+        await self._queue.join()
 
     def _drop(self, edit: Edit) -> None:
         self._live.pop(edit.id, None)

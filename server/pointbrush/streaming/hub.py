@@ -72,6 +72,14 @@ class Hub:
         finally:
             unsubscribe()
 
+    async def drain(self, seconds: float) -> None:
+        """Answer the edits that viewers have sent; hear no new ones.  Gives up after a time."""
+        answers = [asyncio.create_task(viewer.drain()) for viewer in self.viewers]
+        if answers:
+            _, late = await asyncio.wait(answers, timeout=seconds)
+            for task in late:
+                task.cancel()
+
     async def read(self, function: Callable[..., T], *args: Any) -> T:
         """Run something short that reads, in a thread."""
         return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)

@@ -57,6 +57,7 @@ class ViewerSession:
         self.wanted: tuple[int, list[int]] | None = None
         self.resumed = False
         self.closing = asyncio.Event()
+        self._editor, self._deaf = Editor(self), False
         self._handlers: dict[type, Callable[[Any], Awaitable[None]]] = {
             messages.Hello: self._hello,
             messages.Open: self._open,
@@ -74,12 +75,10 @@ class ViewerSession:
     async def run(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
         """Serve until ``receive`` gives None, the link breaks, or the server closes."""
         self.hub.join(self)
-        editor, sender = Editor(self), Sender(self)
-        self._editor = editor
         tasks = [
             asyncio.create_task(self._listen(receive)),
-            asyncio.create_task(editor.run()),
-            asyncio.create_task(sender.run()),
+            asyncio.create_task(self._editor.run()),
+            asyncio.create_task(Sender(self).run()),
             asyncio.create_task(self.closing.wait()),
         ]
         try:
@@ -93,12 +92,21 @@ class ViewerSession:
                 await asyncio.gather(*tasks, return_exceptions=True)
             self.hub.leave(self)
 
+    async def drain(self) -> None:
+        """Hear nothing more and answer what was heard: the server is about to stop."""
+        self._deaf = True
+        await self._editor.idle()
+        while self.outbox.replies:
+            await asyncio.sleep(0.005)
+
     def close(self) -> None:
         """End the session: the server stops."""
         self.closing.set()
 
     async def _listen(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
         while (data := await receive()) is not None:
+            if self._deaf:
+                continue  # not answered, so that the page sends it again to the next server
             await self.receive(data)
             while self.outbox.crowded:
                 # Who does not read its answers is not heard until it does.
@@ -111,7 +119,7 @@ class ViewerSession:
             message = decode(data)
             about = getattr(message, "id", None)
             if isinstance(message, EDITS):
-                await self._editor.put(message)
+                await self._editor.put(message, len(data))
             else:
                 await self._handlers[type(message)](message)
         except PointbrushError as error:
