@@ -113,6 +113,7 @@ class Model:
         provenance: int | None,
         deleted: bool | None,
         only: str = "any",
+        living: bool | None = None,
         tracks: dict[tuple[int, int], Any] | None = None,
     ) -> None:
         palette = self.palette()
@@ -129,6 +130,8 @@ class Model:
             if now[0] and palette[now[0]]["locked"]:
                 continue
             if (only == "unlabeled" and now[0]) or (only == "not_painted" and now[1] == 1):
+                continue
+            if living is not None and now[2] == living:
                 continue
             mark = raw.get(point, Mark(0, 0))
             if label is not None or provenance is not None:

@@ -35,6 +35,7 @@ OPERATIONS = st.one_of(
         st.none() | st.integers(0, 3),
         st.sampled_from([None, None, None, True, False]),
         st.sampled_from(["any", "any", "unlabeled", "not_painted"]),
+        st.sampled_from([None, None, True, False]),
         st.sets(st.tuples(st.integers(0, FRAMES - 1), label), max_size=2),
     ),
     st.tuples(st.just("paint"), author, points, st.integers(0, 4)),
@@ -88,7 +89,7 @@ class Pair:
         self.model.delete(who, number)
 
     def store_write(self, store: LabelStore, who: str, where: Any, *rest: Any) -> None:
-        number, provenance, deleted, only, tracks = rest
+        number, provenance, deleted, only, living, tracks = rest
         writes = [
             (
                 frame,
@@ -98,6 +99,7 @@ class Pair:
                     provenance,
                     deleted,
                     only,
+                    living,
                 ),
             )
             for frame in range(FRAMES)
@@ -113,7 +115,7 @@ class Pair:
         )
 
     def store_paint(self, store: LabelStore, who: str, where: Any, number: int) -> None:
-        self.store_write(store, who, where, number, 1, None, "any", ())
+        self.store_write(store, who, where, number, 1, None, "any", None, ())
 
     def store_undo(self, store: LabelStore, who: str) -> None:
         store.undo(self.sequence, who)
