@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import zipfile
@@ -14,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plyfile import PlyData
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.formats import EXPORTS, LabeledFrame, export, read
 from pointbrush.formats.exports.fit import pca_box, upright_axes, upright_box
 from pointbrush.formats.kitti import pack_label
@@ -250,3 +251,21 @@ def test_what_cannot_be_written_says_so(tmp_path):
     frame = next(frames())
     with pytest.raises(BadInputError, match="expected 60 labels"):
         LabeledFrame(0, frame.points, frame.label[:3], frame.provenance, frame.deleted)
+
+
+def full():
+    yield from frames(1)
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.mark.parametrize("out", ["out", "out.zip", "out.ply"])
+def test_a_full_disk_says_so_and_leaves_nothing(tmp_path, out):
+    with pytest.raises(UnavailableError, match="disk is full"):
+        export("ply", full(), PALETTE, tmp_path / out)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written_says_so(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(BadInputError, match="out: expected a place to write"):
+        export("ply", frames(1), PALETTE, tmp_path / "file" / "out")

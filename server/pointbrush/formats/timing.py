@@ -137,17 +137,23 @@ def _iso(text: str) -> float | None:
 
 
 def rate_of(times: Sequence[float] | None) -> float | None:
-    """Frames per second of increasing times, by the median step; None where it is not clear."""
+    """Frames per second of increasing times; None where it is not clear.
+
+    The mean of steps that are much alike, else the median: a pause is not a rate.
+    """
     if times is None or len(times) < 2:
         return None
     steps = np.diff(np.asarray(times, np.float64))
     if (steps <= 0).any():
         return None
-    rate = float(1 / np.median(steps))
-    if not 0.01 <= rate <= 1000:
+    step = float(np.median(steps))
+    if float(steps.max()) < 1.5 * step:
+        step = float(steps.mean())
+    if not 0.001 <= step <= 100:
         return None
-    # Jitter of a clock is not a rate: 9.9987 is 10.
-    return float(round(rate)) if abs(rate - round(rate)) < 0.0005 * rate else round(rate, 3)
+    rate = 1 / step
+    # Jitter of a clock and rounded times are not a rate: 9.9987 is 10.
+    return float(round(rate)) if abs(rate - round(rate)) < 0.005 * rate else round(rate, 3)
 
 
 def stated_rate(folder: Path) -> float | None:
