@@ -1,4 +1,5 @@
 /** The headset session: whether there can be one, its beginning and its end. */
+import { Matrix4 } from 'three';
 import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { notify, patch, state } from '../state';
@@ -16,6 +17,8 @@ const FOVEATION = 0.5;
 export class Headset {
   cockpit: Cockpit | null = null;
   private leaving = false;
+  /** Where the desk's camera was. */
+  private readonly desk = new Matrix4();
 
   constructor(private readonly engine: Engine) {
     bindActions({
@@ -60,6 +63,8 @@ export class Headset {
     const { viewer, playback } = this.engine;
     const { xr } = viewer.renderer;
     this.leaving = false;
+    viewer.camera.updateMatrix();
+    this.desk.copy(viewer.camera.matrix);
     session.addEventListener('end', () => this.ended(), { once: true });
     // Seated, or without a floor, the eyes' height is guessed.
     const floor = !xrSettings.peek().seated && (await hasFloor(session));
@@ -82,6 +87,8 @@ export class Headset {
     const { viewer, playback } = this.engine;
     this.cockpit?.dispose();
     this.cockpit = null;
+    const { position, quaternion, scale } = viewer.camera;
+    this.desk.decompose(position, quaternion, scale);
     viewer.renderer.xr.enabled = false;
     viewer.backdrop.showSky(true);
     playback.targetMs = 1000 / 60;

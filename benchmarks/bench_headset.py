@@ -1,0 +1,67 @@
+"""The headset: what the page's own thread spends on a picture inside a playing Kinect recording.
+
+python benchmarks/bench_headset.py
+
+The headset is emulated (the npm package iwer); draw calls do nothing, because this machine's GPU is
+a program.  Counted is everything of ours before the draw: hands, panels, brush, presence, time.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from bench_page import PREPARE, ours
+from bench_streaming import POINTS, recording
+
+IWER = Path(__file__).parents[1] / "webxr_client/node_modules/iwer/build/iwer.min.js"
+WEAR = """;(() => {
+  const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true });
+  device.installRuntime({ forceInstall: true });
+  window.device = device;
+})();"""
+SWAY = """
+setInterval(() => {
+  const t = performance.now() / 400;
+  const { left, right } = window.device.controllers;
+  right.position.set(0.2 * Math.sin(t), 1.3, -0.5 + 0.1 * Math.cos(t));
+  left.position.set(-0.25, 1.2 + 0.05 * Math.sin(t), -0.4);
+}, 8)
+"""
+SECONDS = 6.0
+BUDGET_MS = 2.0
+
+
+def main() -> None:
+    print("headset")
+    with tempfile.TemporaryDirectory() as folder:
+        workspace = Path(folder)
+        recording(workspace)
+        with ours(workspace, IWER.read_text() + WEAR + PREPARE) as page:
+            page.until("__pointbrush.state.xr.value.supported === true")
+            page.run("__pointbrushHeadset.headset.enter()")
+            page.until("__pointbrushHeadset.frames() > 10")
+            page.run(SWAY)
+            page.run("__pointbrush.setAdaptive(false); __pointbrush.engine.playback.play()")
+            for doing in ("playing", "painting"):
+                if doing == "painting":
+                    page.run("device.controllers.right.updateButtonValue('trigger', 1)")
+                time.sleep(2)
+                page.run("__pointbrush.resetTiming()")
+                time.sleep(SECONDS)
+                timing = page.run("__pointbrush.timing()")
+                work = sorted(timing["work"])
+                print(
+                    f"  {doing}, {POINTS:,} points: {statistics.median(work):.2f} ms of the page's "
+                    f"own work a picture (95 %: {work[int(0.95 * len(work))]:.2f}, "
+                    f"goal {BUDGET_MS:.0f}), {statistics.median(timing['draw']):.2f} ms in three.js"
+                )
+
+
+if __name__ == "__main__":
+    main()
