@@ -258,6 +258,31 @@ def test_a_wrong_token_is_said_plainly(open_desk: Open, server: LiveServer) -> N
     desk.complaints.clear()
 
 
+def test_a_lost_graphics_context_comes_back(desk: Desk) -> None:
+    desk.ask(
+        "(window.lose = pb.engine.viewer.renderer.getContext().getExtension('WEBGL_lose_context'),"
+        " window.lose.loseContext(), 1)"
+    )
+    desk.until("pb.engine.viewer.renderer.getContext().isContextLost()")
+    desk.page.wait_for_timeout(300)
+    desk.ask("(window.lose.restoreContext(), 1)")
+    desk.until("!pb.engine.viewer.renderer.getContext().isContextLost()")
+    desk.until("pb.shown().drawn === pb.shown().total")
+    middle = "Math.round(pb.engine.viewer.canvas.width / 2)"
+    # Something other than the dark background is in the middle of the picture again.
+    desk.until(
+        f"""(() => {{
+          const {{ renderer, scene, camera }} = pb.engine.viewer;
+          const gl = renderer.getContext();
+          pb.engine.viewer.drawDesk();
+          const pixel = new Uint8Array(4);
+          gl.readPixels({middle}, {middle} >> 1, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+          return pixel[0] + pixel[1] + pixel[2] > 120;
+        }})()"""
+    )
+    desk.complaints.clear()
+
+
 # ── the rest of the job ──────────────────────────────────────────────────────────────────────
 
 

@@ -43,6 +43,8 @@ export class Viewer {
   private slots: Slot[] = [];
   private large: LargeCloud | null = null;
   private current: Slot | null = null;
+  private info: SequenceInfo | null = null;
+  private shown: CloudFrame | null = null;
   private eyeDomeOn = true;
   private dirty = true;
   private lastDrawn = 0;
@@ -94,6 +96,7 @@ export class Viewer {
   /** Prepare for a recording: buffers for its largest frame, its place in the room. */
   setSequence(info: SequenceInfo | null): void {
     this.clear();
+    this.info = info;
     if (!info) return;
     this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
     this.room.matrixWorldNeedsUpdate = true;
@@ -132,15 +135,17 @@ export class Viewer {
     for (const slot of this.slots) slot.dispose();
     this.slots = [];
     this.current = null;
+    this.shown = null;
     this.large?.dispose();
     this.large = null;
     this.invalidate();
   }
 
+  /** The GPU lost everything it held: make the buffers anew, and show the frame again. */
   private rebuild(): void {
-    for (const slot of this.slots) slot.frame = null;
-    this.renderer.resetState();
-    this.invalidate();
+    const shown = this.shown;
+    this.setSequence(this.info);
+    if (shown) this.show(shown);
   }
 
   setView(view: ViewSettings, fields: readonly string[]): void {
@@ -152,6 +157,7 @@ export class Viewer {
 
   /** Show a frame as it is now. */
   show(frame: CloudFrame): void {
+    this.shown = frame;
     if (this.large) {
       this.large.update(frame);
       this.invalidate();

@@ -15,7 +15,7 @@ export class Link {
   connect(): void {
     const url = new URL('api/v1/stream', document.baseURI);
     url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-    const probe = new URL('api/v1/session', document.baseURI).href;
+    const probe = new URL('api/v1/me', document.baseURI).href;
     this.post({ t: 'connect', url: url.href, probe });
   }
 

@@ -1,6 +1,7 @@
 /** The worker that owns the socket: nothing that takes time happens on the page's own thread. */
 import { decode, encode, unpackU16, unpackU32 } from '../protocol/codec';
 import {
+  SCHEMA_HASH,
   SUBPROTOCOL,
   type Annotation,
   type ClientMessage,
@@ -98,10 +99,8 @@ async function whyRefused(): Promise<string> {
       return 'This page has no valid token. Open the URL that the server printed.';
     if (response.status === 403) return 'The server does not accept pages from this address.';
     if (!response.ok) return '';
-    const current = ((await response.json()) as { schema?: string }).schema;
-    if (current && !SUBPROTOCOL.endsWith(current)) {
-      return 'This page is older than the server. Reload it.';
-    }
+    const { schema } = (await response.json()) as { schema: string };
+    if (schema !== SCHEMA_HASH) return 'This page is older than the server. Reload it.';
     return '';
   } catch {
     return '';
