@@ -12,6 +12,7 @@ from pointbrush.tracking.registration import Target
 from pointbrush.tracking.view import View
 
 NEIGHBOURS = 3
+STEPS = 10
 
 
 @dataclass(eq=False)
@@ -94,3 +95,28 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
         joined[new] = True
         front = rest[new]
     return joined
+
+
+def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | None:
+    """All of ``rest`` that hangs together with ``core``; None where that is over ``most`` points.
+
+    What moves alone in the air is the object, new surface and all; what does not end within a
+    few steps hangs together with something larger (a hand, a body).
+    """
+    xyz = view.xyz[rest].astype(np.float64)
+    joined = np.zeros(len(rest), np.bool_)
+    front = view.xyz[core].astype(np.float64)
+    for _ in range(STEPS):
+        open_ = np.flatnonzero(~joined)
+        if not len(open_):
+            break
+        tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
+        distance, _ = tree.query(xyz[open_], distance_upper_bound=reach)
+        new = open_[np.asarray(distance) < reach]
+        if not len(new):
+            return rest[joined]
+        joined[new] = True
+        if np.count_nonzero(joined) > most:
+            return None
+        front = xyz[new]
+    return rest[joined] if joined.all() else None

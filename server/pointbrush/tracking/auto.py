@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, claim, connected, contested, decide
+from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, decide
 from pointbrush.tracking.background import (
     Background,
     ImageBackground,
@@ -35,32 +35,19 @@ from pointbrush.tracking.interface import (
     TrackState,
 )
 from pointbrush.tracking.judge import Verdict, judge
+from pointbrush.tracking.locate import Search, crop, register, share_out
 from pointbrush.tracking.nonrigid import warp
-from pointbrush.tracking.recovery import proposals
-from pointbrush.tracking.registration import (
-    Fit,
-    Target,
-    cost_at,
-    excess,
-    robust_fit,
-    transform,
-)
+from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FrameRules
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
 from pointbrush.tracking.view import View, find_lens
 
-COARSE, FINE = 90, 250
-TARGET = 1500
 PATIENCE = 45
 """Frames that a thing is looked for before it is lost."""
-SURPRISE = 0.3
-"""What a pose far from any prediction costs."""
-KEPT = 0.6
+REACH, UNLIKE = 2.2, 3.5
+"""A model claims points this many reaches away, in place; and in place and colour."""
+KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
-DOUBT = 0.3
-"""Cost of the best prediction above which other places are tried."""
-BENT = 0.12
-"""Unexplained share from which a thing is taken to bend."""
 
 
 @dataclass(eq=False)
@@ -72,6 +59,8 @@ class Place:
     around: I64
     moving: I64
     cost: float
+    whole: bool = False
+    """The moving points that hang together there are the thing and nothing else."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
 
@@ -176,15 +165,17 @@ class Run:
         fixed = {n: k for n in self.things if (k := rules.keyframe(n)) is not None}
         for points in fixed.values():
             free[points] = False
-        places: dict[int, Place] = {}
-        claims: dict[int, Claim] = {}
+        searches: dict[int, Search] = {}
         for label, thing in self.things.items():
-            if label in fixed or thing.stopped:
-                continue
-            place = self._locate(thing, view, free)
-            if place is not None:
-                places[label] = place
-                claims[label] = self._claim(thing, view, place)
+            if label not in fixed and not thing.stopped:
+                search = crop(thing, view, self.background, free)
+                if search is not None:
+                    searches[label] = search
+        share_out(list(searches.values()))
+        places = {label: self._place(search, view) for label, search in searches.items()}
+        claims = {
+            label: self._claim(self.things[label], view, place) for label, place in places.items()
+        }
         claims = self._settle_conflicts(view, free, places, claims)
         grown = self._grow(view, places, claims)
         tracks: dict[int, TrackState] = {}
@@ -223,88 +214,29 @@ class Run:
         again.motion.poses = [pose]
         return _painted(len(points), pose)
 
-    def _locate(self, thing: Thing, view: View, free: Mask) -> Place | None:
-        """Crop the frame around the predictions, leave out what stood still, register."""
-        guesses = thing.motion.predictions()
-        centre = thing.motion.centre[None]
-        at = np.vstack([transform(g, centre) for g in guesses])
-        radius = thing.model.radius
-        fresh = len(thing.motion.poses) < 2
-        margin = radius + 4 * thing.unit + (0.6 * radius if fresh else 0.0)
-        margin += (0.4 * thing.motion.speed + 2 * thing.unit) * min(thing.motion.gap, 8)
-        around = view.box(at.min(axis=0) - margin, at.max(axis=0) + margin)
-        around = around[free[around]]
-        moving = around[~self.background.static(view, around)] if len(around) else around
-        if len(moving) < 5:
-            return None
-        some = moving[:: max(1, len(moving) // TARGET)]
-        target = Target(view.xyz[some].astype(np.float64), view.colour(some), thing.weight)
-        fit, source = self._register(thing, view, target, guesses)
+    def _place(self, search: Search, view: View) -> Place:
+        """Register a thing, and bend it where it bends."""
+        thing = search.thing
+        fit = register(search, view.eye)
         world = transform(fit.T, thing.model.xyz)
-        if thing.bend > BENT:
+        if thing.bends:
+            apart = max(thing.model.radius / 5, 3 * thing.unit)
             world = world + warp(
-                world, thing.model.colour, target, max(radius / 5, 3 * thing.unit), 4 * thing.unit
+                world, thing.model.colour, search.target, apart, 4 * thing.unit
             )
-        return Place(fit.T, world, around, moving, fit.cost)
-
-    def _register(
-        self, thing: Thing, view: View, target: Target, guesses: list[F64]
-    ) -> tuple[Fit, I64]:
-        model, unit = thing.model, thing.unit
-        visible = np.flatnonzero(self._expected(thing, view, guesses[0]))
-        if len(visible) < 10:
-            visible = np.arange(len(model.xyz))
-        few = visible[:: max(1, len(visible) // COARSE)]
-        many = visible[:: max(1, len(visible) // FINE)]
-        xyz, colour = model.xyz[few], model.colour[few]
-        wide = 5 * unit
-        known = len(guesses)
-        costs = [cost_at(xyz, colour, target, g, wide) for g in guesses]
-        if thing.motion.gap > 1 or len(thing.motion.poses) < 3 or min(costs) > DOUBT:
-            others = proposals(model, target, guesses[0])
-            costs += [cost_at(xyz, colour, target, g, wide) for g in others]
-            guesses = [*guesses, *others]
-        costs = [c + self._surprise(thing, g, guesses[:known]) for c, g in zip(costs, guesses)]
-        best = np.argsort(costs, kind="stable")[: 2 if len(guesses) == known else 6]
-        fits = [
-            robust_fit(xyz, colour, target, guesses[i], [wide, wide, 4 * unit, 3 * unit, 3 * unit])
-            for i in best
-        ]
-        scores = [
-            f.cost + self._surprise(thing, f.T, guesses[:known]) + excess(xyz, target, f.T, unit)
-            for f in fits
-        ]
-        fit = fits[int(np.argmin(scores))]
-        xyz, colour = model.xyz[many], model.colour[many]
-        return robust_fit(xyz, colour, target, fit.T, [3 * unit, 2 * unit, 2 * unit]), many
-
-    def _surprise(self, thing: Thing, pose: F64, predicted: list[F64]) -> float:
-        """How far from all predictions, 0 to SURPRISE."""
-        centre = thing.motion.centre[None]
-        at = transform(pose, centre)[0]
-        off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted)
-        return SURPRISE * min(1.0, off / (3 * thing.model.radius * thing.motion.gap))
-
-    def _expected(self, thing: Thing, view: View, pose: F64) -> Mask:
-        """Model points that the sensor should see: facing it, and nothing in front."""
-        seen = thing.model.facing(pose, view.eye)
-        if self.lens is not None:
-            cell, depth = view.project(transform(pose, thing.model.xyz))
-            with np.errstate(invalid="ignore"):
-                seen &= ~(view.depth[cell] < depth - 4 * thing.unit) & (cell >= 0)
-        return seen
+        return Place(fit.T, world, search.around, search.moving, fit.cost)
 
     def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
         """Points like the model at its place, and not more like something unlabelled."""
-        found = claim(
-            view, place.moving, place.world, thing.model.colour, thing.weight, 3 * thing.reach
+        near = claim(
+            view, place.moving, place.world, thing.model.colour, thing.weight, REACH * thing.reach
         )
         step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
-        rivals = thing.rivals.targets(step, thing.weight)
-        lost = contested(view, found, rivals) & (found.cost > thing.reach)
-        unlike = found.cost > 5 * thing.reach
-        place.neutral = found.indices[~lost]
-        return found.pick(~lost & ~unlike)
+        lost = contested(view, near, thing.rivals.targets(step, thing.weight))
+        place.neutral = near.indices[~lost]
+        lost &= near.cost > thing.reach
+        unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
+        return near.pick(~lost & ~unlike)
 
     def _settle_conflicts(
         self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
@@ -320,13 +252,14 @@ class Run:
             for other, found in decided.items():
                 if other != label:
                     left[found.indices] = False
-            place = self._locate(self.things[label], view, left)
-            if place is None:
-                del places[label], claims[label]
-            else:
-                places[label] = place
-                claims[label] = self._claim(self.things[label], view, place)
-            decided = decide(len(view.xyz), claims)
+            search = crop(self.things[label], view, self.background, left)
+            if search is None:
+                continue
+            place = self._place(search, view)
+            again = {**claims, label: self._claim(self.things[label], view, place)}
+            better = decide(len(view.xyz), again)
+            if len(better[label].indices) > 1.1 * len(decided[label].indices):
+                decided, claims, places[label] = better, again, place
         return decided
 
     def _grow(
@@ -342,23 +275,33 @@ class Run:
             rest = place.moving[~taken[place.moving]]
             if len(core) < 5 or not len(rest):
                 continue
-            step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
-            xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
-            alone = np.ones(len(rest), np.bool_)
-            for rival in thing.rivals.targets(step, thing.weight):
-                distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
-                alone &= distance >= 4 * thing.unit
-            rest = rest[alone]
-            bends = thing.bend > BENT
-            joined = connected(
-                view.xyz[core].astype(np.float64),
-                view.xyz[rest].astype(np.float64),
-                (3.0 if bends else 2.0) * thing.unit,
-                4 if bends else 1,
-            )
-            grown[label] = rest[joined]
-            taken[rest[joined]] = True
+            near = place.around[~taken[place.around]]
+            new = blob(view, core, near, 2.5 * thing.unit, int(0.5 * len(core)) + 10)
+            place.whole = new is not None
+            if new is None:
+                new = self._adjoin(thing, view, place, core, rest)
+            grown[label] = new
+            taken[new] = True
         return grown
+
+    def _adjoin(self, thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
+        """Points beside the core, of its colour, that nothing unlabelled explains."""
+        step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
+        xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
+        alone = np.ones(len(rest), np.bool_)
+        for rival in thing.rivals.targets(step, thing.weight):
+            distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
+            alone &= distance >= 4 * thing.unit
+        rest = rest[alone]
+        bends = thing.bends
+        weight = thing.weight * (0.5 if bends else 1.0)
+        joined = connected(
+            _placed(view, core, weight),
+            _placed(view, rest, weight),
+            (3.0 if bends else 2.0) * thing.unit,
+            4 if bends else 1,
+        )
+        return rest[joined]
 
     def _settle(
         self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
@@ -395,7 +338,7 @@ class Run:
         points = np.concatenate([found.indices, grown])
         xyz = transform(back, view.xyz[points].astype(np.float64))
         colour = view.colour(points)
-        if thing.bend > BENT:
+        if thing.bends:
             old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
             kept = thing.model
             from pointbrush.tracking.model import Model
@@ -412,9 +355,16 @@ class Run:
         else:
             thing.model.miss(verdict.through)
             place_now = transform(place.pose, thing.model.xyz)
-            again = claim(view, points, place_now, thing.model.colour, 0.0, 4 * thing.unit)
+            again = claim(view, points, place_now, thing.model.colour, thing.weight, (8 if place.whole else 3) * thing.unit)
+            if not place.whole:
+                again = again.pick(again.cost < 2 * thing.reach)
             xyz = transform(back, view.xyz[again.indices].astype(np.float64))
             thing.model.gather(xyz, view.colour(again.indices), again.gap, again.nearest, own_eye)
+
+
+def _placed(view: View, indices: I64, weight: float) -> F64:
+    """(M, 6) place and weighted colour."""
+    return np.hstack([view.xyz[indices], view.colour(indices) * weight]).astype(np.float64)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -13,6 +13,10 @@ from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
 
+FEWEST = 10
+"""Model points that must face the sensor for their sides to be a criterion."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
     """``found``: there is something; ``inliers`` share of the visible model that was matched.
@@ -52,6 +56,8 @@ def judge(
             through = (seen > depth + 4 * thing.unit) & ~matched & facing
         hidden = hidden | (cell < 0)
     expected = facing & ~hidden
+    if expected.sum() < FEWEST:
+        expected = ~hidden
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
     enough = len(found.indices) >= max(4, 0.01 * thing.size)

@@ -29,6 +29,11 @@ class Motion:
         self.gap = 1
 
     @property
+    def fresh(self) -> bool:
+        """Whether its motion is not known yet."""
+        return len(self.poses) < 3
+
+    @property
     def speed(self) -> float:
         """Metres a frame, of the centre."""
         if len(self.poses) < 2:

@@ -14,6 +14,8 @@ from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.view import View
 
 MOST_RIVALS = 1000
+BENT, BENT_LARGE, LARGE = 0.2, 0.05, 40.0
+"""Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
 LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
 
@@ -53,6 +55,12 @@ class Thing:
     missing: int = 0
     bend: float = 0.0
     stopped: bool = False
+
+    @property
+    def bends(self) -> bool:
+        """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
+        large = self.model.radius > LARGE * self.unit
+        return self.bend > (BENT_LARGE if large else BENT)
 
     @property
     def reach(self) -> float:
