@@ -59,7 +59,7 @@ system:
 	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y -qq --no-install-recommends $$missing >/dev/null; \
 	fi
 
-test: lint types check-page unit  ## every check and every test; the runner's line comes last
+test: lint types check-page unit e2e  ## every check and every test; the runner's line comes last
 
 lint: $(STAMPS)/dev
 	@echo "== ruff, import-linter, wire types"
@@ -79,11 +79,12 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 	@$(NPM) run --silent test
 
 unit: $(STAMPS)/dev $(PAGE) system
-	@echo "== pytest: Python, services, browser"
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile
+	@echo "== pytest: Python and services, on two cores"
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --ignore tests/e2e
 
-e2e: $(STAMPS)/dev $(PAGE) system  ## only the browser tests
-	@$(BIN)/pytest -q tests/e2e
+e2e: $(STAMPS)/dev $(PAGE) system  ## the browser tests, one window at a time
+	@echo "== pytest: the page in Chromium"
+	@$(BIN)/python -m pytest -q tests/e2e
 
 bench: $(STAMPS)/dev $(PAGE) system  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
