@@ -58,12 +58,15 @@ def ours(path: Path) -> int:
 def plyfile(path: Path) -> int:
     """The same columns as arrays."""
     vertex = PlyData.read(path)["vertex"]
+    np.stack([vertex[name] for name in ("red", "green", "blue")], axis=1)
     return len(np.stack([vertex[name] for name in ("x", "y", "z")], axis=1))
 
 
 def laspy_read(path: Path) -> int:
-    """The same coordinates as float64."""
-    return len(laspy.read(path).xyz)
+    """The same coordinates as float64, and the colours in 8 bits."""
+    las = laspy.read(path)
+    (np.stack([las.red, las.green, las.blue], axis=1) // 257).astype(np.uint8)
+    return len(las.xyz)
 
 
 def loadtxt(path: Path) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import Limits, read
+from pointbrush.formats import Limits, laz, read
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.las_write import write_las
@@ -47,7 +47,7 @@ def test_reads_what_laspy_wrote(tmp_path, ending, version, form):
     assert np.array_equal(frame.xyz, xyz)
     assert np.array_equal(frame.intensity, las.intensity)
     if frame.rgb is not None:
-        assert np.abs(frame.rgb[:, 0] - las.red / 257).max() <= 0.5
+        assert np.array_equal(frame.rgb[:, 0], las.red >> 8)
 
 
 def test_colours_left_at_8_bits_are_not_darkened(tmp_path):
@@ -149,6 +149,23 @@ def test_the_decoder_is_held_to_its_memory(tmp_path):
     options = ReadOptions(limits=Limits(native_memory=1 << 20))
     with pytest.raises(BadInputError, match="compressed points"):
         list(read_chunks(tmp_path / "a.laz", 100, options))
+
+
+def test_a_decoder_that_stalls_is_ended(tmp_path, monkeypatch):
+    make(tmp_path / "a.laz", count=10)
+    (tmp_path / "child.py").write_text("import time; time.sleep(60)")
+    monkeypatch.setattr(laz, "CHILD", tmp_path / "child.py")
+    options = ReadOptions(limits=Limits(native_stall_seconds=0.2))
+    with pytest.raises(BadInputError, match="stalled"):
+        list(read_chunks(tmp_path / "a.laz", 100, options))
+
+
+def test_a_decoder_that_dies_is_told_of(tmp_path, monkeypatch):
+    make(tmp_path / "a.laz", count=10)
+    (tmp_path / "child.py").write_text("import os; os.kill(os.getpid(), 9)")
+    monkeypatch.setattr(laz, "CHILD", tmp_path / "child.py")
+    with pytest.raises(BadInputError, match=r"got 0: the decoder ended \(-9\)"):
+        one(tmp_path / "a.laz")
 
 
 def test_more_points_than_the_limit_is_too_large(tmp_path):

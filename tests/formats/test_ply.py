@@ -92,6 +92,7 @@ BAD = {
     "header cut off": (b"ply\nformat ascii 1.0\nelement vertex", "end_header"),
     "no vertex": (header("element face 0", "property list uchar int v"), "'vertex'"),
     "no z": (header("element vertex 1", *XYZ[:2]) + b"1 2\n", "x, y and z"),
+    "odd names": (header("element vertex 1", "property float xyz") + b"1\n", "x, y and z"),
     "type": (header("element vertex 1", "property quad x"), "line 4"),
     "float count": (header("element vertex 1", "property list float int v"), "line 4"),
     "ascii cut off": (header("element vertex 2", *XYZ) + b"1 2 3\n4 5\n", "cut off"),

@@ -65,6 +65,7 @@ def frame_from_columns(
 ) -> PointFrame:
     """Build a frame from columns of equal length, by their names.
 
+    Coordinates are x, y and z, or ``xyz`` as an array (N, 3).
     ``missing``: NaN and infinite points are absent measurements of this format, and are left out
     and counted.  Otherwise they raise, unless ``options.drop_invalid``.
 
@@ -72,12 +73,15 @@ def frame_from_columns(
     are out of range; messages start with ``name``.
     """
     found = roles(columns)
-    absent = [axis for axis in "xyz" if axis not in found]
-    if absent:
+    whole = columns.get("xyz")
+    if whole is not None and whole.ndim == 2:
+        xyz = whole
+    elif all(axis in found for axis in "xyz"):
+        xyz = _stack(name, [columns[found[axis]] for axis in "xyz"])
+    else:
         raise BadInputError(
             f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
         )
-    xyz = _stack(name, [columns[found[axis]] for axis in "xyz"])
     keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
     rgb = _rgb(name, columns, found, keep)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}

@@ -95,16 +95,17 @@ def _is_8_bit(rows: NDArray[Any]) -> bool:
 def _frame(
     name: str, header: LasHeader, rows: NDArray[Any], eight_bit: bool, options: ReadOptions
 ) -> PointFrame:
+    xyz = np.empty((len(rows), 3))
     # An absurd scale gives infinities, which are refused as such.
     with np.errstate(over="ignore", invalid="ignore"):
-        columns: dict[str, Array] = {
-            axis: rows[axis] * header.scales[i] + header.offsets[i] for i, axis in enumerate("xyz")
-        }
+        for i, axis in enumerate("xyz"):
+            xyz[:, i] = rows[axis] * header.scales[i] + header.offsets[i]
+    columns: dict[str, Array] = {"xyz": xyz}
     columns["intensity"] = rows["intensity"]
     columns |= {extra: rows[extra] for extra in ("label", "instance") if extra in header.extra}
     if "red" in (rows.dtype.names or ()):
-        rgb = np.stack([rows[color] for color in COLORS], axis=1)
-        # 65535 becomes 255, and each 8-bit value times 257 becomes itself.
-        scaled = np.minimum(rgb, 255) if eight_bit else (rgb.astype(np.uint32) + 128) // 257
-        columns["rgb"] = scaled.astype(np.uint8)
+        columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
+        for i, color in enumerate(COLORS):
+            # 8 bits times 256 or 257, as writers scale them, become themselves.
+            rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     return frame_from_columns(name, columns, options)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import os
-import select
+import selectors
 import subprocess
 import sys
 import tempfile
@@ -64,12 +64,14 @@ def _receive(child: subprocess.Popen[bytes], size: int, stall: float) -> bytearr
     assert child.stdout is not None  # noqa: S101
     descriptor = child.stdout.fileno()
     block = bytearray()
-    while len(block) < size:
-        ready, _, _ = select.select([descriptor], [], [], stall)
-        if not ready:
-            raise subprocess.TimeoutExpired(child.args, stall)
-        received = os.read(descriptor, min(size - len(block), 1 << 20))
-        if not received:
-            break
-        block += received
+    # Not select(): that fails in a process with more than a thousand open files.
+    with selectors.DefaultSelector() as selector:
+        selector.register(descriptor, selectors.EVENT_READ)
+        while len(block) < size:
+            if not selector.select(stall):
+                raise subprocess.TimeoutExpired(child.args, stall)
+            received = os.read(descriptor, min(size - len(block), 1 << 20))
+            if not received:
+                break
+            block += received
     return block

@@ -40,7 +40,12 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
             f"{name}: expected text, got byte {data[error.start]:#04x} at {error.start}"
         ) from None
     lines = text.splitlines()
-    numbers = [i for i, line in enumerate(lines) if not _skipped(line)]
+    commented = "#" in text or "//" in text
+    numbers = [
+        i
+        for i, line in enumerate(lines)
+        if line and not line.isspace() and not (commented and _is_comment(line))
+    ]
     if not numbers:
         raise BadInputError(f"{name}: expected lines of numbers, got none")
     first = lines[numbers[0]]
@@ -65,9 +70,9 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     yield frame_from_columns(name, columns, options)
 
 
-def _skipped(line: str) -> bool:
+def _is_comment(line: str) -> bool:
     stripped = line.strip()
-    return not stripped or (stripped.startswith(("#", "//")) and not _is_header_comment(stripped))
+    return stripped.startswith(("#", "//")) and not _is_header_comment(stripped)
 
 
 def _is_header_comment(line: str) -> bool:
