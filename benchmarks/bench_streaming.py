@@ -1,6 +1,6 @@
 """Streaming: against a bare uvicorn WebSocket, four and a hundred viewers, poor links.
 
-python benchmarks/bench_streaming.py [throughput|four|hundred|links]...
+python benchmarks/bench_streaming.py [seeks|throughput|four|hundred|links]...
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import tempfile
 import time
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, AsyncExitStack, contextmanager
 from pathlib import Path
 
 import httpx
@@ -75,9 +75,9 @@ def running(*command: str) -> Iterator[str]:
         process.wait(20)
 
 
-def pointbrush(workspace: Path) -> Iterator[str]:
+def pointbrush(workspace: Path) -> AbstractContextManager[str]:
     """Our server."""
-    return running(  # type: ignore[return-value]
+    return running(
         "-m", "pointbrush.cli", "serve", "--workspace", str(workspace), "--port", "0",
         "--token", TOKEN,
     )  # fmt: skip
@@ -120,7 +120,7 @@ async def throughput(workspace: Path) -> None:
         (messages / f"{i}").write_bytes(data)
     with (
         running("bare_websocket.py", str(messages)) as bare_url,
-        pointbrush(workspace) as our_url,  # type: ignore[attr-defined]
+        pointbrush(workspace) as our_url,
     ):
         ours, bare, rates = [], [], []
         for _ in range(4):
@@ -168,8 +168,6 @@ def summary(clients: list[Viewer], seconds: float) -> str:
 
 async def several(url: str, count: int, seconds: float) -> list[Viewer]:
     """``count`` viewers of one playing recording."""
-    from contextlib import AsyncExitStack
-
     async with AsyncExitStack() as stack:
         clients = [await stack.enter_async_context(viewer(url, TOKEN)) for _ in range(count)]
         await asyncio.gather(*(follow(client, seconds) for client in clients))
@@ -178,7 +176,7 @@ async def several(url: str, count: int, seconds: float) -> list[Viewer]:
 
 async def four(workspace: Path) -> None:
     """Four viewers at 30 frames a second."""
-    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+    with pointbrush(workspace) as url:
         clients = await several(url, 4, SECONDS)
     print(f"four viewers: {summary(clients, SECONDS)}")
 
@@ -203,6 +201,15 @@ async def paint(url: str, seconds: float) -> list[float]:
     return times
 
 
+async def painter(url: str, seconds: float) -> list[float]:
+    """``paint`` in a process of its own: the crowd's event loop must not count."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, __file__, "paint", url, str(seconds), stdout=asyncio.subprocess.PIPE
+    )
+    out, _ = await process.communicate()
+    return [float(line) for line in out.split()]
+
+
 async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
     """``count`` light viewers that start playing in the same moment."""
     clients = [await connect_light(url, TOKEN) for _ in range(count)]
@@ -221,14 +228,14 @@ async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
 
 async def hundred(workspace: Path) -> None:
     """A hundred followers of one recording, and somebody who paints meanwhile."""
-    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+    with pointbrush(workspace) as url:
         httpx.post(
             f"{url}/api/v1/sequences/kinect/labels",
             json={"name": "pin"},
             headers={"Authorization": f"Bearer {TOKEN}"},
         )
-        alone = await paint(url, 2)
-        times, clients = await asyncio.gather(paint(url, SECONDS), crowd(url, 100, SECONDS))
+        alone = await painter(url, 2)
+        times, clients = await asyncio.gather(painter(url, SECONDS), crowd(url, 100, SECONDS))
     rates = [len(client.arrivals) / SECONDS for client in clients]
     skew = skews(clients)
     print(
@@ -274,7 +281,7 @@ def steps(arrivals: list[tuple[float, int, int]]) -> Iterator[tuple[float, int]]
 
 async def links(workspace: Path) -> None:
     """One viewer behind a link of 5, 20 and 100 Mbit/s."""
-    with pointbrush(workspace) as url:  # type: ignore[attr-defined]
+    with pointbrush(workspace) as url:
         for megabits in (5, 20, 100):
             async with shaped(url, megabits * 1e6) as slow:
                 clients = await several(slow, 1, 2 * SECONDS)
@@ -282,11 +289,37 @@ async def links(workspace: Path) -> None:
             print(f"{megabits} Mbit/s: {summary(clients, 2 * SECONDS)}; {used:.1f} Mbit/s used")
 
 
-PARTS = {"throughput": throughput, "four": four, "hundred": hundred, "links": links}
+async def seeks(workspace: Path) -> None:
+    """From opening, and from seeking to a frame that is not here, to its first level and to all."""
+    opened, first, full = [], [], []
+    with pointbrush(workspace) as url:
+        for turn in range(40):
+            async with viewer(url, TOKEN) as client:
+                start = time.perf_counter()
+                await client.open("kinect", frame=turn)
+                await client.until("frame", frame=turn)
+                opened.append(time.perf_counter() - start)
+                target = (turn + 20) % FRAMES
+                start = time.perf_counter()
+                await client.send(type="seek", frame=target)
+                await client.until("frame", frame=target)
+                first.append(time.perf_counter() - start)
+                while not client.frames[target].final:
+                    await client.receive()
+                full.append(time.perf_counter() - start)
+    for name, times in (("open", opened), ("seek, first level", first), ("seek, all", full)):
+        p50, p95 = 1e3 * np.percentile(times, [50, 95])
+        print(f"{name}: p50 {p50:.0f} ms, p95 {p95:.0f} ms")
+
+
+PARTS = {"seeks": seeks, "throughput": throughput, "four": four, "hundred": hundred, "links": links}
 
 
 def main() -> None:
     """Run the parts asked for, or all."""
+    if sys.argv[1:2] == ["paint"]:
+        print(*asyncio.run(paint(sys.argv[2], float(sys.argv[3]))))
+        return
     with tempfile.TemporaryDirectory() as folder:
         workspace = Path(folder) / "workspace"
         recording(workspace)

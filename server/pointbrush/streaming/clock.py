@@ -55,10 +55,13 @@ class PlayClock:
         last = self.frames - 1 if self.rate >= 0 else 0
         return not self.loop and self.due(now) == last
 
-    def ahead(self, now: float, seconds: float) -> Iterator[tuple[int, int]]:
-        """Step and frame due now, and of those due within ``seconds``, in order of time."""
+    def ahead(self, now: float, seconds: float, first: int = 0) -> Iterator[tuple[int, int]]:
+        """Step and frame due now, and of those due within ``seconds``, in order of time.
+
+        Steps before ``first`` are left out.
+        """
         last = self.steps(now + seconds) if self.rate else 0
-        for step in range(min(self.steps(now), last), last + 1):
+        for step in range(max(first, min(self.steps(now), last)), last + 1):
             yield step, self.frame(step)
 
     def time_of(self, step: int) -> float:

@@ -10,6 +10,7 @@ LATE, EARLY = 0.012, 0.004
 """Seconds of lag above which there is too much to do, and below which there may be more."""
 BUSY, IDLE = 0.7, 0.55
 """The same for the share of the time that the loop computes: strokes need the rest."""
+SENDS_A_TURN = 6
 CUT, GROW, LEAST = 0.85, 1.05, 0.02
 
 
@@ -18,6 +19,16 @@ class Load:
 
     def __init__(self) -> None:
         self._share = 1.0
+        self._turns = asyncio.Semaphore(SENDS_A_TURN)
+
+    async def turn(self) -> None:
+        """Wait for a turn to send points: few in each turn of the loop.
+
+        A send that fits the socket's buffer returns at once; a hundred of them in one turn would
+        keep every stroke waiting at each of its steps.
+        """
+        async with self._turns:
+            await asyncio.sleep(0)
 
     def share(self) -> float:
         """Share 0..1 of what its link carries that a viewer should be sent."""

@@ -101,7 +101,8 @@ class Plan:
     def candidates(self, now: float) -> Iterator[tuple[int, int]]:
         """Step of the clock (0 while paused) and frame to look at, most urgent first."""
         if self.clock is not None:
-            yield from self.clock.ahead(now, LOOKAHEAD)
+            # What was sent or found there in this round need not be looked at again.
+            yield from self.clock.ahead(now, LOOKAHEAD, max(0, self._step + self._had))
             return
         yield 0, self.focus
         for distance in range(1, PREFETCH_AHEAD + 1):

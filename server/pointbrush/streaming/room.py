@@ -162,14 +162,17 @@ class Room:
                 viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data))
 
     async def since(self, revision: int) -> list[QueuedDelta] | None:
-        """Deltas of all commits after ``revision``, or None when that is too far back."""
-        if revision == self.revision:
-            return []
+        """Deltas of all commits after ``revision``, or None when that is too far back.
 
-        def read() -> list[QueuedDelta]:
-            deltas = []
-            touched: dict[int, int] = {}
-            for commit in self.workspace.store.since(self.id, revision):
+        They reach as far as what the viewers have been told when this returns: a commit that
+        came while the others were read must not fall between the two.
+        """
+        deltas: list[QueuedDelta] = []
+        touched: dict[int, int] = {}
+
+        def read(after: int) -> int:
+            commits = self.workspace.store.since(self.id, after)
+            for commit in commits:
                 for frame, delta in commit.frames.items():
                     base = touched.get(frame, revision)
                     touched[frame] = commit.revision
@@ -177,13 +180,15 @@ class Room:
                         self.id, frame, commit.revision, base, delta, commit.edit_id, commit.author
                     )
                     deltas.append(QueuedDelta(frame, commit.revision, data))
-            return deltas
+            return commits[-1].revision
 
+        reached = revision
         try:
-            found: list[QueuedDelta] = await self._run(read)
+            while reached < self.revision:
+                reached = await self._run(read, reached)
         except GapError:
             return None
-        return found
+        return deltas
 
     # ── states ───────────────────────────────────────────────────────────────────────────
 

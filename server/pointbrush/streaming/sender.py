@@ -172,6 +172,5 @@ class Sender:
         self._idle = False
         session.hub.metrics.frames.inc()
         session.hub.metrics.sent.inc(len(data))
+        await session.hub.load.turn()
         await session.send(data)
-        # A send that fits the socket's buffer returns at once: the others' turn.
-        await asyncio.sleep(0)

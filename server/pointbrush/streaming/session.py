@@ -57,7 +57,8 @@ class ViewerSession:
         self.wanted: tuple[int, list[int]] | None = None
         self.resumed = False
         self.closing = asyncio.Event()
-        self._editor, self._deaf = Editor(self), False
+        self._editor = Editor(self)
+        self._deaf = self._catching_up = False
         self._handlers: dict[type, Callable[[Any], Awaitable[None]]] = {
             messages.Hello: self._hello,
             messages.Open: self._open,
@@ -140,13 +141,16 @@ class ViewerSession:
 
     def holds(self, frame: int) -> bool:
         """Whether the viewer must hear of changes in a frame."""
-        if frame in self.outbox.stale:
+        if self._catching_up or frame in self.outbox.stale:
             return False
+        return self._has(frame)
+
+    def _has(self, frame: int) -> bool:
         return self.resumed or frame in self.plan.held
 
     def stale(self, frames: Iterable[int]) -> None:
         """Values of these frames must be sent whole."""
-        self.outbox.stale.update((frame, None) for frame in frames if self.holds(frame))
+        self.outbox.stale.update((frame, None) for frame in frames if self._has(frame))
         self.outbox.wake.set()
 
     def all_stale(self) -> None:
@@ -219,8 +223,13 @@ class ViewerSession:
         """Deltas since ``revision``, or the values of all frames whole when it is too far back."""
         if revision > room.revision:
             raise BadInputError(f"revision: expected at most {room.revision}, got {revision}")
-        deltas = await room.since(revision)
         self.outbox.clear_deltas()
+        # What is committed meanwhile comes with the rest, in order, and not ahead of it.
+        self._catching_up = True
+        try:
+            deltas = await room.since(revision)
+        finally:
+            self._catching_up = False
         if deltas is None:
             self.all_stale()
             return
