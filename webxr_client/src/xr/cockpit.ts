@@ -100,7 +100,7 @@ export class Cockpit {
   private holdPalette(): void {
     const hand = this.otherHand;
     const side = hand.side === 'left' ? 1 : -1;
-    this.palette.mesh.position.set(side * 0.1, 0.13, -0.09);
+    this.palette.mesh.position.set(side * 0.09, 0.19, -0.13);
     this.palette.mesh.rotation.set(-0.75, 0, 0);
     hand.grip.add(this.palette.mesh);
     for (const body of this.bodies) body.explain(body.hand === this.brushHand);

@@ -14,28 +14,33 @@ function part(geometry: BufferGeometry, color: number): Mesh {
   return mesh;
 }
 
-/** A handle, a head with its pad or stick, and a trigger; the grip's −z points ahead. */
+/** A handle along the grip's axis (−z points ahead), a head with its pad or stick, a trigger. */
 export function controllerModel(device: Device): Group {
   const model = new Group();
-  const handle = part(new CapsuleGeometry(0.015, 0.075, 6, 16), BODY);
-  handle.rotation.x = 0.35;
-  handle.position.set(0, -0.012, 0.03);
-  const head = part(new CylinderGeometry(0.024, 0.02, 0.02, 24), BODY);
-  head.position.set(0, 0.018, -0.022);
+  const handle = part(new CapsuleGeometry(0.014, 0.085, 6, 16), BODY);
+  handle.rotation.x = Math.PI / 2;
+  handle.position.set(0, 0, 0.015);
+  const head = part(new CylinderGeometry(0.025, 0.021, 0.022, 28), BODY);
+  head.position.set(0, 0.006, -0.045);
   const trigger = part(new CapsuleGeometry(0.006, 0.014, 4, 10), LIGHT);
-  trigger.position.set(0, -0.008, -0.034);
+  trigger.position.set(0, -0.014, -0.052);
   model.add(handle, head, trigger);
   if (device.pad === 'touchpad') {
-    const pad = part(new CylinderGeometry(0.018, 0.018, 0.004, 28), LIGHT);
-    pad.position.set(0, 0.029, -0.022);
-    const ring = part(new TorusGeometry(0.048, 0.008, 8, 32), BODY);
-    ring.position.set(0, 0.004, -0.07);
-    ring.rotation.x = 0.6;
+    const pad = part(new CylinderGeometry(0.019, 0.019, 0.004, 28), LIGHT);
+    pad.position.set(0, 0.018, -0.045);
+    const ring = part(new TorusGeometry(0.042, 0.008, 8, 32), BODY);
+    ring.position.set(0, -0.002, -0.1);
+    ring.rotation.x = Math.PI / 2 - 0.5;
     model.add(pad, ring);
   } else {
     const stick = part(new CylinderGeometry(0.008, 0.007, 0.016, 16), LIGHT);
-    stick.position.set(0, 0.034, -0.022);
+    stick.position.set(0, 0.025, -0.05);
     model.add(stick);
+    [0.008, -0.006].forEach((x, i) => {
+      const button = part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT);
+      button.position.set(x, 0.018, -0.034 + 0.006 * i);
+      model.add(button);
+    });
   }
   return model;
 }

@@ -159,7 +159,7 @@ export class TimelinePanel extends Panel {
       },
       drag: (share) => {
         const to = xToFrame(share * w, span, w, frames);
-        if (to !== start || frameRange.peek()) frameRange.value = { from: start, to };
+        frameRange.value = to === start ? null : { from: start, to };
       },
     }); // prettier-ignore
   }
