@@ -61,7 +61,8 @@ class Person:
     def work(self, url: str, stop: threading.Event) -> None:
         """Edit until the server is gone or ``stop`` is set."""
         try:
-            with SocketTalk(url, self) if self.socket else RestTalk(url, self) as talk:
+            kind = SocketTalk if self.socket else RestTalk
+            with kind(url, self.token) as talk:
                 while not stop.is_set():
                     self._one(talk)
         except LOST:
@@ -120,8 +121,8 @@ def random_stroke(rng: random.Random, stroke_id: str) -> dict[str, Any]:
 class RestTalk:
     """Edits over REST."""
 
-    def __init__(self, url: str, person: Person) -> None:
-        headers = {"Authorization": f"Bearer {person.token}"}
+    def __init__(self, url: str, token: str) -> None:
+        headers = {"Authorization": f"Bearer {token}"}
         self.api = httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=60)
         self.base = f"/sequences/{SEQUENCE}"
 
@@ -174,17 +175,18 @@ class RestTalk:
 class SocketTalk(RestTalk):
     """Strokes, undo and redo over the socket; what the socket has no message for, over REST."""
 
-    def __init__(self, url: str, person: Person) -> None:
-        super().__init__(url, person)
+    def __init__(self, url: str, token: str, name: str = "") -> None:
+        """``name``: who this is, where the token does not say it."""
+        super().__init__(url, token)
         self.socket: ClientConnection = connect(
             url.replace("http", "ws", 1) + "/api/v1/stream",
-            additional_headers={"Authorization": f"Bearer {person.token}"},
+            additional_headers={"Authorization": f"Bearer {token}"},
             subprotocols=[subprotocol()],  # type: ignore[list-item]
             max_size=None,
             compression=None,
             close_timeout=0.2,
         )
-        self.send(type="hello", name=person.name)
+        self.send(type="hello", name=name)
         self.until("welcome")
         self.send(type="open", sequence=SEQUENCE)
         self.until("sequence")

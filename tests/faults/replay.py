@@ -229,9 +229,7 @@ def swept(xyz: NDArray[np.float64], stroke: dict[str, Any]) -> NDArray[np.int64]
     """Points within the radius of the samples' polyline, one by one."""
     line = np.array([sample["origin"] for sample in stroke["samples"]])
     near = np.zeros(len(xyz), np.bool_)
-    for a, b in zip(
-        line[: max(1, len(line) - 1)], line[1:] if len(line) > 1 else line, strict=True
-    ):
+    for a, b in itertools.pairwise(np.concatenate([line, line[-1:]])):
         axis = b - a
         length = axis @ axis
         along = np.clip((xyz - a) @ axis / length, 0, 1) if length else np.zeros(len(xyz))

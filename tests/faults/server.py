@@ -56,7 +56,9 @@ class ServerProcess:
         return httpx.Client(base_url=f"{self.url}/api/v1", headers=headers, timeout=timeout)
 
     def kill(self) -> None:
-        self.process.send_signal(signal.SIGKILL)
+        """SIGKILL; no error when it has ended already."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGKILL)
         self.process.wait(30)
         self._close()
 
@@ -69,6 +71,8 @@ class ServerProcess:
 
     def _close(self) -> None:
         assert self.process.stdout is not None
+        if self.process.stdout.closed:
+            return
         self.process.stdout.close()
         if self.stderr:
             print(self.stderr, file=sys.stderr)
@@ -82,8 +86,7 @@ def running(workspace: Path, **environment: str) -> Iterator[ServerProcess]:
     try:
         yield server
     finally:
-        if server.process.poll() is None:
-            server.kill()
+        server.kill()
 
 
 def eventually(found: Callable[[], Any], seconds: float = 20.0, every: float = 0.05) -> Any:

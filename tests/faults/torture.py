@@ -127,8 +127,7 @@ def torture(
             )
             done += 1
         finally:
-            if server.process.poll() is None:
-                server.kill()
+            server.kill()
         if done % check_every == 0:
             check(workspace)
     check(workspace)

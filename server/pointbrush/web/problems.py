@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -21,6 +22,8 @@ from pointbrush.streaming.status import status_of
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""What the system says when nothing more can be written, in uploads say."""
 EXTRA_HEADERS = {
     401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
     429: {"Retry-After": "1"},
@@ -60,6 +63,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(errors.PointbrushError, _ours)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(OSError, _system)
     app.add_exception_handler(Exception, _unexpected)
 
 
@@ -90,6 +94,13 @@ def methods_of(app: FastAPI, path: str) -> list[str]:
         if compile_path(template)[0].fullmatch(path):
             found.update(verb.upper() for verb in item)
     return sorted(found)
+
+
+async def _system(request: Request, error: Exception) -> JSONResponse:
+    if isinstance(error, OSError) and error.errno in FULL:
+        detail = f"the disk has no room for this, nothing was changed: {error.strerror}"
+        return problem(503, detail, errors.UnavailableError.title)
+    return await _unexpected(request, error)
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:

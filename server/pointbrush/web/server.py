@@ -64,6 +64,13 @@ class Server(uvicorn.Server):
         if self.started and ready is not None and hasattr(ready, "ready"):
             ready.ready()
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer what viewers have sent, then close; uvicorn itself waits for REST only."""
+        hub = getattr(getattr(self.config.app, "state", None), "hub", None)
+        if hub is not None:
+            await hub.drain(DRAIN_SECONDS)
+        await super().shutdown(sockets)
+
 
 def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.Config:
     """uvicorn's options, with the reasons in docs/streaming.md."""
