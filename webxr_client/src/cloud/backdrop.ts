@@ -45,12 +45,10 @@ in vec3 position;
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 uniform float extent;
 out vec2 place;
-out float away;
 void main() {
   vec4 world = modelMatrix * vec4(position.x * extent, 0.0, -position.y * extent, 1.0);
   place = vec2(position.x, -position.y) * extent;
   vec4 eye = viewMatrix * world;
-  away = length(place) / extent;
   gl_Position = projectionMatrix * eye;
 }
 `;
@@ -58,8 +56,7 @@ void main() {
 const FLOOR_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec2 place;
-in float away;
-uniform float cell;
+uniform float cell, extent;
 out vec4 result;
 
 float lines(float size, float width) {
@@ -74,7 +71,7 @@ float lines(float size, float width) {
 void main() {
   float fine = lines(cell, 1.0) * 0.20;
   float coarse = lines(cell * 5.0, 1.3) * 0.34;
-  float alpha = max(fine, coarse) * (1.0 - smoothstep(0.25, 1.0, away));
+  float alpha = max(fine, coarse) * (1.0 - smoothstep(0.25, 1.0, length(place) / extent));
   if (alpha < 0.004) discard;
   result = vec4(vec3(0.62, 0.70, 0.80), alpha);
 }
