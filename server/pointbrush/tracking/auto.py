@@ -57,6 +57,7 @@ class Place:
     pose: F64
     world: F64
     around: I64
+    near: I64
     moving: I64
     cost: float
     whole: bool = False
@@ -197,8 +198,19 @@ class Run:
                 taken[points] = True
             taken[place.neutral] = True
             self._set_rivals(self.things[label], view, place.moving[~taken[place.moving]])
-        self.background.learn(view)
+        self.background.learn(view, keep=self._shadow(view, places))
         return FrameResult(number, dict(view.labels), tracks)
+
+    def _shadow(self, view: View, places: dict[int, Place]) -> I64:
+        """Image cells where a thing is known to be, even if it claimed nothing there."""
+        if self.lens is None or not places:
+            return _EMPTY
+        cells = [
+            view.project(place.world)[0]
+            for label, place in places.items()
+            if label in view.labels and self.things[label].motion.slow(self.things[label].unit)
+        ]
+        return np.concatenate([_EMPTY, *cells])
 
     def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:
         pose = thing.motion.poses[-1]
@@ -224,17 +236,20 @@ class Run:
             world = world + warp(
                 world, thing.model.colour, search.target, apart, 4 * thing.unit
             )
-        return Place(fit.T, world, search.around, search.moving, fit.cost)
+        near = search.near if thing.motion.slow(thing.unit) else search.moving
+        return Place(fit.T, world, search.around, near, search.moving, fit.cost)
 
     def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
         """Points like the model at its place, and not more like something unlabelled."""
         near = claim(
-            view, place.moving, place.world, thing.model.colour, thing.weight, REACH * thing.reach
+            view, place.near, place.world, thing.model.colour, thing.weight, REACH * thing.reach
         )
         step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
         lost = contested(view, near, thing.rivals.targets(step, thing.weight))
         place.neutral = near.indices[~lost]
         lost &= near.cost > thing.reach
+        still = np.isin(near.indices, place.moving, assume_unique=True, invert=True)
+        lost |= still & (near.cost > 1.5 * thing.reach)
         unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
         return near.pick(~lost & ~unlike)
 
@@ -276,7 +291,8 @@ class Run:
             if len(core) < 5 or not len(rest):
                 continue
             near = place.around[~taken[place.around]]
-            new = blob(view, core, near, 2.5 * thing.unit, int(0.5 * len(core)) + 10)
+            most = int(max(0.5 * len(core) + 10, 1.3 * thing.size - len(core)))
+            new = blob(view, core, near, 2.5 * thing.unit, most)
             place.whole = new is not None
             if new is None:
                 new = self._adjoin(thing, view, place, core, rest)
@@ -329,6 +345,8 @@ class Run:
         self, thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
     ) -> None:
         thing.motion.add(place.pose)
+        if verdict.confidence > 0.8:
+            thing.size = max(thing.size, float(len(found.indices) + len(grown)))
         back = np.linalg.inv(place.pose)
         eye = view.eye
         own_eye = None if eye is None else transform(back, eye[None])[0]
@@ -359,7 +377,7 @@ class Run:
             if not place.whole:
                 again = again.pick(again.cost < 2 * thing.reach)
             xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-            thing.model.gather(xyz, view.colour(again.indices), again.gap, again.nearest, own_eye)
+            thing.model.gather(xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole)
 
 
 def _placed(view: View, indices: I64, weight: float) -> F64:

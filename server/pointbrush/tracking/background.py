@@ -25,11 +25,14 @@ NEAR = 3.0
 class Background(Protocol):
     """Knows the past; ``learn`` a frame after its labels are decided."""
 
-    def static(self, view: View, indices: I64) -> Mask:
-        """Which of the points (M,) stood there before and are unlabelled."""
+    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
+        """Which of the points (M,) are background, and which an unlabelled thing at rest."""
 
-    def learn(self, view: View, first: bool = False) -> None:
-        """Take in a frame whose ``labels`` are decided; ``first``: by a person."""
+    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
+        """Take in a frame whose ``labels`` are decided; ``first``: by a person.
+
+        ``keep`` image cells that something occupies though it claimed no point there.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,15 +70,15 @@ class ImageBackground:
     depth: F32
     last: F32
 
-    def static(self, view: View, indices: I64) -> Mask:
+    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
         cell, depth = (a[indices] for a in view.cells)
         limit = NEAR * self.waver(depth)
         known = self.depth[cell]
-        still = (np.abs(depth - known) < limit) | (depth > known + limit)
-        return np.asarray(still | (np.abs(depth - self.last[cell]) < limit))
+        far = (np.abs(depth - known) < limit) | (depth > known + limit)
+        return np.asarray(far), np.asarray(np.abs(depth - self.last[cell]) < limit)
 
-    def learn(self, view: View, first: bool = False) -> None:
+    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
         height, width = view.lens.shape if view.lens else (0, 0)
@@ -83,6 +86,9 @@ class ImageBackground:
         labelled = np.zeros(len(seen), np.bool_)
         for points in view.labels.values():
             labelled[cell[points]] = True
+        if keep is not None:
+            labelled[keep] = True
+            labelled[-1] = False
         if not first and labelled.any():
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(height, width)
@@ -108,7 +114,7 @@ class TreeBackground:
     """Points (M, 3) of the world → (M,) metres within which a point is the same point."""
     past: list[tuple[View, Mask]] = field(default_factory=list)
 
-    def static(self, view: View, indices: I64) -> Mask:
+    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
         world = view.xyz[indices]
         still = np.zeros(len(indices), np.bool_)
@@ -126,9 +132,9 @@ class TreeBackground:
             near = found & (np.asarray(distance) < reach[rest])
             near[found] &= ~labelled[np.asarray(index)[found]]
             still[rest[near]] = True
-        return still
+        return still, np.zeros(len(indices), np.bool_)
 
-    def learn(self, view: View, first: bool = False) -> None:
+    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """See ``Background``; keeps the first frame and two later ones."""
         labelled = np.zeros(len(view.xyz), np.bool_)
         for points in view.labels.values():

@@ -36,13 +36,17 @@ SURPRISE = 0.3
 
 @dataclass(eq=False)
 class Search:
-    """A thing's part of the frame: points ``around`` its predictions, and those ``moving``.
+    """A thing's part of the frame: points ``around`` its predictions.
+
+    ``near`` are those in front of the background, ``moving`` those that were not there either
+    in the last frame.
 
     ``few`` numbers the model points that guesses are judged by; ``costs`` of ``guesses``.
     """
 
     thing: Thing
     around: I64
+    near: I64
     moving: I64
     guesses: list[F64]
     few: I64
@@ -66,7 +70,10 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     margin += (0.4 * thing.motion.speed + 2 * unit) * gap
     around = view.box(at.min(axis=0) - margin, at.max(axis=0) + margin)
     around = around[free[around]]
-    moving = around[~background.static(view, around)] if len(around) else around
+    near = moving = around
+    if len(around):
+        far, still = background.static(view, around)
+        near, moving = around[~far], around[~(far | still)]
     if len(moving) < FEWEST:
         return None
     visible = np.flatnonzero(expected(thing, view, guesses[0]))
@@ -75,6 +82,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     search = Search(
         thing,
         around,
+        near,
         moving,
         guesses,
         visible[:: max(1, len(visible) // COARSE)],

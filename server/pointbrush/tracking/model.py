@@ -10,6 +10,8 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.registration import transform
 
 MOST_POINTS = 2500
+SURE = 12.0
+"""Hits from which a point may have new neighbours; a person's points have them at once."""
 FACING = 0.25
 """Cosine between the directions from which a point was and would be seen, to expect it."""
 
@@ -62,20 +64,29 @@ class Model:
         unknown = ~self.seen.any(axis=1)
         return np.asarray((np.einsum("ij,ij->i", now, self.seen) > FACING) | unknown)
 
-    def gather(self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None) -> None:
-        """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``."""
+    def gather(
+        self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool
+    ) -> None:
+        """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``.
+
+        Where the points are not ``sure``, new ones join only beside well confirmed ones: what
+        holds an object moves with it, and must not become part of it bit by bit.
+        """
         on = gap < 1.2 * self.spacing
         self.hits[nearest[on]] += 1
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
-        new = np.flatnonzero(gap >= 0.9 * self.spacing)
+        beside = sure | (self.hits[nearest] >= SURE)
+        new = np.flatnonzero((gap >= 0.9 * self.spacing) & beside)
         if len(new) == 0:
             return
         self.xyz = np.vstack([self.xyz, xyz[new]])
         self.colour = np.vstack([self.colour, colour[new]])
         self.seen = np.vstack([self.seen, towards[new]])
-        self.hits = np.append(self.hits, np.ones(len(new), np.float32))
+        self.hits = np.append(
+            self.hits, np.full(len(new), SURE if sure else 1.0, np.float32)
+        )
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
         self._keep(self._distinct())
 

@@ -40,6 +40,10 @@ class Motion:
             return 0.0
         return float(np.linalg.norm(self._at(-1) - self._at(-2)))
 
+    def slow(self, unit: float) -> bool:
+        """Whether it stays nearly where it is: only then can it be where something else was."""
+        return len(self.poses) > 1 and self.speed < unit
+
     def _at(self, which: int) -> F64:
         return transform(self.poses[which], self.centre[None])[0]
 
