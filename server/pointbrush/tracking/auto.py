@@ -46,6 +46,8 @@ PATIENCE = 45
 """Frames that a thing is looked for before it is lost."""
 REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
+WIDE = 5.0
+"""New points within this many reaches of a model are not held against it later."""
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -242,7 +244,7 @@ class Run:
     def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
         """Points like the model at its place, and not more like something unlabelled."""
         near = claim(
-            view, place.near, place.world, thing.model.colour, thing.weight, REACH * thing.reach
+            view, place.near, place.world, thing.model.colour, thing.weight, WIDE * thing.reach
         )
         step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
         lost = contested(view, near, thing.rivals.targets(step, thing.weight))
@@ -251,7 +253,7 @@ class Run:
         still = np.isin(near.indices, place.moving, assume_unique=True, invert=True)
         lost |= still & (near.cost > 1.5 * thing.reach)
         unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
-        return near.pick(~lost & ~unlike)
+        return near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
 
     def _settle_conflicts(
         self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
@@ -291,7 +293,7 @@ class Run:
             if len(core) < 5 or not len(rest):
                 continue
             near = place.around[~taken[place.around]]
-            most = int(max(0.5 * len(core) + 10, 1.3 * thing.size - len(core)))
+            most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
             new = blob(view, core, near, 2.5 * thing.unit, most)
             place.whole = new is not None
             if new is None:
