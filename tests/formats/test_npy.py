@@ -53,8 +53,22 @@ def test_structured_arrays_and_plain_ones(tmp_path):
     assert frame.label.tolist() == [3] * 4
     np.save(tmp_path / "b.npy", np.hstack([XYZ, np.full((4, 3), 255, np.float32)]))
     assert one(tmp_path / "b.npy").rgb.tolist() == [[255] * 3] * 4
+    np.save(tmp_path / "m.npy", np.hstack([XYZ, np.full((4, 3), 127.6, np.float32)]))
+    assert one(tmp_path / "m.npy").rgb.tolist() == [[128] * 3] * 4
+    normals = np.full((4, 3), -0.5, np.float32)
+    np.save(tmp_path / "n.npy", np.hstack([XYZ, normals]))
+    assert one(tmp_path / "n.npy").rgb is None
+    np.save(tmp_path / "i.npy", np.hstack([XYZ, np.full((4, 4), 0.25, np.float32)]))
+    assert one(tmp_path / "i.npy").intensity.tolist() == [0.25] * 4
+    assert one(tmp_path / "i.npy").rgb.tolist() == [[64] * 3] * 4
     np.save(tmp_path / "c.npy", XYZ.astype(">f8"))
     assert one(tmp_path / "c.npy").xyz.tolist() == XYZ.tolist()
+
+
+def test_instances_that_do_not_fit_are_left_out_with_a_warning(tmp_path, caplog):
+    np.savez(tmp_path / "a.npz", xyz=XYZ, instance=np.array([1, 2, 3, 70_000]))
+    assert one(tmp_path / "a.npz").instance is None
+    assert "70000 are left out" in caplog.text
 
 
 def npy_claiming(shape: str) -> bytes:

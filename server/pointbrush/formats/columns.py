@@ -6,6 +6,7 @@ program; one table here says which are understood.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -17,6 +18,7 @@ from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
+log = logging.getLogger(__name__)
 
 ROLES: dict[str, tuple[str, ...]] = {
     "x": ("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
@@ -93,15 +95,47 @@ def frame_from_columns(
         label=number_of(name, "label", _take(parts["label"], keep), 65534)
         if "label" in parts
         else None,
-        instance=number_of(name, "instance", _take(parts["instance"], keep), 65535)
-        if "instance" in parts
-        else None,
+        instance=_instances(name, _take(parts["instance"], keep)) if "instance" in parts else None,
         dropped=0 if keep is None else len(xyz) - len(keep),
         pose=known.pose if extras.pose is None else extras.pose,
         viewpoint=extras.viewpoint,
         timestamp=known.timestamp if extras.timestamp is None else extras.timestamp,
         camera=extras.camera,
         pixel=None if extras.pixel is None else _take(extras.pixel, keep),
+    )
+
+
+def plain_columns(table: Array, *, intensity_first: bool) -> dict[str, Array]:
+    """Columns of a table (N, 3 or more) that has no names: by their number and what they hold.
+
+    x y z, then an intensity alone; or red green blue; or intensity red green blue, which is tried
+    first with ``intensity_first``.  What is neither (normals) is left out.
+    """
+    width = table.shape[1]
+    names = ["x", "y", "z"]
+    after = width >= 7 and _are_colors(table[:, 4:7])
+    if width in (4, 5):
+        names += ["intensity"]
+    elif intensity_first and after:
+        names += ["intensity", "red", "green", "blue"]
+    elif width >= 6 and _are_colors(table[:, 3:6], whole=width > 6):
+        names += ["red", "green", "blue"]
+    elif after:
+        names += ["intensity", "red", "green", "blue"]
+    return {column: table[:, i] for i, column in enumerate(names)}
+
+
+def _are_colors(values: Array, *, whole: bool = True) -> bool:
+    """Fractions 0..1, or numbers 0..255, ``whole`` ones where other columns could be meant.
+
+    Normals have negative parts, so are not taken.
+    """
+    if values.dtype.kind == "f":
+        values = values[np.isfinite(values).all(axis=1)]
+    if len(values) == 0 or values.min() < 0:
+        return False
+    return bool(values.max() <= 1) or bool(
+        values.max() <= 255 and not (whole and np.any(values % 1))
     )
 
 
@@ -180,6 +214,14 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
             f"{name}: expected {what}s 0 to {greatest}, got {values.min():g} to {values.max():g}"
         )
     return values.astype(np.uint16)
+
+
+def _instances(name: str, values: Array) -> NDArray[np.uint16] | None:
+    """Instance numbers; None, with a warning, where they do not fit 16 bits."""
+    if len(values) and values.dtype.kind in "fiu" and values.max() > 65535:
+        log.warning("%s: instance numbers up to %s are left out, 65535 is most", name, values.max())
+        return None
+    return number_of(name, "instance", values, 65535)
 
 
 def intensity_of(values: Array) -> NDArray[np.float32]:

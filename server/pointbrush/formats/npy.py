@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.columns import frame_from_columns, plain_columns
 from pointbrush.formats.options import Extras, ReadOptions, require_count
 from pointbrush.frame import PointFrame
 
@@ -24,12 +24,8 @@ COLORS = ("rgb", "colors", "colours", "color", "rgba", "colour")
 INTENSITIES = ("intensity", "intensities", "reflectance", "remission")
 LABELS = ("label", "labels", "semantic", "semantic_label")
 INSTANCES = ("instance", "instances", "instance_id", "instance_label")
-PLAIN = {
-    3: ("x", "y", "z"),
-    4: ("x", "y", "z", "intensity"),
-    6: ("x", "y", "z", "red", "green", "blue"),
-    7: ("x", "y", "z", "intensity", "red", "green", "blue"),
-}
+# A table of points is not wider: other arrays are.
+MAX_WIDTH = 16
 READ_ERRORS = (
     *(ValueError, EOFError, OSError, KeyError, RuntimeError, OverflowError),
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError),
@@ -37,7 +33,7 @@ READ_ERRORS = (
 
 
 def read_npy(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """One .npy file: (N, 3), (N, 4: intensity), (N, 6: rgb), (N, 7: intensity, rgb) or fields.
+    """One .npy file: a table as ``plain_columns`` reads it, or named fields.
 
     Raises BadInputError for another shape, a truncated file or a pickle.
     """
@@ -181,16 +177,17 @@ def _columns_of(name: str, key: str, array: Array) -> dict[str, Array]:
             elif flat[field].ndim == 2 and field in COLORS:
                 columns["rgb"] = flat[field]
         return columns
-    if array.ndim == 3 and array.shape[2] in PLAIN:
+    if array.ndim == 3 and array.shape[2] <= MAX_WIDTH:
         array = array.reshape(-1, array.shape[2])
-    if array.ndim != 2 or array.shape[1] not in PLAIN or array.dtype.kind not in "fiu":
+    wide = array.shape[1] if array.ndim == 2 else 0
+    if not 3 <= wide <= MAX_WIDTH or array.dtype.kind not in "fiu":
         raise BadInputError(
-            f"{name}: expected '{key}' as (N, 3), (N, 4), (N, 6) or (N, 7) numbers, got "
-            f"{array.shape} {array.dtype}"
+            f"{name}: expected '{key}' as (N, 3) to (N, {MAX_WIDTH}) numbers, got {array.shape} "
+            f"{array.dtype}"
         )
     if array.dtype == np.float16:
         array = array.astype(np.float32)
-    return {column: array[:, i] for i, column in enumerate(PLAIN[array.shape[1]])}
+    return plain_columns(array, intensity_first=True)
 
 
 def _beside(name: str, arrays: Mapping[str, Array], count: int) -> dict[str, Array]:

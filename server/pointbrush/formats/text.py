@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns, roles
+from pointbrush.formats.columns import frame_from_columns, plain_columns, roles
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.frame import PointFrame
@@ -143,22 +143,7 @@ def _named(
         return {column: table[:, i] for i, column in enumerate(header) if i < width}
     if width < 3:
         raise BadInputError(f"{name}: expected at least 3 columns (x y z), got {width}")
-    names = ["x", "y", "z"]
-    rest = table[:, 3:]
-    if width == 4:
-        names += ["intensity"]
-    elif width >= 6 and _are_colors(rest[:, :3]) and not (is_pts and width >= 7):
-        names += ["red", "green", "blue"]
-    elif width >= 7 and _are_colors(rest[:, 1:4]):
-        names += ["intensity", "red", "green", "blue"]
-    return {column: table[:, i] for i, column in enumerate(names)}
-
-
-def _are_colors(values: NDArray[np.float64]) -> bool:
-    """Whole numbers 0..255, or fractions 0..1: normals have negative parts, so are not taken."""
-    if len(values) == 0 or not np.isfinite(values).all() or values.min() < 0:
-        return False
-    return bool(values.max() <= 1) or bool(values.max() <= 255 and not np.any(values % 1))
+    return plain_columns(table, intensity_first=is_pts)
 
 
 def write_csv(out: BinaryIO, columns: Mapping[str, Array]) -> None:
