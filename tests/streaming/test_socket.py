@@ -310,6 +310,25 @@ def test_roles(served: Served) -> None:
     run(scenario)
 
 
+def test_a_revoked_tokens_socket_is_closed(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pointbrush.web import socket
+
+    monkeypatch.setattr(socket, "RECHECK_SECONDS", 0.1)
+    tokens = served.workspace.store.tokens
+    secret = tokens.add("annotator", "leaves soon")
+
+    async def scenario() -> None:
+        async with viewer(served.url, secret) as client:
+            await client.open("wall")
+            tokens.revoke(next(token.id for token in tokens.list() if token.name == "leaves soon"))
+            with pytest.raises(ConnectionClosed) as closed:
+                await client.drain(10)
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 4401
+
+    run(scenario)
+
+
 def test_locked_and_unknown_labels(served: Served) -> None:
     locked = served.workspace.create_label("wall", "somebody", name="locked")
     served.workspace.update_label("wall", "somebody", locked.id, locked=True)

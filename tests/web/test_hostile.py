@@ -205,6 +205,31 @@ def test_a_flood_of_strokes_hinders_nobody_else(served: Served) -> None:
     asyncio.run(asyncio.wait_for(scenario(), 60))
 
 
+def test_a_flood_of_small_messages_hinders_nobody_else(served: Served) -> None:
+    frame = b"\x82\x81\0\0\0\0\xc1"
+    credit = msgpack.packb({"type": "credit", "frames": 1})
+    frame += b"\x82" + bytes([128 | len(credit)]) + b"\0\0\0\0" + credit
+
+    def send(raw: socket.socket) -> None:
+        raw.settimeout(5)
+        try:
+            for _ in range(20):
+                raw.sendall(frame * 1000)
+        except OSError:
+            return  # not read any more, as its answers are not
+
+    async def scenario() -> None:
+        with handshake(served) as raw:
+            flooding = asyncio.create_task(asyncio.to_thread(send, raw))
+            await asyncio.sleep(0.1)
+            waits = [await is_well(served) for _ in range(3)]
+            raw.shutdown(socket.SHUT_RDWR)
+            await flooding
+        assert max(waits) < 5, waits
+
+    asyncio.run(asyncio.wait_for(scenario(), 60))
+
+
 def test_too_many_requests(tmp_path_factory: pytest.TempPathFactory) -> None:
     settings = settings_in(tmp_path_factory.mktemp("limited"), requests_per_second=5)
     with serving(settings) as served, httpx.Client(headers=served.headers) as client:

@@ -109,6 +109,8 @@ class ViewerSession:
             if self._deaf:
                 continue  # not answered, so that the page sends it again to the next server
             await self.receive(data)
+            # Thousands of small messages can come in one piece: everybody's turn after each.
+            await asyncio.sleep(0)
             while self.outbox.crowded:
                 # Who does not read its answers is not heard until it does.
                 await asyncio.sleep(0.05)

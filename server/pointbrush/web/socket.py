@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
 
-from pointbrush.errors import ForbiddenError, PointbrushError
+from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
@@ -15,18 +17,22 @@ from pointbrush.web.problems import problem_of
 router = APIRouter()
 TEXT_REFUSED = 1003
 GOING_AWAY = 1001
+NOT_ADMITTED = 4401
+RECHECK_SECONDS = 15.0
+"""How soon a revoked token's open sockets are closed."""
 
 
 @router.websocket("/stream")
 async def stream(socket: WebSocket) -> None:
     """One viewer, from its handshake to its end."""
+    hub: Hub = socket.app.state.hub
     try:
-        principal = admit(socket)
+        principal = await hub.read(admit, socket)
     except PointbrushError as error:
         await socket.send_denial_response(problem_of(error))
         return
     await socket.accept(subprotocol=subprotocol())
-    await serve(socket, principal)
+    await serve(socket, hub, principal)
 
 
 def admit(socket: WebSocket) -> Principal:
@@ -40,9 +46,8 @@ def admit(socket: WebSocket) -> Principal:
     return principal
 
 
-async def serve(socket: WebSocket, principal: Principal) -> None:
+async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     """Run the viewer's session over an accepted socket."""
-    hub: Hub = socket.app.state.hub
     session = ViewerSession(
         hub,
         # Starlette's own send_bytes checks the state again at each message; it is known here.
@@ -61,9 +66,29 @@ async def serve(socket: WebSocket, principal: Principal) -> None:
             await socket.close(TEXT_REFUSED, "expected binary messages, got text")
         return data
 
+    watch = asyncio.create_task(expiry(socket, hub, session))
     try:
         await session.run(receive)
-        if session.closing.is_set():
+        if watch.done():
+            await socket.close(
+                NOT_ADMITTED, "expected a valid token, it has expired or was revoked"
+            )
+        elif session.closing.is_set():
             await socket.close(GOING_AWAY, "the server is stopping")
     except WebSocketDisconnect:
         return
+    finally:
+        watch.cancel()
+
+
+async def expiry(socket: WebSocket, hub: Hub, session: ViewerSession) -> None:
+    """Ends the session once its token no longer admits it."""
+    while True:
+        await asyncio.sleep(RECHECK_SECONDS)
+        try:
+            await hub.read(admit, socket)
+        except UnauthorizedError:
+            session.close()
+            return
+        except PointbrushError:
+            continue  # the database is away; its token was good before
