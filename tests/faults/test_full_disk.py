@@ -112,8 +112,12 @@ def test_edits_are_refused_and_what_was_there_stays(disk: Path, server: ServerPr
         ballast.drop()
         again = api.post(path, json=asked).raise_for_status().json()
         assert again["revision"] == answered + 2
+        painted = annotation(api)[0]
+        wiped = api.post(path, json={**stroke(rng), "tool": "erase", "radius": 10.0})
+        assert wiped.raise_for_status().json()["changed"] > 0
+        assert annotation(api)[0] != painted
         api.post("/sequences/ball/undo").raise_for_status()
-        assert annotation(api)[0] == before[0]
+        assert annotation(api)[0] == painted
     server.kill()
     check(server.workspace)
 

@@ -16,14 +16,14 @@ from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, eventually, running
 from tests.serving import add_sequence, settings_in
 
-SAMPLES = [{"origin": [0.6 * (-1) ** i, 0.001 * i - 0.4, 3.0]} for i in range(800)]
-"""A stroke that takes a while."""
+SAMPLES = [{"origin": [0.6 * (-1) ** i, 0.02 * i - 0.4, 3.0]} for i in range(40)]
+"""A stroke to and fro."""
 
 
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[ServerProcess]:
     settings = settings_in(tmp_path)
-    add_sequence(settings, "ball", frames=2, points=60_000)
+    add_sequence(settings, "ball", frames=2, points=5_000)
     with running(settings.workspace) as started:
         with started.api() as api:
             api.post("/sequences/ball/labels", json={"name": "pin"}).raise_for_status()
