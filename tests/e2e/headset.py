@@ -148,6 +148,10 @@ class Headset(Desk):
 
     # ── what people do ───────────────────────────────────────────────────────────────────
 
+    def set_radius(self, metres: float) -> None:
+        self.ask(f"(pb.state.brush.value = {{ ...pb.state.brush.value, radius: {metres} }})")
+        self.frames()
+
     def reach(self, point: list[float], hand: str = "right") -> None:
         """Bring the ball's middle to a point of the recording (source coordinates)."""
         x, y, z = self.ask(f"hs.place({json.dumps(point)})")

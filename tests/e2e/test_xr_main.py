@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
@@ -65,10 +66,8 @@ def test_paints_with_the_trigger_and_feels_what_the_server_counts(
 def test_the_ball_takes_exactly_what_is_inside_it(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
-    import numpy as np
-
     center = truth(0, PERSON)
-    headset.ask("(pb.state.brush.value = { ...pb.state.brush.value, radius: 0.08 })")
+    headset.set_radius(0.08)
     headset.paint([center])
     headset.settled()
     points = server.points(SEQUENCE, 0)
@@ -82,7 +81,7 @@ def test_the_ball_takes_exactly_what_is_inside_it(
 def test_half_a_press_paints_with_half_the_ball(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
-    headset.ask("(pb.state.brush.value = { ...pb.state.brush.value, radius: 0.12 })")
+    headset.set_radius(0.12)
     headset.reach(truth(0, PERSON))
     headset.trigger(0.4)
     headset.frames(3)
@@ -182,7 +181,7 @@ def test_scrubs_on_the_timeline_in_the_room(headset: Headset) -> None:
 def test_tracks_from_the_timeline_and_feels_the_end(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
-    headset.ask("(pb.state.brush.value = { ...pb.state.brush.value, radius: 0.15 })")
+    headset.set_radius(0.15)
     headset.paint([truth(0, PERSON)])
     headset.settled()
     headset.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")

@@ -1,0 +1,167 @@
+"""The panels round the canvas: labels, timeline, tracking form, help, the start page."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.e2e.desk import Desk, launch
+from tests.e2e.server import LiveServer
+from tests.e2e.test_desktop import painted
+
+SEQUENCE = "juggling"
+# Pixels of the names beside the strips.
+GUTTER = 136
+DATA = Path(__file__).parents[2] / "data" / "juggling"
+
+
+@pytest.fixture
+def desk(browser: Browser, server: LiveServer) -> Iterator[Desk]:
+    """A window with two labels; drawing in software is slow and not looked at here."""
+    server.create_label(SEQUENCE, "pin 1", "#ff5d5d")
+    server.create_label(SEQUENCE, "pin 2", "#2fd5e0")
+    window = launch(browser, server.page_url)
+    window.until("window.__pointbrush !== undefined")
+    window.ask("pb.setDrawing(false)")
+    window.until("pb.state.palette.value.length === 2")
+    yield window
+    window.context.close()
+    assert window.complaints == []
+
+
+def label(server: LiveServer, number: int) -> dict[str, object]:
+    found: dict[str, object] = server.request("GET", f"sequences/{SEQUENCE}/labels/{number}").json()
+    return found
+
+
+def test_a_label_is_renamed_where_it_stands(desk: Desk, server: LiveServer) -> None:
+    desk.page.get_by_role("option", name="pin 1").dblclick()
+    field = desk.page.get_by_role("textbox", name="Name")
+    field.fill("left hand's pin")
+    # Keys typed into the name are not shortcuts.
+    assert desk.ask("pb.state.tool.value") == "paint"
+    field.press("Enter")
+    desk.until('pb.state.palette.value[0].name === "left hand\'s pin"')
+    assert label(server, 1)["name"] == "left hand's pin"
+    desk.page.get_by_role("option", name="pin 2").dblclick()
+    desk.page.get_by_role("textbox", name="Name").fill("other")
+    desk.page.keyboard.press("Escape")
+    expect(desk.page.get_by_role("option", name="pin 2")).to_be_visible()
+    assert label(server, 2)["name"] == "pin 2"
+
+
+def test_a_label_is_recoloured_locked_hidden_and_deleted(desk: Desk, server: LiveServer) -> None:
+    page = desk.page
+    page.get_by_role("button", name="Colour of pin 1").click()
+    page.get_by_role("button", name="#8ddf4a").click()
+    desk.until("pb.state.palette.value[0].color === '#8ddf4a'")
+    row = page.get_by_role("option", name="pin 1")
+    row.hover()
+    row.get_by_role("button", name="Lock").click()
+    desk.until("pb.state.palette.value[0].locked")
+    row.get_by_role("button", name="Hide").click()
+    desk.until("!pb.state.palette.value[0].visible")
+    assert label(server, 1) | {"locked": True, "visible": False} == label(server, 1)
+    other = page.get_by_role("option", name="pin 2")
+    other.hover()
+    other.get_by_role("button", name="Show only this label").click()
+    desk.until("pb.state.solo.value === 2")
+    other.get_by_role("button", name="More for pin 2").click()
+    page.get_by_role("button", name="Delete", exact=True).last.click()
+    desk.until("pb.state.palette.value.length === 1")
+
+
+def test_a_new_label_counts_on_and_takes_another_colour(desk: Desk, server: LiveServer) -> None:
+    server.request("PATCH", f"sequences/{SEQUENCE}/labels/2", json={"category": "pin"})
+    desk.until("pb.state.palette.value[1].category === 'pin'")
+    desk.press("2")
+    desk.page.get_by_role("button", name="New label").click()
+    desk.until("pb.state.palette.value.length === 3 && pb.state.activeLabel.value === 3")
+    desk.page.keyboard.press("Enter")
+    fresh = label(server, 3)
+    assert (fresh["name"], fresh["category"]) == ("pin 3", "pin")
+    assert fresh["color"] not in ("#ff5d5d", "#2fd5e0")
+
+
+def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServer) -> None:
+    with np.load(DATA / "0001.npz") as arrays:
+        truth = np.where(arrays["truth"] == 7, 1, 0).astype(np.uint16)
+    put(server, 1, truth)
+    desk.until("pb.state.timeline.value.rows.get(1)?.points[1] > 0")
+    box = desk.page.get_by_role("slider", name="Playhead").bounding_box()
+    assert box is not None
+    left, width = box["x"] + GUTTER, box["width"] - GUTTER
+    y = box["y"] + 36
+    desk.page.mouse.move(left + width * 1.5 / 6, y)
+    desk.page.mouse.down()
+    desk.page.mouse.move(left + width * 3.5 / 6, y, steps=4)
+    desk.page.mouse.up()
+    desk.page.get_by_text("Frames 1 – 3").wait_for()
+    desk.page.locator(".chip").get_by_role("button", name="Track…").click()
+    form = desk.page.get_by_role("dialog", name="Track labels")
+    expect(form.get_by_role("spinbutton", name="From")).to_have_value("1")
+    expect(form.get_by_role("spinbutton", name="To")).to_have_value("3")
+    expect(form.get_by_role("checkbox", name="pin 1")).to_be_checked()
+    form.get_by_role("button", name="Track 1 label").click()
+    desk.until("pb.state.jobs.value.some((job) => job.state === 'done')")
+    assert painted(server, 3, 1) > 100
+    assert painted(server, 4, 1) == 0
+
+
+def put(server: LiveServer, frame: int, labels: object) -> None:
+    body = io.BytesIO()
+    np.save(body, labels)
+    path = f"sequences/{SEQUENCE}/frames/{frame}/annotation"
+    server.request("PUT", path, content=body.getvalue())
+
+
+def test_help_lists_every_key_and_closes(desk: Desk) -> None:
+    desk.press("?")
+    dialog = desk.page.get_by_role("dialog", name="Keyboard and mouse")
+    for what in ("Play or pause", "Eraser", "Smaller brush", "Choose a label", "Redo"):
+        expect(dialog.get_by_text(what)).to_be_visible()
+    desk.press("Escape")
+    expect(dialog).to_have_count(0)
+
+
+def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
+    for width, height in ((1280, 720), (1920, 1080)):
+        desk.page.set_viewport_size({"width": width, "height": height})
+        nameless = desk.page.evaluate(
+            """() => [...document.querySelectorAll('button, input, select, [role=slider]')]
+              .filter((e) => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))
+              .map((e) => e.outerHTML)"""
+        )
+        assert nameless == []
+        outside = desk.page.evaluate(
+            """() => [...document.querySelectorAll('#toolbar *, #timeline *')]
+              .filter((e) => e.getBoundingClientRect().right > innerWidth + 1)
+              .map((e) => e.outerHTML)"""
+        )
+        assert outside == []
+
+
+def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
+    server = LiveServer(tmp_path / "workspace")
+    server.workspace.mkdir()
+    server.start()
+    try:
+        window = launch(browser, server.page_url)
+        expect(window.page.get_by_role("heading", name="No recordings yet")).to_be_visible()
+        window.ask("pb.setDrawing(false)")
+        with window.page.expect_file_chooser() as chooser:
+            window.page.get_by_role("button", name="Choose files").click()
+        chooser.value.set_files([DATA / "0000.npz", DATA / "0001.npz"])
+        window.until("pb.state.sequence.value?.frames === 2")
+        expect(window.page.get_by_text("A label is one thing to follow")).to_be_visible()
+        window.page.get_by_role("button", name="First label").click()
+        window.until("pb.state.palette.value.length === 1")
+        window.context.close()
+        assert window.complaints == []
+    finally:
+        server.stop()

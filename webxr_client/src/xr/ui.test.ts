@@ -1,0 +1,15 @@
+import { describe, expect, it } from 'vitest';
+import { contrast, LABEL_COLORS } from '../panels/colors';
+import { INK } from './ui';
+
+describe('panels in the room', () => {
+  it('have text that contrasts with whatever lies under it', () => {
+    for (const back of [INK.back, INK.raised, INK.hover]) {
+      expect(contrast(INK.text, back)).toBeGreaterThan(7);
+      expect(contrast(INK.quiet, back)).toBeGreaterThan(4.5);
+    }
+    expect(contrast(INK.accent, INK.on)).toBeGreaterThan(4.5);
+    expect(contrast(INK.bad, INK.back)).toBeGreaterThan(4.5);
+    for (const color of LABEL_COLORS) expect(contrast(color, INK.raised)).toBeGreaterThan(3);
+  });
+});
