@@ -226,8 +226,11 @@ def test_resuming_brings_what_was_missed(served: Served) -> None:
 def test_a_revision_from_the_future_is_refused(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
-            await client.open("wall", revision=10**9)
+            await client.send(type="open", sequence="wall", revision=10**9)
             assert (await client.until("error"))["status"] == 422
+            assert not [message for message in client.log if message["type"] == "sequence"]
+            await client.send(type="open", sequence="none", revision=1)
+            assert (await client.until("error"))["status"] == 404
 
     run(scenario)
 

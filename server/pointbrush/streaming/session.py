@@ -19,6 +19,7 @@ from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, Editor
 from pointbrush.streaming.encoding import decode, encode
+from pointbrush.streaming.opening import require_known, sequence_info
 from pointbrush.streaming.outbox import Outbox
 from pointbrush.streaming.plan import Plan
 from pointbrush.streaming.presence import color_of
@@ -178,7 +179,7 @@ class ViewerSession:
             self.hub.exit(self)
             self.room = None
             return
-        self.outbox.reply(encode(self._sequence_info(self.room)))
+        self.outbox.reply(encode(sequence_info(self.room, self.plan.focus)))
 
     # ── messages ─────────────────────────────────────────────────────────────────────────
 
@@ -200,6 +201,8 @@ class ViewerSession:
         )
 
     async def _open(self, message: messages.Open) -> None:
+        if message.revision is not None:
+            await require_known(self.hub, message.sequence, message.revision)
         room = await self.hub.enter(self, message.sequence)
         again = self.room is room and message.revision is not None
         self.room = room
@@ -211,7 +214,7 @@ class ViewerSession:
             self.plan = Plan(manifest.frames, old.link, load=old.load, page=old.page)
         self.plan.focus, self.wanted = frame, None
         self.resumed = message.revision is not None
-        self.outbox.reply(encode(self._sequence_info(room)))
+        self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.labels = self.outbox.all_cells = True
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
         for job in self.hub.workspace.jobs():
@@ -223,8 +226,6 @@ class ViewerSession:
 
     async def _catch_up(self, room: Room, revision: int) -> None:
         """Deltas since ``revision``, or the values of all frames whole when it is too far back."""
-        if revision > room.revision:
-            raise BadInputError(f"revision: expected at most {room.revision}, got {revision}")
         self.outbox.clear_deltas()
         # What is committed meanwhile comes with the rest, in order, and not ahead of it.
         self._catching_up = True
@@ -237,25 +238,6 @@ class ViewerSession:
             return
         for delta in deltas:
             self.outbox.delta(delta)
-
-    def _sequence_info(self, room: Room) -> messages.SequenceInfo:
-        manifest = room.recording.manifest
-        return messages.SequenceInfo(
-            id=manifest.id,
-            name=manifest.name,
-            frames=manifest.frames,
-            fps=manifest.fps,
-            points=list(manifest.points),
-            fields=list(manifest.fields),
-            shift=list(manifest.shift),
-            lo=list(manifest.lo),
-            hi=list(manifest.hi),
-            room=list(manifest.room),
-            large=manifest.large,
-            position_error=manifest.position_error,
-            revision=room.revision,
-            frame=self.plan.focus,
-        )
 
     def require_room(self) -> Room:
         """The open sequence's room; raises BadInputError when none is open."""
