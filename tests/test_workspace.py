@@ -286,6 +286,29 @@ def test_labels_that_came_with_the_files_are_a_first_edit(
     assert [entry.id for entry in workspace.palette("labelled")] == [5]
 
 
+def test_exported_labels_keep_their_names_when_imported_again(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    paint(workspace, 0)
+    workspace.export(SEQUENCE, "ply", tmp_path / "again")
+    job = workspace.import_paths([tmp_path / "again"])
+    assert workspace.runner.wait(job.id, 60).state == "done"
+    first, again = workspace.palette(SEQUENCE), workspace.palette("again")
+    painted = {int(label) for label in np.unique(workspace.annotation("again", 0)[0]) if label}
+    assert painted
+    for label in again:
+        original = next(entry for entry in first if entry.id == label.id)
+        assert (label.name, label.color) == (original.name, original.color)
+
+
+def test_a_recording_without_any_point_is_refused(workspace: Workspace, tmp_path: Path) -> None:
+    np.savez(tmp_path / "nothing.npz", xyz=np.empty((0, 3)))
+    job = workspace.runner.wait(workspace.import_paths([tmp_path / "nothing.npz"]).id, 60)
+    assert job.state == "failed"
+    assert "expected points, got none in 1 frame(s)" in str(job.error)
+    assert not (workspace.library.folder / "nothing").exists()
+
+
 def test_import_paths_stay_under_the_allowed_roots(workspace: Workspace, tmp_path: Path) -> None:
     link = tmp_path / "link"
     link.symlink_to("/etc")

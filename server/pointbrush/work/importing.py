@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pointbrush.errors import TooLargeError
+from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
@@ -116,12 +116,17 @@ def create_sample_labels(store: LabelStore, recording: Sequence) -> None:
 
 
 def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFrame]:
+    total = number = 0
     for number, frame in enumerate(frames):
+        total += len(frame)
         if len(frame) > max_points:
             raise TooLargeError(
                 f"frame {number}: expected at most {max_points:,} points, got {len(frame):,}"
             )
         yield frame
+    # One empty frame is a moment without returns; nothing but empty ones is a wrong file.
+    if total == 0:
+        raise BadInputError(f"expected points, got none in {number + 1} frame(s)")
 
 
 def import_source_labels(store: LabelStore, recording: Sequence) -> None:
