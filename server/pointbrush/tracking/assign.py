@@ -103,13 +103,25 @@ def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | Non
     What moves alone in the air is the object, new surface and all; what does not end within a
     few steps hangs together with something larger (a hand, a body).
     """
-    xyz = view.xyz[rest].astype(np.float64)
-    joined = np.zeros(len(rest), np.bool_)
     front = view.xyz[core].astype(np.float64)
-    for _ in range(STEPS):
-        open_ = np.flatnonzero(~joined)
+    xyz = view.xyz[rest].astype(np.float64)
+    lo, hi = front.min(axis=0) - STEPS * reach, front.max(axis=0) + STEPS * reach
+    inside = ((xyz >= lo) & (xyz <= hi)).all(axis=1)
+    rest, xyz = rest[inside], xyz[inside]
+    joined = np.zeros(len(rest), np.bool_)
+    for turn in range(STEPS):
+        # Points far from the core are of no interest until the front has come that far.
+        open_ = ~joined
+        if turn == 0:
+            lo, hi = front.min(axis=0) - reach, front.max(axis=0) + reach
+        else:
+            lo, hi = (
+                np.minimum(lo, front.min(axis=0) - reach),
+                np.maximum(hi, front.max(axis=0) + reach),
+            )
+        open_ = np.flatnonzero(open_ & ((xyz >= lo) & (xyz <= hi)).all(axis=1))
         if not len(open_):
-            break
+            return rest[joined]
         tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
         distance, _ = tree.query(xyz[open_], distance_upper_bound=reach)
         new = open_[np.asarray(distance) < reach]
@@ -119,4 +131,4 @@ def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | Non
         if np.count_nonzero(joined) > most:
             return None
         front = xyz[new]
-    return rest[joined] if joined.all() else None
+    return None

@@ -22,6 +22,7 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
+from pointbrush.tracking.confidence import REGAIN, Evidence, confidence
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -31,11 +32,13 @@ from pointbrush.tracking.interface import (
     Known,
     Mask,
     Seed,
+    State,
     TrackOptions,
     TrackState,
 )
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.locate import Search, crop, register, share_out
+from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FrameRules
@@ -235,9 +238,7 @@ class Run:
         world = transform(fit.T, thing.model.xyz)
         if thing.bends:
             apart = max(thing.model.radius / 5, 3 * thing.unit)
-            world = world + warp(
-                world, thing.model.colour, search.target, apart, 4 * thing.unit
-            )
+            world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
         near = search.near if thing.motion.slow(thing.unit) else search.moving
         return Place(fit.T, world, search.around, near, search.moving, fit.cost)
 
@@ -294,7 +295,7 @@ class Run:
                 continue
             near = place.around[~taken[place.around]]
             most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
-            new = blob(view, core, near, 2.5 * thing.unit, most)
+            new = None if thing.bends else blob(view, core, near, 2.5 * thing.unit, most)
             place.whole = new is not None
             if new is None:
                 new = self._adjoin(thing, view, place, core, rest)
@@ -325,23 +326,42 @@ class Run:
         self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
     ) -> tuple[TrackState, I64]:
         """Judge what was found, and learn from it."""
-        verdict = judge(
-            thing, view, self.lens is not None, place and place.pose, place and place.world, found
-        )
+        at = (None, None) if place is None else (place.pose, place.world)
+        verdict = judge(thing, view, self.lens is not None, *at, found)
         pose = thing.motion.poses[-1] if place is None else place.pose
         if place is None or found is None or not verdict.found:
             thing.missing += 1
             thing.motion.gap += 1
             lost = thing.missing > PATIENCE
             thing.stopped = lost and not self.options.continue_lost
-            state = "lost" if lost else "occluded"
-            return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY  # type: ignore[arg-type]
+            thing.trust = max(0.0, thing.trust - REGAIN)
+            state: State = "lost" if lost else "occluded"
+            return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY
         thing.missing = 0
         points = np.union1d(found.indices, grown)
+        trust = confidence(self._evidence(thing, place, found, len(points), verdict), thing.trust)
+        thing.trust, thing.last = trust, len(points)
         self._learn(thing, view, place, found, grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
-        state = TrackState(pose, rmse, verdict.inliers, verdict.confidence, len(points), "tracked")
-        return state, points
+        track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
+        return track, points
+
+    def _evidence(
+        self, thing: Thing, place: Place, found: Claim, points: int, verdict: Verdict
+    ) -> Evidence:
+        m = max(len(found.indices), 1)
+        return Evidence(
+            inliers=verdict.inliers,
+            sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
+            gap=float(found.gap.mean() / thing.reach),
+            cost=float(found.cost.mean() / thing.reach),
+            fit=place.cost,
+            size=points / max(thing.size, 1.0),
+            change=points / max(thing.last, 1),
+            grown=1.0 - m / max(points, 1),
+            whole=place.whole,
+            share=m / max(len(place.moving), 1),
+        )
 
     def _learn(
         self, thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
@@ -361,25 +381,30 @@ class Run:
         if thing.bends:
             old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
             kept = thing.model
-            from pointbrush.tracking.model import Model
-
             new = Model.of(xyz, colour, own_eye, kept.spacing)
-            n = len(old)
             new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
             new.colour = np.vstack([new.colour, kept.colour[old]])
             new.seen = np.vstack([new.seen, kept.seen[old]])
             new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
             new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
             thing.model = new
-            thing.motion.centre = thing.motion.centre
         else:
             thing.model.miss(verdict.through)
             place_now = transform(place.pose, thing.model.xyz)
-            again = claim(view, points, place_now, thing.model.colour, thing.weight, (8 if place.whole else 3) * thing.unit)
+            again = claim(
+                view,
+                points,
+                place_now,
+                thing.model.colour,
+                thing.weight,
+                (8 if place.whole else 3) * thing.unit,
+            )
             if not place.whole:
                 again = again.pick(again.cost < 2 * thing.reach)
             xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-            thing.model.gather(xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole)
+            thing.model.gather(
+                xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
+            )
 
 
 def _placed(view: View, indices: I64, weight: float) -> F64:

@@ -12,7 +12,6 @@ from pointbrush.tracking.interface import F64, Mask
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
-
 FEWEST = 10
 """Model points that must face the sensor for their sides to be a criterion."""
 

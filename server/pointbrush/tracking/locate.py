@@ -22,9 +22,9 @@ from pointbrush.tracking.registration import (
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
-COARSE, FINE = 90, 250
+COARSE, FINE = 64, 200
 """Model points that a guess is judged by, and that the last iterations use."""
-TARGET = 1500
+TARGET = 1200
 FEWEST = 5
 DOUBT = 0.3
 """Cost of the best prediction above which other places are tried."""
@@ -95,7 +95,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
 
 def target_of(view: View, indices: I64, weight: float) -> Target:
     """An even part of the points as a target of registration."""
-    some = indices[:: max(1, len(indices) // TARGET)]
+    some = indices[:: max(1, -(-len(indices) // TARGET))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
 
 
@@ -141,9 +141,7 @@ def register(search: Search, eye: F64 | None) -> Fit:
         others = proposals(model, target, guesses[0])
         costs += _costs(search, others)
         guesses += others
-    costs = [
-        c + _surprise(thing, g, guesses[:known]) for c, g in zip(costs, guesses, strict=True)
-    ]
+    costs = [c + _surprise(thing, g, guesses[:known]) for c, g in zip(costs, guesses, strict=True)]
     best = np.argsort(costs, kind="stable")[: 2 if len(guesses) == known else 6]
     near, far = (3.0, 3.0, 3.0, 2.5), (5.0, 4.0, 4.0, 3.0, 3.0)
     fits = [
@@ -202,8 +200,6 @@ def _to_model(search: Search, target: Target) -> F64:
 
 
 def _overlap(one: Search, other: Search) -> bool:
-    ends = [
-        transform(s.best, s.thing.motion.centre[None])[0] for s in (one, other)
-    ]
+    ends = [transform(s.best, s.thing.motion.centre[None])[0] for s in (one, other)]
     reach = one.thing.model.radius + other.thing.model.radius
     return float(np.linalg.norm(ends[0] - ends[1])) < 1.5 * reach

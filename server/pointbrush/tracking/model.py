@@ -31,6 +31,7 @@ class Model:
     spacing: float
     hits: F32
     misses: F32
+    _radius: float | None = None
 
     @staticmethod
     def of(xyz: F64, colour: F32, eye: F64 | None, spacing: float) -> Model:
@@ -54,7 +55,12 @@ class Model:
     @property
     def radius(self) -> float:
         """Metres from the centre that hold nearly all points."""
-        return float(np.percentile(np.linalg.norm(self.xyz - self.centre, axis=1), 98))
+        if self._radius is None:
+            away = np.linalg.norm(self.xyz - self.centre, axis=1)
+            self._radius = float(
+                np.partition(away, int(0.98 * (len(away) - 1)))[int(0.98 * (len(away) - 1))]
+            )
+        return self._radius
 
     def facing(self, pose: F64, eye: F64 | None) -> Mask:
         """(M,) points whose side faces ``eye`` when the object is at ``pose``."""
@@ -84,9 +90,7 @@ class Model:
         self.xyz = np.vstack([self.xyz, xyz[new]])
         self.colour = np.vstack([self.colour, colour[new]])
         self.seen = np.vstack([self.seen, towards[new]])
-        self.hits = np.append(
-            self.hits, np.full(len(new), SURE if sure else 1.0, np.float32)
-        )
+        self.hits = np.append(self.hits, np.full(len(new), SURE if sure else 1.0, np.float32))
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
         self._keep(self._distinct())
 
@@ -114,6 +118,7 @@ class Model:
     def _keep(self, which: I64) -> None:
         self.xyz, self.colour, self.seen = self.xyz[which], self.colour[which], self.seen[which]
         self.hits, self.misses = self.hits[which], self.misses[which]
+        self._radius = None
 
     def _thin(self) -> Model:
         self._keep(self._distinct())

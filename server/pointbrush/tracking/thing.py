@@ -42,7 +42,8 @@ class Thing:
     """State of a label: ``weight`` metres per unit of colour, ``unit`` metres of tolerance.
 
     ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
-    explain; ``size`` its number of points when last seen whole.
+    explain; ``size`` the most points it had, ``last`` in
+    the last frame; ``trust`` the last confidence.
     """
 
     label: int
@@ -55,6 +56,8 @@ class Thing:
     missing: int = 0
     bend: float = 0.0
     stopped: bool = False
+    trust: float = 1.0
+    last: int = 0
 
     @property
     def bends(self) -> bool:
@@ -78,8 +81,9 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if view.frame.rgb is not None and not _colourless(view, indices):
         weight = 0.5 * unit / max(speckle, LEAST_NOISE)
     model = Model.of(xyz, colour, view.eye, spacing)
-    thing = Thing(label, model, Motion(model.centre), weight, unit, rivals, float(len(indices)))
-    return thing
+    count = len(indices)
+    motion = Motion(model.centre)
+    return Thing(label, model, motion, weight, unit, rivals, float(count), last=count)
 
 
 def _texture(xyz: F64, colour: F32) -> tuple[float, float]:
