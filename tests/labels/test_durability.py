@@ -30,17 +30,24 @@ CHILD = Path(__file__).parent / "crash_child.py"
 KILLS_PER_SEQUENCE = 4
 
 
-def run_and_kill(url: str, sequence: str, seed: int, seconds: float) -> list[dict[str, Any]]:
-    """What the child said before it was killed."""
+def run_and_kill(
+    url: str, sequence: str, seed: int, answers: int, seconds: float
+) -> list[dict[str, Any]]:
+    """What the child said before it was killed, some time after so many answers."""
     command = [sys.executable, str(CHILD), url, sequence, str(seed)]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert child.stdout is not None
     assert json.loads(child.stdout.readline())["ready"]
+    lines: list[str] = []
+    while sum("answered" in line for line in lines) < answers:
+        lines.append(child.stdout.readline())
+        assert lines[-1], "the child ended by itself"
     time.sleep(seconds)
     child.kill()
     said, _ = child.communicate()
     # A last line may be cut short: then the answer did not get out.
-    return [json.loads(line) for line in said.splitlines(keepends=True) if line.endswith("\n")]
+    lines += [line for line in said.splitlines(keepends=True) if line.endswith("\n")]
+    return [json.loads(line) for line in lines]
 
 
 def verify(url: str, sequence: str, said: list[dict[str, Any]]) -> int:
@@ -80,8 +87,9 @@ def test_killed_at_random_moments(url: str) -> None:
             store = LabelStore(url)
             store.register(sequence, POINTS)
             store.close()
-        said += run_and_kill(url, sequence, seed=kill, seconds=rng.uniform(0.02, 0.35))
-        edits = verify(url, sequence, said)
+        answers, seconds = rng.choice([0, 0, 5, 20, 50]), rng.uniform(0.0, 0.05)
+        said += run_and_kill(url, sequence, kill, answers, seconds)
+        edits = max(edits, verify(url, sequence, said))
     assert edits > 10
 
 
