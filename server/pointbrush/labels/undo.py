@@ -49,6 +49,8 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
     Raises LockedLabelError when that would change points of a locked label.
     """
     connection, number = draft.connection, draft.state.number
+    # Read first, since it is kept in memory: if this undo is not committed, it never was.
+    undone = draft.state.undone(connection)
     journal.set_state(connection, number, edit.revision, state=schema.UNDONE)
     uncovered = []
     for place, change in journal.iterate_changes(connection, number, edit.revision):
@@ -59,7 +61,7 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
             uncovered.append(
                 _Uncovered(place, change.indices[mine], now[mine], before, edit.revision)
             )
-    _follow_chains(connection, number, uncovered, draft.state.undone(connection))
+    _follow_chains(connection, number, uncovered, undone)
     _lay_redone_over(connection, number, uncovered, edit.revision)
     for one in uncovered:
         draft.put(one.place, one.indices, one.now, one.words)
