@@ -140,6 +140,18 @@ def test_a_pinch_paints(put_on: Wear, server: LiveServer, truth: Truth) -> None:
     assert painted(server, 0) > 5
 
 
+def test_enters_with_the_real_room_in_sight(browser: Browser, server: LiveServer) -> None:
+    headset = wear(browser, server.page_url)
+    headset.ready()
+    headset.page.get_by_role("button", name="Step in with the real room in sight").click()
+    headset.until("hs.headset.cockpit?.mode === 'immersive-ar' && hs.frames() > 2")
+    assert headset.ask("pb.engine.viewer.renderer.xr.getSession().environmentBlendMode") != ""
+    # The sky must not hide the room.
+    assert headset.ask("pb.engine.viewer.backdrop.group.children[0].visible") is False
+    headset.context.close()
+    assert headset.complaints == []
+
+
 def test_left_handed_people_paint_with_the_left(
     put_on: Wear, server: LiveServer, truth: Truth
 ) -> None:

@@ -22,14 +22,13 @@ import {
   type Tool,
 } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
+import { cellKind, wantsLook } from '../panels/timeline-layout';
 import { Detail } from './detail';
 import { labelActions, takeLabels, takeTimeline } from './labels';
 import { Playback } from './playback';
 import { noteJob, recordingActions } from './recordings';
 
 const RADIUS_NOTCH = 1.15;
-/** A cell whose tracking is less sure than this is doubtful. */
-const DOUBTFUL = 0.6;
 
 export class Engine {
   readonly viewer: Viewer;
@@ -177,6 +176,8 @@ export class Engine {
         return;
       case 'error':
         if (message.about !== null) this.strokes.drop(message.about);
+        // A recording that is not there (any more) does not stay "opening" for ever.
+        else if (state.opening.peek() !== null) this.closeSequence();
         // Nothing to undo is an answer, not a fault.
         notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
     }
@@ -299,9 +300,7 @@ export class Engine {
     const rows = [...state.timeline.peek().rows.values()];
     for (let away = 1; away <= frames; away++) {
       const frame = (((state.frame.peek() + away * direction) % frames) + frames) % frames;
-      const doubtful = rows.some(
-        (row) => (row.confidence[frame] ?? 1) < DOUBTFUL || (row.state[frame] ?? 0) >= 3,
-      );
+      const doubtful = rows.some((row) => wantsLook(cellKind(row, frame)));
       if (doubtful) {
         this.playback.pause();
         this.playback.seek(frame);

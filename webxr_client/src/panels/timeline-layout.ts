@@ -41,6 +41,11 @@ export function cellKind(row: TimelineRow, frame: number): CellKind {
   return (row.confidence[frame] ?? 1) < DOUBTFUL_BELOW ? 'doubtful' : 'tracked';
 }
 
+/** Whether a person should look at such a cell. */
+export function wantsLook(kind: CellKind): boolean {
+  return kind === 'doubtful' || kind === 'lost';
+}
+
 export interface Run {
   /** Frames [from, to), whole or grouped. */
   readonly from: number;
@@ -77,8 +82,7 @@ export function doubtfulFrames(rows: Iterable<TimelineRow>, frames: number): num
   const doubtful = new Set<number>();
   for (const row of rows) {
     for (let frame = 0; frame < frames; frame++) {
-      const kind = cellKind(row, frame);
-      if (kind === 'doubtful' || kind === 'lost') doubtful.add(frame);
+      if (wantsLook(cellKind(row, frame))) doubtful.add(frame);
     }
   }
   return [...doubtful].sort((a, b) => a - b);

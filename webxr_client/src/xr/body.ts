@@ -1,5 +1,5 @@
 /** What one sees of a hand: its model, its ray, its tips; and the panel that it points at. */
-import type { Group, Object3D } from 'three';
+import type { Group, Matrix4, Object3D } from 'three';
 import type { Hand } from './hand';
 import { BUTTON_TICK } from './haptics';
 import { controllerModel, disposeModel, HandModel, Ray } from './model';
@@ -39,6 +39,14 @@ export class Body {
       this.hand.grip.add(this.model);
     }
     this.explain(paints);
+  }
+
+  /** A bare hand's joints; `rig` is where the headset's space lies in the scene. */
+  follow(frame: XRFrame, space: XRReferenceSpace, rig: Matrix4): void {
+    const { hand, joints } = this;
+    joints?.update(frame, space);
+    hand.hasPinch = joints?.pinch(hand.pinch) ?? false;
+    if (hand.hasPinch) hand.pinch.applyMatrix4(rig);
   }
 
   explain(paints: boolean): void {

@@ -183,7 +183,7 @@ export class Cockpit {
     const { matrixWorld } = this.rig.group;
     left.update(frame, space, matrixWorld);
     right.update(frame, space, matrixWorld);
-    for (const body of this.bodies) body.joints?.update(frame, space);
+    for (const body of this.bodies) body.follow(frame, space, matrixWorld);
     this.rig.group.updateMatrixWorld(true);
     this.moveWorld();
     this.place.update();

@@ -22,6 +22,9 @@ export class Hand {
   /** Where it is held, in the scene. */
   readonly place = new Vector3();
   readonly turn = new Quaternion();
+  /** Where thumb and index finger meet, in the scene; controllers have no such place. */
+  readonly pinch = new Vector3();
+  hasPinch = false;
   trigger = 0;
   readonly pad: Pad = { x: 0, y: 0, click: false };
   readonly pressure = new Pressure();
@@ -52,7 +55,7 @@ export class Hand {
     this.source = null;
     this.device = null;
     this.tracked = false;
-    this.pinching = false;
+    this.pinching = this.hasPinch = false;
     this.grip.visible = false;
     this.rest();
   }

@@ -5,6 +5,9 @@ import type { Device } from './devices';
 const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
 const JOINTS = 25;
+/** Positions of the finger tips among the joints. */
+const THUMB = 4;
+const INDEX = 9;
 const ORDER = 110;
 
 function part(geometry: BufferGeometry, color: number): Mesh {
@@ -77,6 +80,17 @@ export class HandModel {
       this.mesh.setMatrixAt(i, this.matrix);
     }
     this.mesh.instanceMatrix.needsUpdate = true;
+  }
+
+  /** The place between the tips of thumb and index finger, in the headset's space. */
+  pinch(out: Vector3): boolean {
+    const { matrices: m } = this;
+    out.set(
+      (m[16 * THUMB + 12]! + m[16 * INDEX + 12]!) / 2,
+      (m[16 * THUMB + 13]! + m[16 * INDEX + 13]!) / 2,
+      (m[16 * THUMB + 14]! + m[16 * INDEX + 14]!) / 2,
+    );
+    return this.mesh.visible;
   }
 
   dispose(): void {

@@ -92,6 +92,10 @@ export class Painter {
   }
 
   private aimTip(hand: Hand): void {
+    if (hand.hasPinch) {
+      this.tip.copy(hand.pinch);
+      return;
+    }
     const size = Math.min(0.3, state.brush.peek().radius * this.place.scale);
     const ahead = (hand.device?.tip ?? 0) + 0.5 * size;
     this.tip.copy(hand.origin).addScaledVector(hand.direction, ahead);

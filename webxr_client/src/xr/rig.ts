@@ -49,7 +49,6 @@ export class Rig {
     const { group, scratch } = this;
     scratch.copy(this.head).sub(group.position).applyAxisAngle(UP, angle);
     group.position.copy(this.head).sub(scratch);
-    group.position.y = 0;
     group.rotateY(angle);
     this.ahead.applyAxisAngle(UP, angle);
     this.refresh();
