@@ -109,17 +109,12 @@ def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | Non
     inside = ((xyz >= lo) & (xyz <= hi)).all(axis=1)
     rest, xyz = rest[inside], xyz[inside]
     joined = np.zeros(len(rest), np.bool_)
-    for turn in range(STEPS):
+    lo, hi = front.min(axis=0), front.max(axis=0)
+    for _ in range(STEPS):
         # Points far from the core are of no interest until the front has come that far.
-        open_ = ~joined
-        if turn == 0:
-            lo, hi = front.min(axis=0) - reach, front.max(axis=0) + reach
-        else:
-            lo, hi = (
-                np.minimum(lo, front.min(axis=0) - reach),
-                np.maximum(hi, front.max(axis=0) + reach),
-            )
-        open_ = np.flatnonzero(open_ & ((xyz >= lo) & (xyz <= hi)).all(axis=1))
+        lo = np.minimum(lo, front.min(axis=0) - reach)
+        hi = np.maximum(hi, front.max(axis=0) + reach)
+        open_ = np.flatnonzero(~joined & ((xyz >= lo) & (xyz <= hi)).all(axis=1))
         if not len(open_):
             return rest[joined]
         tree = cKDTree(front, balanced_tree=False, compact_nodes=False)

@@ -326,8 +326,8 @@ class Run:
         self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
     ) -> tuple[TrackState, I64]:
         """Judge what was found, and learn from it."""
-        at = (None, None) if place is None else (place.pose, place.world)
-        verdict = judge(thing, view, self.lens is not None, *at, found)
+        pose = None if place is None else place.pose
+        verdict = judge(thing, view, pose, None if place is None else place.world, found)
         pose = thing.motion.poses[-1] if place is None else place.pose
         if place is None or found is None or not verdict.found:
             thing.missing += 1

@@ -72,7 +72,7 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        cell, depth = (a[indices] for a in view.cells)
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit = NEAR * self.waver(depth)
         known = self.depth[cell]
         far = (np.abs(depth - known) < limit) | (depth > known + limit)
@@ -134,8 +134,8 @@ class TreeBackground:
             still[rest[near]] = True
         return still, np.zeros(len(indices), np.bool_)
 
-    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
-        """See ``Background``; keeps the first frame and two later ones."""
+    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
+        """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""
         labelled = np.zeros(len(view.xyz), np.bool_)
         for points in view.labels.values():
             labelled[points] = True

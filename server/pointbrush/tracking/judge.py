@@ -33,7 +33,7 @@ class Verdict:
 
 
 def judge(
-    thing: Thing, view: View, image: bool, pose: F64 | None, world: F64 | None, found: Claim | None
+    thing: Thing, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
 ) -> Verdict:
     """Compare the model at its place with the points assigned to it."""
     n = len(thing.model.xyz)
@@ -47,7 +47,7 @@ def judge(
         distance, _ = tree.query(world, distance_upper_bound=2.5 * thing.unit)
         matched = np.isfinite(np.asarray(distance))
     hidden = through = nothing
-    if image:
+    if view.lens is not None:
         cell, depth = view.project(world)
         seen = view.depth[cell]
         with np.errstate(invalid="ignore"):

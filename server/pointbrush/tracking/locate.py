@@ -196,7 +196,7 @@ def _to_model(search: Search, target: Target) -> F64:
         np.hstack([target.xyz, target.colour * weight]),
         distance_upper_bound=20 * search.thing.unit,
     )
-    return np.minimum(np.asarray(distance), 20 * search.thing.unit)
+    return np.minimum(np.asarray(distance, np.float64), 20 * search.thing.unit).astype(np.float64)
 
 
 def _overlap(one: Search, other: Search) -> bool:

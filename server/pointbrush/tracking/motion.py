@@ -45,7 +45,8 @@ class Motion:
         return len(self.poses) > 1 and self.speed < unit
 
     def _at(self, which: int) -> F64:
-        return transform(self.poses[which], self.centre[None])[0]
+        at: F64 = transform(self.poses[which], self.centre[None])[0]
+        return at
 
     def predictions(self) -> list[F64]:
         """Poses to try, the likeliest first: motion repeated, changing evenly, and at rest."""

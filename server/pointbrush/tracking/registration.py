@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
@@ -29,9 +30,9 @@ class Registration:
     converged: bool
 
 
-def transform(T: F64, xyz: F64) -> F64:
+def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
     """Move (N, 3) points by a (4, 4) rigid motion."""
-    return np.asarray(xyz @ T[:3, :3].T + T[:3, 3])
+    return np.asarray(xyz @ T[:3, :3].T + T[:3, 3], np.float64)
 
 
 def best_rigid_motion(source: F64, target: F64, weight: F64 | None = None) -> F64:
@@ -151,6 +152,6 @@ def excess(source: F64, target: Target, T: F64, unit: float) -> float:
     """
     tree = cKDTree(transform(T, source), balanced_tree=False, compact_nodes=False)
     gap, _ = tree.query(target.xyz, distance_upper_bound=6 * unit)
-    on = np.count_nonzero(np.asarray(gap) < 3 * unit)
-    beside = np.count_nonzero(np.isfinite(np.asarray(gap))) - on
-    return 0.3 * min(1.0, beside / max(on, 1))
+    on = int(np.count_nonzero(np.asarray(gap) < 3 * unit))
+    beside = int(np.count_nonzero(np.isfinite(np.asarray(gap)))) - on
+    return 0.3 * min(1.0, float(beside) / float(max(on, 1)))

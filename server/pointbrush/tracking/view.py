@@ -143,10 +143,10 @@ class View:
         if blocks is not None and self.T_world_frame is None:
             runs = blocks.overlapping(lo, hi)
             first = blocks.first
-            some = _ranges(first[runs], first[runs + 1])
+            some: I64 = _ranges(first[runs], first[runs + 1])
             at = self.xyz[some]
-            return some[((at >= lo) & (at <= hi)).all(axis=1)]
-        inside = np.ones(len(self.xyz), np.bool_)
+            return some[np.flatnonzero(((at >= lo) & (at <= hi)).all(axis=1))]
+        inside: NDArray[np.bool_] = np.ones(len(self.xyz), np.bool_)
         for column, low, high in zip(self.columns, lo, hi, strict=True):
             inside &= (column >= np.float32(low)) & (column <= np.float32(high))
         return np.flatnonzero(inside)
@@ -195,4 +195,5 @@ class View:
 def _ranges(start: I64, stop: I64) -> I64:
     length = stop - start
     begin = np.cumsum(length) - length
-    return np.arange(int(length.sum()), dtype=np.int64) + np.repeat(start - begin, length)
+    steps: I64 = np.arange(int(length.sum()), dtype=np.int64)
+    return np.asarray(steps + np.repeat(start - begin, length), np.int64)
