@@ -177,6 +177,22 @@ def test_ros_2_bags(tmp_path, big):
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "time"),
+    [("x'ff'", "1"), ("'/points'", "'soon'"), ("NULL", "1"), ("'/points'", "x'00'")],
+)
+def test_values_of_other_types_raise(tmp_path, name, time):
+    with closing(sqlite3.connect(tmp_path / "a.db3")) as database:
+        database.executescript(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT);"
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INT, timestamp INT, data BLOB);"
+            f"INSERT INTO topics VALUES (1, {name}, 'sensor_msgs/msg/PointCloud2');"
+            f"INSERT INTO messages VALUES (1, 1, {time}, x'00');"
+        )
+    with pytest.raises(BadInputError, match=r"a\.db3: expected topics with names and times"):
+        open_source([tmp_path / "a.db3"])
+
+
 @pytest.mark.parametrize("data", [b"", b"SQLite format 3\0" + bytes(200), b"not a database" * 99])
 def test_damaged_ros_2_bags_raise(tmp_path, data):
     (tmp_path / "a.db3").write_bytes(data)

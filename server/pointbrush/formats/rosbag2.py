@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
@@ -43,6 +44,12 @@ def survey_rosbag2(path: Path) -> Topic:
     """The topic that is read, its number of messages and their times."""
     with _opened(path) as database:
         rows = database.execute(COUNTS).fetchall()
+    # SQLite keeps any type in any column.
+    if not all(
+        isinstance(name, str) and isinstance(start or 0, int) and isinstance(end or 0, int)
+        for name, _, _, start, end in rows
+    ):
+        raise BadInputError(f"{path.name}: expected topics with names and times")
     clouds = {name: count for name, kind, count, _, _ in rows if kind in TYPES}
     topic = choose_topic(path.name, clouds, {str(row[0]) for row in rows})
     _, _, count, start, end = next(row for row in rows if row[0] == topic)
@@ -58,6 +65,8 @@ def _opened(path: Path) -> Iterator[sqlite3.Connection]:
         # Immutable: no journal or lock is written beside a file of somebody else.
         address = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
         with closing(sqlite3.connect(address, uri=True)) as database:
+            database.text_factory = partial(str, encoding="utf-8", errors="replace")
             yield database
-    except sqlite3.Error as error:
+    # Even the text of SQLite's own complaint can hold bytes of the damaged file.
+    except (sqlite3.Error, UnicodeError) as error:
         raise BadInputError(f"{path.name}: expected a ROS 2 bag, {error}") from None
