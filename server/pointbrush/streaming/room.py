@@ -31,6 +31,8 @@ TABLES = 4096
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
 Place = tuple[int, int]
 """Frame and label: a cell of the timeline."""
+AT_ONCE = 50_000
+"""Changed points that are encoded on the event loop itself."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
 
 
@@ -136,23 +138,33 @@ class Room:
                 viewer.all_stale()
             self.drop_values(range(len(self.recording)))
             self._palette_stale = self._tracks_stale = True
+        held = [f for f in commit.frames if any(viewer.holds(f) for viewer in self.viewers)]
+        encoded = await self._encoded(commit, held)
         self.revision = commit.revision
-        for frame, delta in commit.frames.items():
-            base = self._touched.get(frame, self._start)
-            self._touched[frame] = commit.revision
-            holders = [viewer for viewer in self.viewers if viewer.holds(frame)]
-            if holders and len(delta):
-                data = encode_delta(
-                    self.id, frame, commit.revision, base, delta, commit.edit_id, commit.author
-                )
-                for viewer in holders:
-                    viewer.outbox.delta(QueuedDelta(frame, commit.revision, data))
+        self._touched.update(dict.fromkeys(commit.frames, commit.revision))
+        for delta in encoded:
+            for viewer in self.viewers:
+                if viewer.holds(delta.frame):
+                    viewer.outbox.delta(delta)
         changed = {(cell.frame, cell.label) for cell in commit.cells}
         self.cells.update({(cell.frame, cell.label): cell for cell in commit.cells})
         self._palette_stale |= commit.palette_changed
         self._tracks_stale |= commit.tracks_changed
         for viewer in self.viewers:
             viewer.cells_changed(changed, everything=commit.tracks_changed)
+
+    async def _encoded(self, commit: Commit, frames: list[int]) -> list[QueuedDelta]:
+        """A commit's part in each of ``frames``, encoded once for all viewers."""
+        bases = {frame: self._touched.get(frame, self._start) for frame in frames}
+
+        def encode_all() -> list[QueuedDelta]:
+            return [delta_message(commit, frame, base) for frame, base in bases.items()]
+
+        # A tracking run touches many frames: too much to do while everybody waits.
+        if sum(len(commit.frames[frame]) for frame in frames) > AT_ONCE:
+            found: list[QueuedDelta] = await self._run(encode_all)
+            return found
+        return encode_all()
 
     def provisional(self, event: Provisional) -> None:
         """Show what a tracking run has just found."""
@@ -173,13 +185,10 @@ class Room:
         def read(after: int) -> int:
             commits = self.workspace.store.since(self.id, after)
             for commit in commits:
-                for frame, delta in commit.frames.items():
+                for frame in commit.frames:
                     base = touched.get(frame, revision)
                     touched[frame] = commit.revision
-                    data = encode_delta(
-                        self.id, frame, commit.revision, base, delta, commit.edit_id, commit.author
-                    )
-                    deltas.append(QueuedDelta(frame, commit.revision, data))
+                    deltas.append(delta_message(commit, frame, base))
             return commits[-1].revision
 
         reached = revision
@@ -263,6 +272,15 @@ class Room:
             confidence=None if track is None else float(track["confidence"]),
             state="painted" if cell.painted else None if track is None else track["state"],
         )
+
+
+def delta_message(commit: Commit, frame: int, base: int) -> QueuedDelta:
+    """A commit's part in one frame, ready to be sent."""
+    data = encode_delta(
+        commit.sequence, frame, commit.revision, base, commit.frames[frame], commit.edit_id,
+        commit.author,
+    )  # fmt: skip
+    return QueuedDelta(frame, commit.revision, data)
 
 
 def by_cell(tracks: Iterable[dict[str, Any]]) -> dict[tuple[int, int], dict[str, Any]]:

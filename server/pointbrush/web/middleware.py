@@ -23,7 +23,7 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.web.auth import Gate, bearer_of
 from pointbrush.web.problems import problem_of
 
-BURST_SECONDS = 5
+BURST_SECONDS = 10
 """A client may spend this many seconds' worth of requests at once."""
 KNOWN_CLIENTS = 10_000
 PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)
