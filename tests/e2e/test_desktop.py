@@ -258,6 +258,16 @@ def test_a_wrong_token_is_said_plainly(open_desk: Open, server: LiveServer) -> N
     desk.complaints.clear()
 
 
+def test_a_link_to_a_recording_that_is_gone_leads_to_the_list(
+    desk: Desk, server: LiveServer
+) -> None:
+    desk.page.goto(f"{server.url}/?sequence=juggling")
+    desk.ready()
+    desk.ask("(pb.engine.openSequence('gone'), 1)")
+    desk.until("pb.state.notices.value.some((notice) => notice.title === 'Not found')")
+    desk.until("pb.state.opening.value === null && pb.state.sequence.value === null")
+
+
 def test_a_lost_graphics_context_comes_back(desk: Desk) -> None:
     desk.ask(
         "(window.lose = pb.engine.viewer.renderer.getContext().getExtension('WEBGL_lose_context'),"
