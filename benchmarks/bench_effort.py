@@ -91,7 +91,8 @@ def main() -> None:
                 frames = [frame for frame, _ in made]
                 add(frames, recording.fps, workspace, sequences[kind, method])
         print(f"{given.frames} frames, seed {given.seed}; goal: mean IoU of every frame >= 0.9")
-        print("  recording        method     strokes  corrected  1 frame in  fewer strokes   time", flush=True)
+        head = "  recording        method     strokes  corrected  1 frame in  fewer strokes   time"
+        print(head, flush=True)
         with serving(workspace) as api:
             for kind in kinds:
                 by_hand: int | None = None
