@@ -193,6 +193,17 @@ def test_values_of_other_types_raise(tmp_path, name, time):
         open_source([tmp_path / "a.db3"])
 
 
+def test_a_view_in_place_of_a_table_is_not_run(tmp_path):
+    with closing(sqlite3.connect(tmp_path / "a.db3")) as database:
+        database.executescript(
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INT, timestamp INT, data BLOB);"
+            "CREATE VIEW topics AS WITH RECURSIVE t(id) AS (SELECT 1 UNION ALL SELECT id + 1"
+            " FROM t) SELECT id, 'a' AS name, 'b' AS type FROM t;"
+        )
+    with pytest.raises(BadInputError, match="tables topics and messages"):
+        open_source([tmp_path / "a.db3"])
+
+
 @pytest.mark.parametrize("data", [b"", b"SQLite format 3\0" + bytes(200), b"not a database" * 99])
 def test_damaged_ros_2_bags_raise(tmp_path, data):
     (tmp_path / "a.db3").write_bytes(data)

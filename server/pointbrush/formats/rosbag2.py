@@ -14,6 +14,8 @@ from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
 from pointbrush.formats.recording import Topic, choose_topic
 from pointbrush.frame import PointFrame
 
+# Views could compute anything, for ever.
+KINDS = "SELECT name, type FROM sqlite_master WHERE name IN ('topics', 'messages')"
 COUNTS = """
     SELECT topics.name, topics.type, count(messages.id), min(messages.timestamp),
            max(messages.timestamp)
@@ -43,6 +45,11 @@ def read_rosbag2(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 def survey_rosbag2(path: Path) -> Topic:
     """The topic that is read, its number of messages and their times."""
     with _opened(path) as database:
+        kinds = dict(database.execute(KINDS).fetchall())
+        if kinds != {"topics": "table", "messages": "table"}:
+            raise BadInputError(
+                f"{path.name}: expected a ROS 2 bag with the tables topics and messages"
+            )
         rows = database.execute(COUNTS).fetchall()
     # SQLite keeps any type in any column.
     if not all(
