@@ -97,8 +97,11 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
     return joined
 
 
-def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | None:
-    """All of ``rest`` that hangs together with ``core``; None where that is over ``most`` points.
+def blob(
+    view: View, core: I64, rest: I64, reach: float, most: int, box: tuple[F64, F64]
+) -> I64 | None:
+    """All of ``rest`` that hangs together with ``core``; None where that is over ``most`` points
+    or reaches the border of the ``box`` that was searched.
 
     What moves alone in the air is the object, new surface and all; what does not end within a
     few steps hangs together with something larger (a hand, a body).
@@ -123,7 +126,8 @@ def blob(view: View, core: I64, rest: I64, reach: float, most: int) -> I64 | Non
         if not len(new):
             return rest[joined]
         joined[new] = True
-        if np.count_nonzero(joined) > most:
+        outside = (xyz[new] < box[0] + reach) | (xyz[new] > box[1] - reach)
+        if np.count_nonzero(joined) > most or outside.any():
             return None
         front = xyz[new]
     return None

@@ -22,7 +22,7 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
-from pointbrush.tracking.confidence import REGAIN, Evidence, confidence
+from pointbrush.tracking.confidence import REGAIN, Evidence, likelihood
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -51,6 +51,8 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
+DOUBTFUL = 0.05
+"""Confidence under which a fit says nothing about the motion."""
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -61,6 +63,7 @@ class Place:
 
     pose: F64
     world: F64
+    box: tuple[F64, F64]
     around: I64
     near: I64
     moving: I64
@@ -240,7 +243,7 @@ class Run:
             apart = max(thing.model.radius / 5, 3 * thing.unit)
             world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
         near = search.near if thing.motion.slow(thing.unit) else search.moving
-        return Place(fit.T, world, search.around, near, search.moving, fit.cost)
+        return Place(fit.T, world, search.box, search.around, near, search.moving, fit.cost)
 
     def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
         """Points like the model at its place, and not more like something unlabelled."""
@@ -295,7 +298,7 @@ class Run:
                 continue
             near = place.around[~taken[place.around]]
             most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
-            new = None if thing.bends else blob(view, core, near, 2.5 * thing.unit, most)
+            new = None if thing.bends else blob(view, core, near, 2.5 * thing.unit, most, place.box)
             place.whole = new is not None
             if new is None:
                 new = self._adjoin(thing, view, place, core, rest)
@@ -339,8 +342,10 @@ class Run:
             return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY
         thing.missing = 0
         points = np.union1d(found.indices, grown)
-        trust = confidence(self._evidence(thing, place, found, len(points), verdict), thing.trust)
+        here = likelihood(self._evidence(thing, place, found, len(points), verdict))
+        trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
+        thing.motion.add(place.pose, sure=here > DOUBTFUL)
         self._learn(thing, view, place, found, grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
         track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
@@ -366,7 +371,6 @@ class Run:
     def _learn(
         self, thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
     ) -> None:
-        thing.motion.add(place.pose)
         if verdict.confidence > 0.8:
             thing.size = max(thing.size, float(len(found.indices) + len(grown)))
         back = np.linalg.inv(place.pose)

@@ -42,8 +42,8 @@ class Evidence:
     share: float
 
 
-def confidence(evidence: Evidence, trust: float) -> float:
-    """0..1; ``trust`` is the confidence of the frame before."""
+def likelihood(evidence: Evidence) -> float:
+    """0..1, of this frame by itself."""
     features = np.array(
         [
             evidence.inliers,
@@ -59,8 +59,7 @@ def confidence(evidence: Evidence, trust: float) -> float:
         ]
     )
     odds = float(WEIGHTS @ features) + OFFSET
-    here = 1.0 / (1.0 + float(np.exp(np.clip(-STRETCH * (odds - MIDDLE), -30, 30))))
-    return min(here, trust + REGAIN)
+    return 1.0 / (1.0 + float(np.exp(np.clip(-STRETCH * (odds - MIDDLE), -30, 30))))
 
 
 def _log(ratio: float, most: float) -> float:

@@ -45,6 +45,7 @@ class Search:
     """
 
     thing: Thing
+    box: tuple[F64, F64]
     around: I64
     near: I64
     moving: I64
@@ -68,7 +69,8 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     radius, unit, gap = thing.model.radius, thing.unit, min(thing.motion.gap, 8)
     margin = radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
     margin += (0.4 * thing.motion.speed + 2 * unit) * gap
-    around = view.box(at.min(axis=0) - margin, at.max(axis=0) + margin)
+    lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
+    around = view.box(lo, hi)
     around = around[free[around]]
     near = moving = around
     if len(around):
@@ -81,6 +83,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
         visible = np.arange(len(thing.model.xyz))
     search = Search(
         thing,
+        (lo, hi),
         around,
         near,
         moving,

@@ -21,8 +21,16 @@ class Motion:
     gap: int = 1
     """Frames since the last pose."""
 
-    def add(self, pose: F64) -> None:
-        """The object was found; a gap is filled by even motion."""
+    def add(self, pose: F64, sure: bool = True) -> None:
+        """The object was found; a gap is filled by even motion.
+
+        An unsure pose moves the object, and leaves its motion as it was.
+        """
+        if not sure and len(self.poses) > 1:
+            step = self.poses[-1] @ np.linalg.inv(self.poses[-2])
+            self.poses = [np.linalg.inv(step) @ pose, pose]
+            self.gap = 1
+            return
         if self.gap > 1:
             self.poses = [_between(self.poses[-1], pose, self.centre, 1 - 1 / self.gap)]
         self.poses = [*self.poses[-(MEMORY - 1) :], pose]
