@@ -11,24 +11,14 @@ import { DeskPresence } from '../desktop/presence';
 import { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { Brush, SequenceInfo, ServerPresence } from '../protocol/messages';
-import {
-  dismiss,
-  isActive,
-  notify,
-  patch,
-  RADIUS_MAX,
-  RADIUS_MIN,
-  state,
-  type Tool,
-} from '../state';
+import { dismiss, isActive, notify, state } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
-import { cellKind, wantsLook } from '../panels/timeline-layout';
+import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { labelActions, takeLabels, takeTimeline } from './labels';
 import { Playback } from './playback';
 import { noteJob, recordingActions } from './recordings';
-
-const RADIUS_NOTCH = 1.15;
+import { timeActions } from './time';
 
 export class Engine {
   readonly viewer: Viewer;
@@ -43,7 +33,6 @@ export class Engine {
   private unframed = false;
   /** Frames that show what a tracking run has found but not committed. */
   private readonly provisional = new Set<CloudFrame>();
-  private painter: Tool = 'paint';
 
   constructor(canvas: HTMLCanvasElement) {
     this.viewer = new Viewer(canvas);
@@ -240,33 +229,9 @@ export class Engine {
   private bind(): void {
     bindActions(recordingActions);
     bindActions(labelActions);
+    bindActions(brushActions);
+    bindActions(timeActions(this.playback));
     bindActions({
-      togglePlay: () => (state.playing.peek() ? this.playback.pause() : this.playback.play()),
-      play: () => this.playback.play(),
-      pause: () => this.playback.pause(),
-      step: (frames) => this.step(frames),
-      seek: (frame) => this.playback.seek(frame),
-      setSpeed: (speed) => {
-        state.speed.value = Math.min(16, Math.max(-16, speed));
-        this.playback.restart();
-      },
-      toggleLoop: () => {
-        state.loop.value = !state.loop.peek();
-        this.playback.restart();
-      },
-      nextDoubtful: (direction) => this.nextDoubtful(direction),
-      setTool: (tool) => {
-        state.tool.value = tool;
-      },
-      setShape: (shape) => {
-        patch(state.brush, { shape });
-        const tool = state.tool.peek();
-        if (tool === 'navigate' || tool === 'pick') state.tool.value = 'paint';
-      },
-      setRadius,
-      nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
-      toggleEraser: () => this.toggleEraser(),
-      setView: (settings) => patch(state.view, settings),
       viewFrom: (preset) => this.viewFrom(preset),
       undo: () => this.link.send({ type: 'undo', id: crypto.randomUUID() }),
       redo: () => this.link.send({ type: 'redo', id: crypto.randomUUID() }),
@@ -276,38 +241,6 @@ export class Engine {
       reconnect: () => this.link.connect(),
       dismissNotice: dismiss,
     });
-  }
-
-  private step(frames: number): void {
-    const info = state.sequence.peek();
-    if (!info) return;
-    this.playback.pause();
-    const to = state.frame.peek() + frames;
-    this.playback.seek(((to % info.frames) + info.frames) % info.frames);
-  }
-
-  private toggleEraser(): void {
-    const tool = state.tool.peek();
-    if (tool === 'erase') state.tool.value = this.painter;
-    else {
-      this.painter = tool === 'navigate' || tool === 'pick' ? 'paint' : tool;
-      state.tool.value = 'erase';
-    }
-  }
-
-  private nextDoubtful(direction: 1 | -1): void {
-    const frames = state.sequence.peek()?.frames ?? 0;
-    const rows = [...state.timeline.peek().rows.values()];
-    for (let away = 1; away <= frames; away++) {
-      const frame = (((state.frame.peek() + away * direction) % frames) + frames) % frames;
-      const doubtful = rows.some((row) => wantsLook(cellKind(row, frame)));
-      if (doubtful) {
-        this.playback.pause();
-        this.playback.seek(frame);
-        return;
-      }
-    }
-    notify('info', 'No doubtful frames');
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {
@@ -369,10 +302,6 @@ export class Engine {
 function brushInputs(): readonly unknown[] {
   const { tool, brush, activeLabel, palette, shown } = state;
   return [tool.value, brush.value, activeLabel.value, palette.value, shown.value];
-}
-
-function setRadius(metres: number): void {
-  patch(state.brush, { radius: Math.min(RADIUS_MAX, Math.max(RADIUS_MIN, metres)) });
 }
 
 function takePresence(message: ServerPresence): void {

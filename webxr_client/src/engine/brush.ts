@@ -1,0 +1,44 @@
+/** Tools and the brush: what the user chooses to work with. */
+import type { Actions } from '../actions';
+import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../state';
+
+type BrushActions = Pick<
+  Actions,
+  'setTool' | 'setShape' | 'setRadius' | 'nudgeRadius' | 'toggleEraser' | 'setView'
+>;
+
+const RADIUS_NOTCH = 1.15;
+/** What the eraser gives way to when it is put down. */
+let painter: Tool = 'paint';
+
+export function setRadius(metres: number): void {
+  patch(state.brush, { radius: Math.min(RADIUS_MAX, Math.max(RADIUS_MIN, metres)) });
+}
+
+function changesNothing(tool: Tool): boolean {
+  return tool === 'navigate' || tool === 'pick';
+}
+
+function toggleEraser(): void {
+  const tool = state.tool.peek();
+  if (tool === 'erase') {
+    state.tool.value = painter;
+    return;
+  }
+  painter = changesNothing(tool) ? 'paint' : tool;
+  state.tool.value = 'erase';
+}
+
+export const brushActions: BrushActions = {
+  setTool: (tool) => {
+    state.tool.value = tool;
+  },
+  setShape: (shape) => {
+    patch(state.brush, { shape });
+    if (changesNothing(state.tool.peek())) state.tool.value = 'paint';
+  },
+  setRadius,
+  nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
+  toggleEraser,
+  setView: (settings) => patch(state.view, settings),
+};

@@ -1,0 +1,58 @@
+/** Moving through time: play, step, seek, the next frame that wants a look. */
+import type { Actions } from '../actions';
+import { cellKind, wantsLook } from '../panels/timeline-layout';
+import { notify, state } from '../state';
+import type { Playback } from './playback';
+
+type TimeActions = Pick<
+  Actions,
+  'togglePlay' | 'play' | 'pause' | 'step' | 'seek' | 'setSpeed' | 'toggleLoop' | 'nextDoubtful'
+>;
+
+const FASTEST = 16;
+
+export function timeActions(playback: Playback): TimeActions {
+  return {
+    togglePlay: () => (state.playing.peek() ? playback.pause() : playback.play()),
+    play: () => playback.play(),
+    pause: () => playback.pause(),
+    step: (frames) => {
+      const info = state.sequence.peek();
+      if (!info) return;
+      playback.pause();
+      playback.seek(wrapped(state.frame.peek() + frames, info.frames));
+    },
+    seek: (frame) => playback.seek(frame),
+    setSpeed: (speed) => {
+      state.speed.value = Math.min(FASTEST, Math.max(-FASTEST, speed));
+      playback.restart();
+    },
+    toggleLoop: () => {
+      state.loop.value = !state.loop.peek();
+      playback.restart();
+    },
+    nextDoubtful: (direction) => {
+      const frame = doubtful(direction);
+      if (frame === null) notify('info', 'No doubtful frames');
+      else {
+        playback.pause();
+        playback.seek(frame);
+      }
+    },
+  };
+}
+
+function wrapped(frame: number, frames: number): number {
+  return ((frame % frames) + frames) % frames;
+}
+
+/** The nearest frame in a direction where some label's track is unsure, lost or hidden. */
+function doubtful(direction: 1 | -1): number | null {
+  const frames = state.sequence.peek()?.frames ?? 0;
+  const rows = [...state.timeline.peek().rows.values()];
+  for (let away = 1; away <= frames; away++) {
+    const frame = wrapped(state.frame.peek() + away * direction, frames);
+    if (rows.some((row) => wantsLook(cellKind(row, frame)))) return frame;
+  }
+  return null;
+}
