@@ -23,6 +23,7 @@ import { xrSettings, type Side } from './settings';
 import { TimelinePanel } from './timeline-panel';
 import { layLow, standBefore } from './standing';
 import { Lessons } from './tips';
+import { Trail } from './trail';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 
 export class Cockpit {
@@ -41,6 +42,7 @@ export class Cockpit {
   private readonly buttons: Buttons;
   private readonly hud: Hud;
   private readonly presence: Presence;
+  private readonly trail: Trail;
   private readonly undo: (() => void)[] = [];
   private readonly headTurn = new Quaternion();
   private readonly panels: readonly Panel[];
@@ -70,6 +72,7 @@ export class Cockpit {
     this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
     this.hud = new Hud();
     this.presence = new Presence(engine.link);
+    this.trail = new Trail(engine, viewer.room);
     this.bodies = [this.hands.left, this.hands.right].map((hand) => new Body(hand, this.lessons));
     this.assemble();
     this.listen();
@@ -196,6 +199,7 @@ export class Cockpit {
     this.locomotion.update(this.otherHand, seconds);
     this.paint(now);
     this.followFrame();
+    this.trail.update();
     this.tellOthers(now);
     this.engine.viewer.backdrop.follow(this.rig.head);
     for (const panel of this.panels) panel.update(now);
@@ -296,6 +300,7 @@ export class Cockpit {
     for (const run of this.undo) run();
     this.presence.gone();
     this.painter.dispose();
+    this.trail.dispose();
     this.locomotion.dispose();
     for (const body of this.bodies) body.dispose();
     for (const panel of this.panels) panel.dispose();

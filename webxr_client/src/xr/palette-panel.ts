@@ -253,7 +253,7 @@ export class PalettePanel extends Panel {
       { text: 'Reset', strong: true },
       () => this.world.reset(),
     );
-    const { hand, move, vignette, seated } = xrSettings.peek();
+    const { hand, move, vignette, seated, trail, tips } = xrSettings.peek();
     const half = inner / 2;
     const check = (
       column: number,
@@ -268,12 +268,13 @@ export class PalettePanel extends Panel {
     check(1, 0, 'Glide', move === 'smooth', (on) => change({ move: on ? 'smooth' : 'teleport' }));
     check(0, 1, 'Seated', seated, (on) => change({ seated: on }));
     check(1, 1, 'Vignette', vignette, (on) => change({ vignette: on }));
-    check(0, 2, 'Button tips', xrSettings.peek().tips, (on) => change({ tips: on }));
+    check(0, 2, 'Trail', trail, (on) => change({ trail: on }));
+    check(1, 2, 'Button tips', tips, (on) => change({ tips: on }));
     ui.button(
       x + half,
-      top + em * 14.6,
+      top + em * 16.9,
       half - em * 0.2,
-      em * 1.9,
+      em * 2.1,
       { icon: 'exit', text: 'Leave', strong: true },
       () => {
         void actions.exitVR();

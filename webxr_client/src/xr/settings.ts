@@ -14,6 +14,8 @@ export interface XrSettings {
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;
   readonly seated: boolean;
+  /** The way of the active label's object. */
+  readonly trail: boolean;
   /** Explain the buttons again. */
   readonly tips: boolean;
 }
@@ -25,6 +27,7 @@ export const DEFAULTS: XrSettings = {
   snap: 30,
   vignette: true,
   seated: false,
+  trail: true,
   tips: true,
 };
 
