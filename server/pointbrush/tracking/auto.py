@@ -315,13 +315,13 @@ class Run:
             distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
             alone &= distance >= 4 * thing.unit
         rest = rest[alone]
-        bends = thing.bends
-        weight = thing.weight * (0.5 if bends else 1.0)
+        bends = thing.bends or thing.large
+        weight = thing.weight * (0.2 if bends else 1.0)
         joined = connected(
             _placed(view, core, weight),
             _placed(view, rest, weight),
             (3.0 if bends else 2.0) * thing.unit,
-            4 if bends else 1,
+            8 if bends else 1,
         )
         return rest[joined]
 

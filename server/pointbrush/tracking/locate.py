@@ -67,7 +67,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     centre = thing.motion.centre[None]
     at = np.vstack([transform(g, centre) for g in guesses])
     radius, unit, gap = thing.model.radius, thing.unit, min(thing.motion.gap, 8)
-    margin = radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
+    margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
     margin += (0.4 * thing.motion.speed + 2 * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)

@@ -62,8 +62,12 @@ class Thing:
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
-        large = self.model.radius > LARGE * self.unit
-        return self.bend > (BENT_LARGE if large else BENT)
+        return self.bend > (BENT_LARGE if self.large else BENT)
+
+    @property
+    def large(self) -> bool:
+        """Whether it is many points across, as people are."""
+        return self.model.radius > LARGE * self.unit
 
     @property
     def reach(self) -> float:
