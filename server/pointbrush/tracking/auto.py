@@ -10,7 +10,7 @@ background, the model, the motion.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
-from pointbrush.tracking.confidence import REGAIN, Evidence, likelihood
+from pointbrush.tracking.confidence import REGAIN, likelihood
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -36,10 +36,11 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.judge import Verdict, judge
+from pointbrush.tracking.judge import judge
+from pointbrush.tracking.learn import evidence, learn
 from pointbrush.tracking.locate import Search, crop, register, share_out
-from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.nonrigid import warp
+from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FrameRules
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
@@ -55,23 +56,6 @@ DOUBTFUL = 0.05
 """Confidence under which a fit says nothing about the motion."""
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
-
-
-@dataclass(eq=False)
-class Place:
-    """Where a thing was found: pose, model points in the world, and the points around."""
-
-    pose: F64
-    world: F64
-    box: tuple[F64, F64]
-    around: I64
-    near: I64
-    moving: I64
-    cost: float
-    whole: bool = False
-    """The moving points that hang together there are the thing and nothing else."""
-    neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Points near the model that nothing unlabelled explains: rivals of nothing."""
 
 
 @dataclass(frozen=True)
@@ -342,73 +326,14 @@ class Run:
             return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY
         thing.missing = 0
         points = np.union1d(found.indices, grown)
-        here = likelihood(self._evidence(thing, place, found, len(points), verdict))
+        here = likelihood(evidence(thing, place, found, len(points), verdict))
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
         thing.motion.add(place.pose, sure=here > DOUBTFUL)
-        self._learn(thing, view, place, found, grown, verdict)
+        learn(thing, view, place, found, grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
         track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
         return track, points
-
-    def _evidence(
-        self, thing: Thing, place: Place, found: Claim, points: int, verdict: Verdict
-    ) -> Evidence:
-        m = max(len(found.indices), 1)
-        return Evidence(
-            inliers=verdict.inliers,
-            sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
-            gap=float(found.gap.mean() / thing.reach),
-            cost=float(found.cost.mean() / thing.reach),
-            fit=place.cost,
-            size=points / max(thing.size, 1.0),
-            change=points / max(thing.last, 1),
-            grown=1.0 - m / max(points, 1),
-            whole=place.whole,
-            share=m / max(len(place.moving), 1),
-        )
-
-    def _learn(
-        self, thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
-    ) -> None:
-        if verdict.confidence > 0.8:
-            thing.size = max(thing.size, float(len(found.indices) + len(grown)))
-        back = np.linalg.inv(place.pose)
-        eye = view.eye
-        own_eye = None if eye is None else transform(back, eye[None])[0]
-        total = len(found.indices) + len(grown)
-        loose = (len(grown) + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
-        thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
-        points = np.concatenate([found.indices, grown])
-        xyz = transform(back, view.xyz[points].astype(np.float64))
-        colour = view.colour(points)
-        if thing.bends:
-            old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
-            kept = thing.model
-            new = Model.of(xyz, colour, own_eye, kept.spacing)
-            new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
-            new.colour = np.vstack([new.colour, kept.colour[old]])
-            new.seen = np.vstack([new.seen, kept.seen[old]])
-            new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
-            new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
-            thing.model = new
-        else:
-            thing.model.miss(verdict.through)
-            place_now = transform(place.pose, thing.model.xyz)
-            again = claim(
-                view,
-                points,
-                place_now,
-                thing.model.colour,
-                thing.weight,
-                (8 if place.whole else 3) * thing.unit,
-            )
-            if not place.whole:
-                again = again.pick(again.cost < 2 * thing.reach)
-            xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-            thing.model.gather(
-                xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
-            )
 
 
 def _placed(view: View, indices: I64, weight: float) -> F64:

@@ -1,0 +1,76 @@
+"""What a thing keeps from a frame: its surface, its size, how much it bends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim, claim
+from pointbrush.tracking.confidence import Evidence
+from pointbrush.tracking.interface import I64
+from pointbrush.tracking.judge import Verdict
+from pointbrush.tracking.model import SURE, Model
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.registration import transform
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+
+def evidence(thing: Thing, place: Place, found: Claim, points: int, verdict: Verdict) -> Evidence:
+    """What the fit says about itself, for its confidence; ``points`` number assigned."""
+    m = max(len(found.indices), 1)
+    return Evidence(
+        inliers=verdict.inliers,
+        sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
+        gap=float(found.gap.mean() / thing.reach),
+        cost=float(found.cost.mean() / thing.reach),
+        fit=place.cost,
+        size=points / max(thing.size, 1.0),
+        change=points / max(thing.last, 1),
+        grown=1.0 - m / max(points, 1),
+        whole=place.whole,
+        share=m / max(len(place.moving), 1),
+    )
+
+
+def learn(
+    thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
+) -> None:
+    """Take in the points found: a rigid model gathers them, one that bends is made anew."""
+    if verdict.confidence > 0.8:
+        thing.size = max(thing.size, float(len(found.indices) + len(grown)))
+    back = np.linalg.inv(place.pose)
+    eye = view.eye
+    own_eye = None if eye is None else transform(back, eye[None])[0]
+    total = len(found.indices) + len(grown)
+    loose = (len(grown) + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+    thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
+    points = np.concatenate([found.indices, grown])
+    xyz = transform(back, view.xyz[points].astype(np.float64))
+    colour = view.colour(points)
+    if thing.bends:
+        old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
+        kept = thing.model
+        new = Model.of(xyz, colour, own_eye, kept.spacing)
+        new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
+        new.colour = np.vstack([new.colour, kept.colour[old]])
+        new.seen = np.vstack([new.seen, kept.seen[old]])
+        new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
+        new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
+        thing.model = new
+    else:
+        thing.model.miss(verdict.through)
+        place_now = transform(place.pose, thing.model.xyz)
+        again = claim(
+            view,
+            points,
+            place_now,
+            thing.model.colour,
+            thing.weight,
+            (8 if place.whole else 3) * thing.unit,
+        )
+        if not place.whole:
+            again = again.pick(again.cost < 2 * thing.reach)
+        xyz = transform(back, view.xyz[again.indices].astype(np.float64))
+        thing.model.gather(
+            xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
+        )

@@ -1,0 +1,26 @@
+"""Where a thing was found in a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pointbrush.tracking.interface import F64, I64
+
+
+@dataclass(eq=False)
+class Place:
+    """Where a thing was found: pose, model points in the world, and the points around."""
+
+    pose: F64
+    world: F64
+    box: tuple[F64, F64]
+    around: I64
+    near: I64
+    moving: I64
+    cost: float
+    whole: bool = False
+    """The moving points that hang together there are the thing and nothing else."""
+    neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Points near the model that nothing unlabelled explains: rivals of nothing."""
