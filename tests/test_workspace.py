@@ -184,6 +184,17 @@ def test_a_second_run_replaces_the_first_ones_points(workspace: Workspace) -> No
     assert 0 < int((label(workspace, 5) == 1).sum()) < 0.9 * before
 
 
+def test_what_a_person_erased_is_not_tracked_again(workspace: Workspace) -> None:
+    paint(workspace, 0)
+    track(workspace)
+    half = {"shape": "box", "center": [STEP * 4 - 0.1, 0, 1], "size": [0.2, 1, 1]}
+    assert paint(workspace, 4, tool="erase", samples=[], **half) > 100
+    erased = label(workspace, 4) == 0
+    track(workspace)
+    assert not label(workspace, 4)[erased].any()
+    assert (label(workspace, 4) == 1).any()
+
+
 def test_never_overwrites_nothing_that_has_a_label(workspace: Workspace) -> None:
     other = workspace.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0, other)

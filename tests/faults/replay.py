@@ -167,7 +167,7 @@ class Replay:
             case "paint":
                 self.model.write(author, points, stroke["label"], 1, None, only)
             case "erase":
-                self.model.write(author, points, 0, 0, None)
+                self.model.write(author, points, 0, 1, None, "labeled")
             case "delete":
                 self.model.write(author, points, None, None, True, only)
             case "restore":

@@ -129,7 +129,9 @@ class Model:
             now = shown.get(point, (0, 0, False))
             if now[0] and palette[now[0]]["locked"]:
                 continue
-            if (only == "unlabeled" and now[0]) or (only == "not_painted" and now[1] == 1):
+            if only in ("labeled", "unlabeled") and bool(now[0]) != (only == "labeled"):
+                continue
+            if only == "not_painted" and now[1] == 1:
                 continue
             if living is not None and now[2] == living:
                 continue

@@ -34,7 +34,7 @@ OPERATIONS = st.one_of(
         st.none() | st.integers(0, 4),
         st.none() | st.integers(0, 3),
         st.sampled_from([None, None, None, True, False]),
-        st.sampled_from(["any", "any", "unlabeled", "not_painted"]),
+        st.sampled_from(["any", "any", "labeled", "unlabeled", "not_painted"]),
         st.sampled_from([None, None, True, False]),
         st.sets(st.tuples(st.integers(0, FRAMES - 1), label), max_size=2),
     ),

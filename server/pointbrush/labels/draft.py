@@ -93,6 +93,8 @@ class Draft:
         free = ~self.state.locked[label]
         if piece.only == "unlabeled":
             free &= label == 0
+        elif piece.only == "labeled":
+            free &= label != 0
         elif piece.only == "not_painted":
             free &= (shown >> PROVENANCE_SHIFT) & np.uint64(0xFF) != PAINTED
         if piece.living is not None:

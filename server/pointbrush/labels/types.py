@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pointbrush.errors import ConflictError
 
-Only = Literal["any", "unlabeled", "not_painted"]
+Only = Literal["any", "labeled", "unlabeled", "not_painted"]
 PAINTED = 1
 """Provenance of a point that a person painted; 0 none, 2 tracked, 3 imported."""
 
@@ -45,7 +45,7 @@ class Write:
     ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
     ``provenance``  0..3, (n,) uint8, or None: keep.
     ``deleted``     bool, (n,) bool, or None: keep.
-    ``only``        which points may change: all, those without a label, or those that no
+    ``only``        which points may change: all, those with a label, without one, or those that no
                     person painted.  Evaluated when the edit commits.
     ``living``      True: only points that are not deleted; False: only deleted ones; None: both.
                     Evaluated when the edit commits.

@@ -15,7 +15,7 @@ from pointbrush.labels.packing import BLOCK
 from pointbrush.labels.palette import HIGHEST
 from pointbrush.labels.types import Label, Write
 
-RULES = ("any", "unlabeled", "not_painted")
+RULES = ("any", "labeled", "unlabeled", "not_painted")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -125,7 +125,8 @@ def _write(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
         case "paint":
             return Write(numbers, label=brush.label, provenance=PAINTED, only=only, living=True)
         case "erase":
-            return Write(numbers, label=0, provenance=0, living=True)
+            # A person has said that these are nothing: tracking must not label them again.
+            return Write(numbers, label=0, provenance=PAINTED, only="labeled", living=True)
         case "delete":
             return Write(numbers, deleted=True, only=only, living=True)
         case "restore":
