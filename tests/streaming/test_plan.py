@@ -62,6 +62,13 @@ def test_prefetch_goes_where_the_finger_goes() -> None:
     assert frames == {41, 40, 39, 38, 37, 36}
 
 
+def test_a_busy_server_does_not_prefetch() -> None:
+    plan = plan_with(1e9)
+    plan.load = lambda: 0.5
+    plan.seek(10)
+    assert {piece.frame for _ in range(50) if (piece := take(plan, 0.0))} == {10}
+
+
 def test_nothing_is_sent_twice_until_it_is_forgotten() -> None:
     plan = plan_with(1e9)
     plan.seek(10)

@@ -21,6 +21,9 @@ AT_ONCE_SECONDS = 0.012
 """A frame that takes less than this on the link is not split: nobody would see its first part."""
 SMALLEST_REFINEMENT = 64 * 1024
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
+BUSY_PAUSE = 0.5
+PREFETCH_LOAD = 0.8
+"""Below this share nothing is sent that nobody may ever look at: a crowd is being served."""
 UP_PERIOD = 0.15
 """Seconds between two steps up by one level; steps down are at once."""
 
@@ -105,6 +108,8 @@ class Plan:
             yield from self.clock.ahead(now, LOOKAHEAD, max(0, self._step + self._had))
             return
         yield 0, self.focus
+        if self.load() < PREFETCH_LOAD:
+            return
         for distance in range(1, PREFETCH_AHEAD + 1):
             yield 0, self._neighbour(distance)
         for distance in range(1, PREFETCH_BEHIND + 1):
@@ -150,7 +155,7 @@ class Plan:
         return table.stops[level]
 
     def wait(self, now: float) -> float | None:
-        """Seconds until the clock brings something new, or None while paused."""
+        """Seconds until there may be something new to send by itself, or None: never."""
         if self.clock is None or self.clock.rate == 0:
-            return None
+            return BUSY_PAUSE if self.load() < 1.0 else None
         return min(1.0, self.clock.next_change(now + LOOKAHEAD))
