@@ -26,6 +26,7 @@ logger = logging.getLogger(__name__)
 JobKind = Literal["import", "tracking", "export"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
+DRAIN_SECONDS = 60
 KEPT_JOBS = 1000
 """Ended jobs that are remembered; older ones are forgotten first."""
 
@@ -242,8 +243,9 @@ class JobRunner:
     def _supervise(self, job_id: str, running: _Running) -> None:
         try:
             error = _outcome(running.future)
-            if running.connection is not None:
-                running.drained.wait(60)  # items that are still on their way
+            # Items that are still on their way; work that failed may not have come to connect.
+            connected = error is None or running.connection is not None
+            running.drained.wait(DRAIN_SECONDS if connected else 0)
             if error is None:
                 self._end(job_id, running, cancelled=False)
             elif running.cancelled or isinstance(error, CancelledError):
