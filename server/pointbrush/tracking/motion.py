@@ -27,8 +27,10 @@ class Motion:
         An unsure pose moves the object, and leaves its motion as it was.
         """
         if not sure and len(self.poses) > 1:
-            step = self.poses[-1] @ np.linalg.inv(self.poses[-2])
-            self.poses = [np.linalg.inv(step) @ pose, pose]
+            spin = self.poses[-1][:3, :3] @ self.poses[-2][:3, :3].T
+            velocity = self._at(-1) - self._at(-2)
+            now = transform(pose, self.centre[None])[0]
+            self.poses = [self._pose(spin.T @ pose[:3, :3], now - velocity), pose]
             self.gap = 1
             return
         if self.gap > 1:

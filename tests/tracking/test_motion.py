@@ -1,0 +1,36 @@
+"""Predictions: what moves evenly, or falls, is predicted exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.motion import Motion
+
+
+def flight(i: int) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, :3] = Rotation.from_rotvec([0.0, 0.5 * i, 0.0]).as_matrix()
+    T[:3, 3] = [0.1 * i, 0.2 * i - 0.01 * i * i, 0.0]
+    return T
+
+
+def test_free_flight_with_spin_is_predicted() -> None:
+    motion = Motion(np.zeros(3))
+    assert motion.fresh
+    for i in range(1, 4):
+        motion.add(flight(i))
+    assert np.allclose(motion.predictions()[0], flight(4))
+    motion.gap = 2
+    assert np.allclose(motion.predictions()[0], flight(5))
+
+
+def test_an_unsure_pose_leaves_the_motion_as_it_was() -> None:
+    motion = Motion(np.zeros(3))
+    for i in range(1, 4):
+        motion.add(flight(i))
+    before = motion.speed
+    jump = flight(4)
+    jump[:3, 3] += 1.0
+    motion.add(jump, sure=False)
+    assert np.isclose(motion.speed, before, rtol=0.3)
