@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from pointbrush.errors import PointbrushError
+from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.streaming.plan import Piece
 from pointbrush.streaming.room import Room
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 VALUES_RUN = 4_000_000
 """Points whose whole values go into one message at most."""
 LARGE_PIECE = 512 * 1024
+RETRY_SECONDS = 0.5
 
 
 class Sender:
@@ -30,9 +31,13 @@ class Sender:
         """Send whatever there is; sleep when there is nothing."""
         while True:
             self._outbox.wake.clear()
-            await self._messages()
-            if not await self._points():
-                await self._rest()
+            try:
+                await self._messages()
+                if not await self._points():
+                    await self._rest()
+            except UnavailableError:
+                # The database is away: what was to be sent is still noted, and waits for it.
+                await asyncio.sleep(RETRY_SECONDS)
 
     async def _rest(self) -> None:
         session = self._session
@@ -63,11 +68,15 @@ class Sender:
 
     async def _stale(self) -> None:
         while self._outbox.stale and (room := self._session.room) is not None:
-            frame = next(iter(self._outbox.stale))
+            frame, noted = next(iter(self._outbox.stale.items()))
             del self._outbox.stale[frame]
             points = (await room.table(frame)).firsts[-1]
-            for first in range(0, max(points, 1), VALUES_RUN):
-                await self._values(room, frame, first, min(VALUES_RUN, points - first))
+            try:
+                for first in range(0, max(points, 1), VALUES_RUN):
+                    await self._values(room, frame, first, min(VALUES_RUN, points - first))
+            except UnavailableError:
+                self._outbox.stale.setdefault(frame, noted)
+                raise
 
     async def _values(self, room: Room, frame: int, first: int, count: int) -> None:
         revision, data = await room.values_message(frame, first, count)
@@ -93,11 +102,17 @@ class Sender:
         labels, outbox.labels = outbox.labels, False
         cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
-        await room.refresh()
-        if labels:
-            await session.send(await room.labels_message(session.author))
-        if cells is None or cells:
-            await session.send(await room.timeline_message(cells))
+        try:
+            await room.refresh()
+            if labels:
+                await session.send(await room.labels_message(session.author))
+            if cells is None or cells:
+                await session.send(await room.timeline_message(cells))
+        except UnavailableError:
+            outbox.labels = outbox.labels or labels
+            outbox.all_cells = outbox.all_cells or cells is None
+            outbox.cells |= cells or frozenset()
+            raise
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
@@ -112,6 +127,8 @@ class Sender:
             return False
         try:
             piece = await self._next_piece(room)
+        except UnavailableError:
+            raise
         except PointbrushError as error:
             session.refuse(error)
             session.room = None
@@ -166,7 +183,11 @@ class Sender:
         if session.wanted is not None and session.wanted[0] == piece.frame:
             sent = set(range(piece.first, piece.stop))
             session.wanted[1][:] = [chunk for chunk in session.wanted[1] if chunk not in sent]
-        await self._values(room, piece.frame, first, stop - first)
+        try:
+            await self._values(room, piece.frame, first, stop - first)
+        except UnavailableError:
+            plan.forget([piece.frame])
+            raise
         data = await room.frame_message(piece.frame, piece.first, piece.stop, final=piece.final)
         plan.link.sent(len(data), session.now(), idle=self._idle)
         self._idle = False
