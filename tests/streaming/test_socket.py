@@ -223,6 +223,41 @@ def test_resuming_brings_what_was_missed(served: Served) -> None:
     run(scenario)
 
 
+def test_points_that_a_viewer_kept_are_not_sent_again(served: Served) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as anna:
+            await anna.open("wall", frame=6)
+            async with viewer(served.url, served.token) as ben:
+                info = await ben.open("wall", frame=6)
+                await ben.until("frame", frame=6, final=True)
+            done = await paint(anna, 6)
+            unseen = await paint(anna, 3)
+            async with viewer(served.url, served.token) as again:
+                again.frames = {6: ben.frames[6]}
+                held = [[6, len(ben.frames[6].chunks)]]
+                await again.open("wall", frame=6, revision=info["revision"], held=held)
+                await asyncio.wait_for(settled(again, 6, done["revision"]), 5)
+                await again.send(type="seek", frame=3)
+                await again.until("frame", frame=3, final=True)
+                assert 6 not in {frame for _, frame, _ in again.arrivals}
+                assert again.frames[3].revision >= unseen["revision"]
+                assert again.gaps == 0
+                for frame in (3, 6):
+                    wanted = stored_values(served, frame)
+                    np.testing.assert_array_equal(again.frames[frame].values, wanted)
+
+    run(scenario)
+
+
+def test_what_is_held_needs_a_revision(served: Served) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.send(type="open", sequence="wall", held=[[0, 1]])
+            assert "revision" in (await client.until("error"))["detail"]
+
+    run(scenario)
+
+
 def test_a_revision_from_the_future_is_refused(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:

@@ -19,6 +19,7 @@ Uuid = Annotated[
 ]
 FrameIndex = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=0, lt=2**53)]
+Pair = Annotated[list[Count], Field(min_length=2, max_length=2)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Vec3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[Finite], Field(min_length=4, max_length=4)]
@@ -120,12 +121,17 @@ class Hello(Message):
 
 
 class Open(Message):
-    """Open a sequence; ``revision`` is the last one the client has, when it resumes."""
+    """Open a sequence; ``revision`` is the last one the client has, when it resumes.
+
+    ``held`` lists the frames that it still has, each with the number of chunks from the first on:
+    these are not sent again.  Without it, edits in all frames are told and points come anew.
+    """
 
     type: Literal["open"] = "open"
     sequence: Id
     frame: FrameIndex = 0
     revision: Count | None = None
+    held: Annotated[list[Pair], Field(max_length=65536)] | None = None
 
 
 class Play(Message):

@@ -79,6 +79,12 @@ class Outbox:
         self.delta_bytes -= len(delta.data)
         return delta
 
+    def drop(self, frame: int, up_to: int) -> None:
+        """Forget deltas of a frame up to a revision: whole values that say the same go out."""
+        kept = [d for d in self.deltas if d.frame != frame or d.revision > up_to]
+        self.deltas = deque(kept)
+        self.delta_bytes = sum(len(delta.data) for delta in kept)
+
     def restart(self) -> None:
         """Drop everything about a sequence: another one was opened."""
         self.clear_deltas()

@@ -73,15 +73,21 @@ class Sender:
             points = (await room.table(frame)).firsts[-1]
             try:
                 for first in range(0, max(points, 1), VALUES_RUN):
-                    await self._values(room, frame, first, min(VALUES_RUN, points - first))
+                    run = min(VALUES_RUN, points - first)
+                    await self._values(room, frame, first, run, anew=first == 0)
             except UnavailableError:
                 self._outbox.stale.setdefault(frame, noted)
                 raise
 
-    async def _values(self, room: Room, frame: int, first: int, count: int) -> None:
+    async def _values(self, room: Room, frame: int, first: int, count: int, *, anew: bool) -> None:
+        """``anew``: nothing that the viewer has of the frame counts, these are its first values."""
         revision, data = await room.values_message(frame, first, count)
-        # Older deltas go first: a viewer that applies everything as it comes is always right.
-        await self._deltas(revision)
+        if anew:
+            # A delta ahead of them would build on what the viewer does not have.
+            self._outbox.drop(frame, revision)
+        else:
+            # Older deltas go first: a viewer that applies everything as it comes is always right.
+            await self._deltas(revision)
         await self._session.send(data)
 
     def _states_pause(self) -> float | None:
@@ -178,13 +184,14 @@ class Sender:
         plan = session.plan
         table = await room.table(piece.frame)
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
+        anew = not session.has(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
         plan.sent(piece, session.now())
         if session.wanted is not None and session.wanted[0] == piece.frame:
             sent = set(range(piece.first, piece.stop))
             session.wanted[1][:] = [chunk for chunk in session.wanted[1] if chunk not in sent]
         try:
-            await self._values(room, piece.frame, first, stop - first)
+            await self._values(room, piece.frame, first, stop - first, anew=anew)
         except UnavailableError:
             plan.forget([piece.frame])
             raise

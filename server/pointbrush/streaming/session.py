@@ -146,14 +146,15 @@ class ViewerSession:
         """Whether the viewer must hear of changes in a frame."""
         if self._catching_up or frame in self.outbox.stale:
             return False
-        return self._has(frame)
+        return self.has(frame)
 
-    def _has(self, frame: int) -> bool:
+    def has(self, frame: int) -> bool:
+        """Whether the viewer may have points of a frame."""
         return self.resumed or frame in self.plan.held
 
     def stale(self, frames: Iterable[int]) -> None:
         """Values of these frames must be sent whole."""
-        self.outbox.stale.update((frame, None) for frame in frames if self._has(frame))
+        self.outbox.stale.update((frame, None) for frame in frames if self.has(frame))
         self.outbox.wake.set()
 
     def all_stale(self) -> None:
@@ -203,6 +204,8 @@ class ViewerSession:
     async def _open(self, message: messages.Open) -> None:
         if message.revision is not None:
             await require_known(self.hub, message.sequence, message.revision)
+        elif message.held is not None:
+            raise BadInputError("held: expected together with the revision it was held at")
         room = await self.hub.enter(self, message.sequence)
         again = self.room is room and message.revision is not None
         self.room = room
@@ -212,8 +215,10 @@ class ViewerSession:
             self.outbox.restart()
             old = self.plan
             self.plan = Plan(manifest.frames, old.link, load=old.load, page=old.page)
+            held = message.held or []
+            self.plan.held = {frame: chunks for frame, chunks in held if frame < manifest.frames}
+            self.resumed = message.revision is not None and message.held is None
         self.plan.focus, self.wanted = frame, None
-        self.resumed = message.revision is not None
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.labels = self.outbox.all_cells = True
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
@@ -237,7 +242,8 @@ class ViewerSession:
             self.all_stale()
             return
         for delta in deltas:
-            self.outbox.delta(delta)
+            if self.has(delta.frame):
+                self.outbox.delta(delta)
 
     def require_room(self) -> Room:
         """The open sequence's room; raises BadInputError when none is open."""

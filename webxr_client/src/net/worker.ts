@@ -11,6 +11,7 @@ import {
 } from '../protocol/messages';
 import { Backoff } from './backoff';
 import { decodeFrame, ready } from './decode';
+import { HeldFrames } from './held';
 import { isEdit, Outbox } from './outbox';
 import { BufferPool } from './pool';
 import { MemoryStorage, openStorage } from './storage';
@@ -32,6 +33,7 @@ let probe = '';
 let opened: Open | null = null;
 /** The server confirmed `opened`; edits may go out. */
 let live = false;
+const held = new HeldFrames();
 /** The newest revision that the page has heard of. */
 let revision: number | null = null;
 /** Segments that the page has not taken in yet, and credits held back until it has. */
@@ -112,7 +114,8 @@ function reopen(): void {
   if (!opened) return;
   live = false;
   // One back: of the newest edit perhaps not every frame's part has come.
-  transmit({ ...opened, revision: revision === null ? null : Math.max(0, revision - 1) });
+  if (revision === null) transmit(opened);
+  else transmit({ ...opened, revision: Math.max(0, revision - 1), held: held.list() });
 }
 
 function transmit(message: ClientMessage): void {
@@ -129,6 +132,7 @@ function send(message: ClientMessage): void {
     report();
     if (!live) return;
   }
+  if (message.type === 'forget') held.forget(message.frames);
   transmit(message);
 }
 
@@ -146,6 +150,7 @@ function receive(data: ArrayBuffer): void {
   const message: ServerMessage = decode(data);
   switch (message.type) {
     case 'frame': {
+      if (message.sequence === opened?.sequence) held.points(message);
       const segment = decodeFrame(message, pool);
       const { nbytes, decodeMs } = segment;
       post({ t: 'segment', segment }, [segment.vertices]);
@@ -195,10 +200,11 @@ function annotation(message: Annotation): void {
     lengths.buffer,
     values.buffer,
   ]);
-  if (base === null || provisional || opened?.sequence !== sequence) return;
-  // A delta that builds on one that never came: catch up.
-  const gap = live && revision !== null && base > revision;
+  if (provisional || opened?.sequence !== sequence) return;
+  const gap = !held.values(message) && live && revision !== null;
+  if (base === null) return;
   revision = gap ? revision : Math.max(revision ?? 0, message.revision);
+  // A delta that builds on one that never came: catch up.
   if (gap) reopen();
   else if (edit !== null) settle(edit);
 }
@@ -223,6 +229,7 @@ async function handle(message: ToWorker): Promise<void> {
       opened = message.message;
       live = false;
       revision = null;
+      held.clear();
       transmit(opened);
       return;
     case 'close':

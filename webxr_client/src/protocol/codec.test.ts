@@ -28,6 +28,7 @@ const CLIENT: ClientMessage[] = [
   { type: 'hello', name: 'Zoë ☃', color: '#2fd5e0' },
   { type: 'open', sequence: 'juggling', frame: 3, revision: null },
   { type: 'open', sequence: 'juggling', frame: 0, revision: 2 ** 40 },
+  { type: 'open', sequence: 'juggling', revision: 7, held: [[0, 12], [89, 1]] },
   { type: 'play', frame: 12, speed: -0.5, loop: false },
   { type: 'pause', frame: null },
   { type: 'seek', frame: 89 },

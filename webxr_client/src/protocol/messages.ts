@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages.py by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'dffdcf417ab6';
+export const SCHEMA_HASH = 'be7d31f3ea0e';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -59,12 +59,18 @@ export interface Hello {
   color?: string | null;
 }
 
-/** Open a sequence; ``revision`` is the last one the client has, when it resumes. */
+/**
+ * Open a sequence; ``revision`` is the last one the client has, when it resumes.
+ *
+ * ``held`` lists the frames that it still has, each with the number of chunks from the first on:
+ * these are not sent again.  Without it, edits in all frames are told and points come anew.
+ */
 export interface Open {
   type: 'open';
   sequence: string;
   frame?: number;
   revision?: number | null;
+  held?: [number, number][] | null;
 }
 
 /** Stop the clock, at ``frame`` if given; that frame is refined to all its points. */
