@@ -28,7 +28,7 @@ from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import exporting, importing, layers, tracking
+from pointbrush.work import accepting, exporting, importing, layers, tracking
 from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
 from pointbrush.work.library import Library
@@ -296,9 +296,13 @@ class Workspace:
         method: str = "auto",
         overwrite: str = "tracked",
         continue_lost: bool = False,
+        stop_unsure: bool = False,
         edit: str | None = None,
     ) -> Job:
-        """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job."""
+        """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job.
+
+        ``stop_unsure`` ends the run at the first frame that a person should look at.
+        """
         recording = self.recording(sequence)
         tracking.require_method(method)
         if overwrite not in tracking.OVERWRITE:
@@ -313,7 +317,14 @@ class Workspace:
             continue_lost=continue_lost,
         )
         work = tracking.TrackingWork(
-            recording.path, self.settings.database_url, start, stop, seeds, method, options
+            recording.path,
+            self.settings.database_url,
+            start,
+            stop,
+            seeds,
+            method,
+            options,
+            stop_unsure,
         )
         ids = tuple(seed.label for seed in seeds)
         findings = tracking.Findings(self.store, sequence, start, ids, overwrite)
@@ -336,6 +347,18 @@ class Workspace:
             self._publish(Retracted(sequence, job.id, frames))
 
         return self.runner.submit("tracking", sequence, work, finish, on_item, done)
+
+    def accept(
+        self,
+        sequence: str,
+        frame: int,
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
+    ) -> Commit:
+        """Make what tracking found of ``labels`` in a frame count as painted; see ``accept``."""
+        self.recording(sequence)
+        return accepting.accept(self.store, sequence, frame, labels, author, edit_id(edit))
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
         """Pose, confidence and state of every tracked label in every frame."""

@@ -218,7 +218,7 @@ def test_batches_of_samples_take_what_the_whole_stroke_takes(
     assert np.sort(np.concatenate(fresh)).tolist() == selector.numbers.tolist()
 
 
-@pytest.mark.parametrize("shape", ["sphere", "ray", "grow"])
+@pytest.mark.parametrize("shape", ["sphere", "ray", "grow", "plane"])
 def test_an_empty_frame_gives_nothing(shape: str) -> None:
     xyz = np.empty((0, 3), np.float32)
     assert len(select(indexed(xyz), stroke(shape, [0, 0, 0], radius=0.1))) == 0

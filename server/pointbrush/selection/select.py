@@ -11,12 +11,16 @@ from pointbrush.errors import BadInputError
 from pointbrush.selection.box import box
 from pointbrush.selection.grow import grow
 from pointbrush.selection.lasso import lasso
+from pointbrush.selection.plane import plane
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive, first_hits, ray_balls, ray_tubes
 from pointbrush.selection.sphere import swept_ball
 from pointbrush.selection.stroke import Stroke
 
 __all__ = ["Selector", "first_hits", "select"]
+
+REGIONS = {"grow": grow, "plane": plane}
+"""Shapes that take a region round each place that a ray meets."""
 
 
 def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArray[np.int64]:
@@ -34,8 +38,8 @@ def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArra
         raise BadInputError(f"samples: expected at least one for shape '{stroke.shape}', got none")
     if stroke.shape == "sphere":
         return swept_ball(points, stroke.origins, stroke.radius)
-    if stroke.shape == "grow":
-        return _grow_hits(points, stroke, alive)
+    if stroke.shape in REGIONS:
+        return _regions(points, stroke, alive)
     if stroke.through:
         return ray_tubes(points, stroke.origins, stroke.directions, stroke.radius)
     return ray_balls(points, stroke.origins, stroke.directions, stroke.radius, alive)
@@ -72,12 +76,13 @@ class Selector:
         return fresh
 
 
-def _grow_hits(points: Points, stroke: Stroke, alive: Alive | None) -> NDArray[np.int64]:
+def _regions(points: Points, stroke: Stroke, alive: Alive | None) -> NDArray[np.int64]:
     region = np.empty(0, np.int64)
     hits = first_hits(points, stroke.origins, stroke.directions, stroke.radius, alive)
     for hit in hits[np.isfinite(hits[:, 0])]:
         near = swept_ball(points, hit[None], stroke.radius)
         # Dragging over a region that is already filled must not fill it again.
         if len(near) and not np.isin(near, region, assume_unique=True).any():
-            region = np.union1d(region, grow(points, hit, stroke.radius, alive))
+            fill = REGIONS[stroke.shape]
+            region = np.union1d(region, fill(points, hit, stroke.radius, alive))
     return region

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 
 TOOLS = ("paint", "erase", "delete", "restore")
-SHAPES = ("sphere", "ray", "lasso", "box", "grow")
+SHAPES = ("sphere", "ray", "lasso", "box", "grow", "plane")
 MAX_SAMPLES = 65_536
 MAX_POLYGON = 4_096
 

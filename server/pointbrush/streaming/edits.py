@@ -133,7 +133,7 @@ class Editor:
             return
         samples = [sample.model_dump() for sample in edit.samples]
         touched = await self._session.hub.edit(stroke.add, samples)
-        self._answer(edit.id, stroke.frame, touched)
+        self._answer(edit.id, stroke.frame, touched, changed=stroke.changing)
 
     async def _end(self, edit: messages.StrokeEnd) -> None:
         session = self._session
@@ -169,13 +169,19 @@ class Editor:
                 labels=edit.labels,
                 method=edit.method,
                 overwrite=edit.overwrite,
+                stop_unsure=edit.stop_unsure,
                 edit=edit.id,
             )
 
         await session.hub.edit(start)
 
     def _answer(
-        self, stroke_id: str, frame: int, touched: int, commit: Commit | None = None
+        self,
+        stroke_id: str,
+        frame: int,
+        touched: int,
+        commit: Commit | None = None,
+        changed: int = 0,
     ) -> None:
         self._session.outbox.reply(
             encode(
@@ -183,7 +189,7 @@ class Editor:
                     id=stroke_id,
                     frame=frame,
                     touched=touched,
-                    changed=commit.changed if commit else 0,
+                    changed=commit.changed if commit else changed,
                     edit=commit.edit_id if commit else None,
                     revision=commit.revision if commit else self._session.require_room().revision,
                     final=commit is not None,

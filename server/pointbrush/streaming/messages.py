@@ -31,7 +31,7 @@ LabelId = Annotated[int, Field(ge=0, le=65534)]
 Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
-Shape = Literal["sphere", "ray", "lasso", "box", "grow"]
+Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane"]
 Role = Literal["viewer", "annotator", "reviewer", "admin"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
@@ -236,6 +236,8 @@ class Track(Message):
     stop: FrameIndex
     method: Annotated[str, Field(max_length=64)] = "auto"
     overwrite: Literal["never", "tracked", "all"] = "tracked"
+    stop_unsure: bool = False
+    """End the run at the first frame where a label is found with little confidence, or lost."""
 
 
 class ClientPresence(Message):
@@ -353,7 +355,10 @@ class Annotation(Message):
 
 
 class StrokeResult(Message):
-    """``touched``: newly touched points so far; ``final`` once the edit is durable."""
+    """``touched``: newly touched points so far; ``final`` once the edit is durable.
+
+    ``changed``: those of them that the stroke changes; what the hand feels.
+    """
 
     type: Literal["stroke_result"] = "stroke_result"
     id: Uuid

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter, Response
 
 from pointbrush.web.auth import Annotator, Viewer
-from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import JobOut, TrackingBody, TrackOut
+from pointbrush.web.schemas import AcceptBody, EditOut, JobOut, TrackingBody, TrackOut
 
 router = APIRouter(tags=["tracking"])
 
@@ -25,10 +25,19 @@ def start_tracking(
         labels=body.labels,
         method=body.method,
         overwrite=body.overwrite,
+        stop_unsure=body.stop_unsure,
         edit=body.id,
     )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
+
+
+@router.post("/sequences/{seq}/frames/{i}/accept", responses=responses(404, 409))
+def accept(
+    seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Annotator
+) -> EditOut:
+    """Make what tracking found of the labels in this frame count as painted; one edit."""
+    return EditOut.of(workspace.accept(seq, i, body.labels, who.author, body.id))
 
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))

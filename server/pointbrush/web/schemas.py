@@ -200,6 +200,14 @@ class TrackingBody(Body):
     stop: FrameIndex
     method: Annotated[str, Field(pattern=one_of(METHODS))] = "auto"
     overwrite: Literal["never", "tracked", "all"] = "tracked"
+    stop_unsure: bool = False
+    id: Uuid | None = None
+
+
+class AcceptBody(Body):
+    """Labels of a frame that a person vouches for."""
+
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)]
     id: Uuid | None = None
 
 

@@ -15,9 +15,8 @@ from pointbrush.labels.types import Only
 from pointbrush.selection import Points, Selector, Stroke
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.changing import LAYER_BLOCK, Changing
 
-LAYER_BLOCK = 65_536
-"""Points whose deleted flags are looked up at once."""
 PAINTED = 1
 
 
@@ -70,19 +69,25 @@ class LiveStroke:
         points = frame_points(recording[frame])
         alive = self._deleted if self._brush.tool == "restore" else self._alive
         self._selector = Selector(points, self._brush, alive)
+        self._changing = Changing(store, recording.manifest.id, frame, self._brush)
         self._sampled = False
 
     def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
         """Take in samples (``origin``, ``direction``) and return how many points are touched."""
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
-        self._selector.add(stroke)
+        self._changing.add(self._selector.add(stroke))
         return len(self._selector.numbers)
 
     @property
     def touched(self) -> int:
         """Points taken so far."""
         return len(self._selector.numbers)
+
+    @property
+    def changing(self) -> int:
+        """Those of the points taken so far that the stroke will change."""
+        return self._changing.count
 
     def commit(self, author: str) -> Commit:
         """Write the stroke as one edit, durable when this returns."""

@@ -18,6 +18,8 @@ from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
 
 TRACKED = 2
+UNSURE = 0.5
+"""Below this confidence a person should look."""
 NOTHING = {"edit": None, "changed": 0, "frames": 0}
 """What a run reports that found nothing, or was told to drop it."""
 OVERWRITE: dict[str, Only] = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
@@ -34,6 +36,8 @@ class TrackingWork:
     seeds: tuple[Seed, ...]
     method: str
     options: TrackOptions
+    stop_unsure: bool = False
+    """End at the first frame that a person should look at."""
 
     def __call__(self, channel: Channel) -> None:
         """Track frame by frame from ``start`` to ``stop``, either way."""
@@ -48,6 +52,9 @@ class TrackingWork:
             for done, found in enumerate(results, start=1):
                 channel.item(found)
                 channel.progress(min(done / len(order), 1.0), f"frame {found.frame}")
+                if self.stop_unsure and wants_look(found):
+                    channel.progress(1.0, f"frame {found.frame}: not sure")
+                    break
         finally:
             store.close()
 
@@ -62,6 +69,15 @@ class _Knowledge:
     def __call__(self, frame: int) -> FrameKnowledge:
         values = self.store.values(self.recording.manifest.id, frame)
         return FrameKnowledge(values.label, values.provenance, values.deleted)
+
+
+def wants_look(found: FrameResult) -> bool:
+    """Whether some label of a frame is lost, or found with little confidence."""
+    return any(
+        track.state == "lost"
+        or (track.state == "tracked" and track.points > 0 and track.confidence < UNSURE)
+        for track in found.tracks.values()
+    )
 
 
 def frame_order(start: int, stop: int) -> list[int]:

@@ -1,14 +1,14 @@
 // Generated from server/pointbrush/streaming/messages.py by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'be7d31f3ea0e';
+export const SCHEMA_HASH = '3ef3564ab037';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
 export interface Brush {
   label?: number;
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
-  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow';
+  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'plane';
   radius?: number;
   only_unlabeled?: boolean;
   through?: boolean;
@@ -136,6 +136,7 @@ export interface Track {
   stop: number;
   method?: string;
   overwrite?: 'never' | 'tracked' | 'all';
+  stop_unsure?: boolean;
 }
 
 /** Take back this author's last edit; answered with a final ``stroke_result``. */
@@ -288,7 +289,11 @@ export interface ServerPresence {
   label: number;
 }
 
-/** ``touched``: newly touched points so far; ``final`` once the edit is durable. */
+/**
+ * ``touched``: newly touched points so far; ``final`` once the edit is durable.
+ *
+ * ``changed``: those of them that the stroke changes; what the hand feels.
+ */
 export interface StrokeResult {
   type: 'stroke_result';
   id: string;
