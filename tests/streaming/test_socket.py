@@ -15,7 +15,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.codec import decode_vertices
+from pointbrush.sequences.decoder import decode_points
 from tests.serving import Served
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
@@ -90,7 +90,7 @@ def test_positions_are_within_the_manifests_error(served: Served) -> None:
         for chunk in message["chunks"]:
             start, count = chunk["offset"], chunk["count"]
             data = message["data"][start : start + chunk["nbytes"]]
-            raw = np.ascontiguousarray(decode_vertices(data, count))
+            raw = np.ascontiguousarray(decode_points(data, count))
             q = raw[:, :6].copy().view("<u2")
             xyz = np.array(chunk["origin"]) + q * np.array(chunk["scale"])
             exact = stored.xyz[chunk["first"] : chunk["first"] + count]

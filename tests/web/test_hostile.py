@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 
+from pointbrush.web.patience import PatientProtocol
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.client import Viewer, viewer
 
@@ -149,6 +150,34 @@ def test_slow_loris(served: Served) -> None:
         )
         assert httpx.get(f"{served.url}/healthz").status_code == 200
         assert asyncio.run(is_well(served)) < 5
+
+
+def trickle(raw: socket.socket) -> None:
+    for _ in range(200):
+        raw.sendall(b"G")
+        time.sleep(0.05)
+
+
+def test_headers_that_never_end_are_not_waited_for(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PatientProtocol, "seconds", 0.3)
+    with ExitStack() as stack:
+        viewer_socket = stack.enter_context(handshake(served))
+        upload = stack.enter_context(socket.create_connection(address(served)))
+        upload.sendall(
+            b"PUT /api/v1/sequences/wall/frames/0/annotation HTTP/1.1\r\nHost: localhost\r\n"
+            b"Content-Length: 3\r\nAuthorization: Bearer " + served.token.encode() + b"\r\n\r\n"
+        )
+        drip = stack.enter_context(socket.create_connection(address(served)))
+        with pytest.raises(OSError, match=r"Broken pipe|reset"):
+            trickle(drip)
+        # Who is in the middle of a request, or of a socket's life, is not hurried.
+        upload.sendall(b"abc")
+        assert upload.recv(64).startswith(b"HTTP/1.1 4")
+        viewer_socket.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            viewer_socket.recv(1)
 
 
 def handshake(served: Served) -> socket.socket:

@@ -15,6 +15,7 @@ import uvicorn
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
+from pointbrush.web.patience import PatientProtocol
 from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.workspace import Workspace
@@ -76,6 +77,7 @@ def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.
     """uvicorn's options, with the reasons in docs/streaming.md."""
     return uvicorn.Config(
         app,  # type: ignore[arg-type]
+        http=PatientProtocol,
         ws="websockets-sansio",
         ws_per_message_deflate=False,
         ws_max_size=settings.max_message,
