@@ -131,3 +131,20 @@ def blob(
             return None
         front = xyz[new]
     return None
+
+
+def cut_off(view: View, rest: I64, step: float, most: float = 0.3) -> bool:
+    """Whether something nearer to the sensor hides how the points ``rest`` go on.
+
+    What ends where an outline ``step`` metres in front of it begins may go on behind it;
+    ``most`` is the share of the points that may lie at such an outline by chance.
+    """
+    if view.lens is None or not len(rest):
+        return False
+    cell, depth = view.cells
+    width = view.lens.shape[1]
+    steps = np.array([-2 * width, -2, 2, 2 * width])
+    around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
+    with np.errstate(invalid="ignore"):
+        nearer = view.depth[around] < depth[rest][:, None] - step
+    return float(nearer.any(axis=1).mean()) > most

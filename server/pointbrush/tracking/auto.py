@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, decide
+from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, cut_off, decide
 from pointbrush.tracking.background import (
     Background,
     ImageBackground,
@@ -54,6 +54,8 @@ WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
 DOUBTFUL = 0.05
 """Confidence under which a fit says nothing about the motion."""
+WAS = 7
+EXPL, NEARR, CUT = 0.2, 0, 0.05
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -280,9 +282,13 @@ class Run:
             rest = place.moving[~taken[place.moving]]
             if len(core) < 5 or not len(rest):
                 continue
-            near = place.around[~taken[place.around]]
+            near = np.setdiff1d(place.around, core, assume_unique=True)
             most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
             new = None if thing.bends else blob(view, core, near, 2.5 * thing.unit, most, place.box)
+            if new is not None and not self._whole(thing, view, place, new, taken):
+                own = new[~self._was_there(thing, view, new)]
+                place.neutral = np.concatenate([place.neutral, own])
+                new = None
             place.whole = new is not None
             if new is None:
                 new = self._adjoin(thing, view, place, core, rest)
@@ -290,15 +296,35 @@ class Run:
             taken[new] = True
         return grown
 
-    def _adjoin(self, thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
-        """Points beside the core, of its colour, that nothing unlabelled explains."""
+    def _whole(self, thing: Thing, view: View, place: Place, new: I64, taken: Mask) -> bool:
+        """Whether a closed blob is one object: nothing of it is another's, or came with a hand."""
+        if taken[new].any():
+            return False
+        if not len(new) or not cut_off(view, new, 3 * thing.unit, CUT):
+            return True
+        return float(self._was_there(thing, view, new).mean()) < EXPL
+
+    def _was_there(self, thing: Thing, view: View, rest: I64) -> Mask:
+        xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
+        rivals = thing.rivals.targets(np.eye(4), thing.weight)
+        if not rivals:
+            return np.zeros(len(rest), np.bool_)
+        distance, _ = rivals[0].nearest(xyz, colour, WAS * thing.unit)
+        return distance < WAS * thing.unit
+
+    def _alone(self, thing: Thing, view: View, place: Place, rest: I64) -> Mask:
+        """Which points nothing unlabelled explains."""
         step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
         xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
         alone = np.ones(len(rest), np.bool_)
         for rival in thing.rivals.targets(step, thing.weight):
             distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
             alone &= distance >= 4 * thing.unit
-        rest = rest[alone]
+        return alone
+
+    def _adjoin(self, thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
+        """Points beside the core, of its colour, that nothing unlabelled explains."""
+        rest = rest[self._alone(thing, view, place, rest)]
         bends = thing.bends or thing.large
         weight = thing.weight * (0.2 if bends else 1.0)
         joined = connected(
@@ -330,7 +356,11 @@ class Run:
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
         thing.motion.add(place.pose, sure=here > DOUBTFUL)
-        learn(thing, view, place, found, grown, verdict)
+        kept = found
+        if not place.whole and not thing.bends:
+            new = found.gap >= 0.9 * thing.model.spacing
+            kept = found.pick(~new | self._alone(thing, view, place, found.indices))
+        learn(thing, view, place, kept, grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
         track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
         return track, points

@@ -79,7 +79,7 @@ class Model:
         holds an object moves with it, and must not become part of it bit by bit.
         """
         on = gap < 1.2 * self.spacing
-        self.hits[nearest[on]] += 1
+        self._hit(nearest[on], sure)
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
@@ -93,6 +93,13 @@ class Model:
         self.hits = np.append(self.hits, np.full(len(new), SURE if sure else 1.0, np.float32))
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
         self._keep(self._distinct())
+
+    def _hit(self, which: I64, sure: bool) -> None:
+        """Confirm points; what was only ever seen beside a hand never counts as certain."""
+        before = self.hits.copy()
+        self.hits[which] += 1
+        if not sure:
+            self.hits[(before < SURE) & (self.hits >= SURE)] = SURE - 1
 
     def miss(self, which: Mask) -> None:
         """Count points that the sensor saw through; those seen through too often leave."""

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.model import Model
+from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
 from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.view import View
@@ -85,6 +85,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if view.frame.rgb is not None and not _colourless(view, indices):
         weight = 0.5 * unit / max(speckle, LEAST_NOISE)
     model = Model.of(xyz, colour, view.eye, spacing)
+    model.hits[:] = SURE
     count = len(indices)
     motion = Motion(model.centre)
     return Thing(label, model, motion, weight, unit, rivals, float(count), last=count)
