@@ -23,11 +23,12 @@ import numpy as np
 
 from pointbrush.samples import generate
 from pointbrush.sequences import import_large, open_sequence
-from pointbrush.sequences.codec import decode_vertices, encode_vertices
-from pointbrush.sequences.columns import Grid, encode_frame
+from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
+from pointbrush.sequences.columns import encode_frame
+from pointbrush.sequences.decoder import decode_vertices
 from pointbrush.sequences.kdtree import build, pack, unpack
 from pointbrush.sequences.order import morton_order, progressive
-from pointbrush.sequences.quantise import ROOM_STEP, quantise
+from pointbrush.sequences.quantise import ROOM_STEP
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000
@@ -176,22 +177,18 @@ def small() -> None:
     xyz = frame.xyz
     order, _ = progressive(morton_order(xyz))
     stored = xyz[order]
-    quantised = quantise(stored, ROOM_STEP)
-    vertices = np.zeros((len(xyz), 12), np.uint8)
-    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
     assert frame.rgb is not None
-    vertices[:, 6:9] = frame.rgb[order]
-    stream = encode_vertices(vertices)
-    arrays = pack(build(stored))
     grid = Grid(np.zeros(3), ROOM_STEP, None)
+    colors = wire_colors(frame.rgb[order], None, None, len(xyz))
+    stream = encode_chunk(stored, colors, grid).data
+    arrays = pack(build(stored))
     encoded = encode_frame(frame, grid)
     print(f"frame of the sample recording, {len(xyz):,} points, within {encoded.error:.5f} m:")
     print(f"  {len(encoded.wire) / len(xyz):.2f} bytes a point,", end=" ")
     print(f"{decimated(encoded):.2f} in the levels that hold a quarter")
     for name, run in {
         "order": lambda: progressive(morton_order(xyz)),
-        "quantise": lambda: quantise(stored, ROOM_STEP),
-        "encode (vertex codec)": lambda: encode_vertices(vertices),
+        "quantise and encode": lambda: encode_chunk(stored, colors, grid),
         "decode in Python": lambda: decode_vertices(stream, len(xyz)),
         "build the k-d tree": lambda: build(stored),
         "load the k-d tree": lambda: unpack(arrays, stored),

@@ -23,7 +23,7 @@ from pointbrush.sequences import (
     partition,
     verify,
 )
-from pointbrush.sequences.codec import decode_vertices
+from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.octree import build, hand_up, sort_codes
 from pointbrush.sequences.order import morton_codes
 from pointbrush.sequences.quantise import dequantise
@@ -77,7 +77,7 @@ def assert_octree(stored: StoredFrame, manifest: Manifest, node_points: int) -> 
     numbers = np.sort(stored.source_index)
     assert np.array_equal(numbers, np.arange(stored.count))
     for chunk in stored.chunks:
-        vertices = decode_vertices(stored.wire(chunk.index, chunk.index + 1), chunk.count)
+        vertices = decode_points(stored.wire(chunk.index, chunk.index + 1), chunk.count)
         q = np.ascontiguousarray(vertices[:, :6]).view(np.uint16)
         back = dequantise(q, np.array(chunk.origin), np.array(chunk.scale))
         points = stored.xyz[chunk.first : chunk.first + chunk.count]

@@ -1,240 +1,218 @@
-"""The meshoptimizer vertex codec, version 0 of its bitstream, encoded and decoded with numpy.
+"""The meshoptimizer vertex codec, version 1 of its bitstream, encoded with numpy.
 
 The format is that of ``meshopt_encodeVertexBuffer`` (zeux/meshoptimizer, ``src/vertexcodec.cpp``;
-specified in glTF's EXT_meshopt_compression), which the page decodes with the project's own
-WebAssembly.  A stream is a header byte 0xA0, blocks of at most 256 vertices, and a tail with the
-first vertex.  A block holds, for each byte of the vertex, the zigzag differences to the vertex
-before in groups of 16; two bits in front of the groups tell how each group is packed: all zero,
-2 bits a value, 4 bits a value (the greatest value of those announces a whole byte behind the
-group), or 16 plain bytes.
+specified in glTF's KHR_meshopt_compression), which the page decodes with the project's own
+WebAssembly.  A stream is a header byte 0xA1, blocks of at most 256 vertices, and a tail with the
+first vertex and a mode for each four bytes of a vertex: whether they are four bytes or two words.
+
+A block holds, for each byte of the vertex, the zigzag differences to the vertex before in groups
+of 16.  Two control bits in front of the block tell how each byte's groups are packed: the block is
+all zero, it is plain, or two bits for each group choose between no bits, 1, 2 and 4 bits a value
+(first choice of widths) or 1, 2, 4 and 8 (second).  The greatest value of 1, 2 or 4 bits announces
+a whole byte behind the group.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 
-HEADER = 0xA0
+HEADER = 0xA1
 GROUP = 16
+TAIL_MIN = 24
+ZERO, PLAIN = 2, 3
+"""Control values of a block's byte without groups; 0 and 1 choose the groups' widths."""
+
 _BLOCK_BYTES = 8192
 _MAX_BLOCK = 256
-_TAIL_MIN = 32
+_NEVER = 1 << 14
+_ROW = np.dtype((np.void, GROUP))
+"""A group as one element: rows of bytes are moved one by one otherwise."""
 
 Bytes = NDArray[np.uint8]
 
 
-def _block_size(stride: int) -> int:
+def block_size(stride: int) -> int:
+    """Most vertices in a block."""
     return min(_MAX_BLOCK, (_BLOCK_BYTES // stride) & ~(GROUP - 1))
 
 
-def _check_stride(stride: int) -> None:
+def check_stride(stride: int) -> None:
+    """Raise BadInputError for a vertex size that the codec does not have."""
     if not 4 <= stride <= 256 or stride % 4:
         raise BadInputError(f"stride: expected a multiple of 4 from 4 to 256, got {stride}")
 
 
-def _count_ones(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Number of true values in each row of 16."""
-    # Eight flags lie in one word; a multiplication adds its bytes into the top one.
-    words = flags.view(np.uint64)
-    total = (words[..., 0] + words[..., 1]) * np.uint64(0x0101010101010101)
-    return (total >> np.uint64(56)).astype(np.int64)
-
-
-def _differences(vertices: Bytes) -> Bytes:
-    """Zigzag differences (groups, stride, 16) of the bytes of (N, stride), zero-padded."""
-    n, stride = vertices.shape
-    groups = -(-n // GROUP)
-    columns = np.zeros((stride, groups * GROUP), np.uint8)
-    np.subtract(vertices[1:].T, vertices[:-1].T, out=columns[:, 1:n])
-    columns = (columns << 1) ^ (columns.view(np.int8) >> 7).view(np.uint8)
-    return np.ascontiguousarray(columns.reshape(stride, groups, GROUP).transpose(1, 0, 2))
-
-
-def _pack(values: Bytes, bits: int, slots: Bytes) -> None:
-    """Write groups (n, 16) packed with ``bits`` a value into their slots (n, 16)."""
-    sentinel = (1 << bits) - 1
-    per_byte = 8 // bits
-    low = np.minimum(values, sentinel).reshape(len(values), GROUP // per_byte, per_byte)
-    packed = low[..., 0]
-    for column in range(1, per_byte):
-        packed = (packed << bits) | low[..., column]
-    fixed = packed.shape[1]
-    slots[:, :fixed] = packed
-    row, column_of = np.nonzero(values >= sentinel)
-    # Position of each escaped value among those of its group.
-    start = np.searchsorted(row, np.arange(len(values)))
-    slots[row, fixed + np.arange(len(row)) - start[row]] = values[row, column_of]
-
-
-def encode_vertices(vertices: Bytes) -> bytes:
+def encode_vertices(vertices: Bytes, words: int = 0) -> bytes:
     """Encode (N, stride) uint8 vertices; ``stride`` is a multiple of 4.
 
-    Raises BadInputError for another shape or type.
+    The first ``words`` times four bytes are little-endian 16-bit values, whose differences are
+    taken whole.  Raises BadInputError for another shape or type.
     """
     if vertices.ndim != 2 or vertices.dtype != np.uint8:
         raise BadInputError(
             f"vertices: expected (N, stride) uint8, got {vertices.shape} {vertices.dtype}"
         )
     n, stride = vertices.shape
-    _check_stride(stride)
-    tail = np.zeros(max(stride, _TAIL_MIN), np.uint8)
+    check_stride(stride)
+    channels = stride // 4
+    tail = np.zeros(max(stride + channels, TAIL_MIN), np.uint8)
+    tail[len(tail) - channels :][:words] = 1
     if n == 0:
         return bytes([HEADER]) + tail.tobytes()
-    tail[-stride:] = vertices[0]
-    body = _encode_groups(_differences(vertices), _block_size(stride) // GROUP)
-    return bytes([HEADER]) + body.tobytes() + tail.tobytes()
+    tail[-stride - channels : -channels] = vertices[0]
+    blocks = _Blocks.of(_differences(vertices, 4 * words), n)
+    return bytes([HEADER]) + _assemble(blocks, n).tobytes() + tail.tobytes()
 
 
-def _encode_groups(values: Bytes, per_block: int) -> Bytes:
-    """Encode groups (G, stride, 16) of differences, ``per_block`` groups to a block."""
-    words = values.view(np.uint64)
-    # Sizes with 2 bits, 4 bits and 8 bits a value; a packing that exceeds 16 bytes never wins.
-    size2 = GROUP // 4 + _count_ones(values >= 3)
-    size4 = GROUP // 2 + _count_ones(values >= 15)
-    mode = np.where(size2 <= size4, 1, 2)
-    size = np.minimum(size2, size4)
-    mode[size >= GROUP] = 3
-    size[size >= GROUP] = GROUP
-    empty = (words[..., 0] | words[..., 1]) == 0
-    mode[empty] = 0
-    size[empty] = 0
+def _differences(vertices: Bytes, words: int) -> Bytes:
+    """Zigzag differences (blocks, stride, groups, 16) of (N, stride), zero-padded.
 
-    slots = values.copy()
-    for which, bits in ((1, 2), (2, 4)):
-        chosen = np.nonzero(mode == which)
-        packed = np.empty((len(chosen[0]), GROUP), np.uint8)
-        _pack(values[chosen], bits, packed)
-        slots[chosen] = packed
-    return _assemble(slots, mode.astype(np.uint8), size, per_block)
+    The first ``words`` bytes of a vertex are 16-bit values.
+    """
+    n, stride = vertices.shape
+    size = block_size(stride)
+    groups = min(size, -(-n // GROUP) * GROUP) // GROUP
+    blocks = -(-n // size)
+    columns = np.zeros((stride, blocks * groups * GROUP), np.uint8)
+    if words:
+        values = np.ascontiguousarray(vertices[:, :words]).view("<u2").T
+        step = values[:, 1:] - values[:, :-1]
+        step = (step << 1) ^ (step.view(np.int16) >> 15).view(np.uint16)
+        columns[0:words:2, 1:n] = step  # the low byte
+        columns[1:words:2, 1:n] = step >> 8
+    part = columns[words:]
+    np.subtract(vertices[1:, words:].T, vertices[:-1, words:].T, out=part[:, 1:n])
+    part[:] = (part << 1) ^ (part.view(np.int8) >> 7).view(np.uint8)
+    return np.ascontiguousarray(columns.reshape(stride, blocks, groups, GROUP).swapaxes(0, 1))
 
 
-def _assemble(slots: Bytes, mode: Bytes, size: NDArray[np.int64], per_block: int) -> Bytes:
-    """Headers and used slot bytes, block by block, channel by channel."""
-    groups, stride, _ = slots.shape
-    blocks = -(-groups // per_block)
-    spare = blocks * per_block - groups
+def _count_ones(flags: NDArray[np.bool_]) -> Bytes:
+    """Number of true values in each row of 16."""
+    # Eight flags lie in one word; a multiplication adds its bytes into the top one.
+    words = flags.view(np.uint64)
+    total = (words[..., 0] + words[..., 1]) * np.uint64(0x0101010101010101)
+    return (total >> np.uint64(56)).astype(np.uint8)
 
-    def by_channel(array: NDArray[Any]) -> NDArray[Any]:
-        if spare:
-            array = np.concatenate([array, np.zeros((spare, *array.shape[1:]), array.dtype)])
-        array = array.reshape(blocks, per_block, *array.shape[1:])
-        return np.swapaxes(array, 1, 2)
 
-    width = -(-per_block // 4)
-    modes = np.zeros((blocks, stride, 4 * width), np.uint8)
-    modes[..., :per_block] = by_channel(mode)
-    modes = modes.reshape(blocks, stride, width, 4)
-    header = modes[..., 0] | (modes[..., 1] << 2) | (modes[..., 2] << 4) | (modes[..., 3] << 6)
-    out = np.empty((blocks, stride, width + per_block * GROUP), np.uint8)
-    used = np.empty(out.shape, np.bool_)
-    out[..., :width] = header
-    used[..., :width] = True
-    if spare:  # the last block is shorter: its headers too
-        used[-1, :, -(-(per_block - spare) // 4) : width] = False
-    out[..., width:] = by_channel(slots).reshape(blocks, stride, -1)
-    used[..., width:] = (np.arange(GROUP) < by_channel(size)[..., None]).reshape(blocks, stride, -1)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Blocks:
+    """Differences (B, stride, G, 16) and how they are packed.
+
+    ``control`` (B, stride); ``code`` (B, stride, G) is each group's two bits, ``size`` (B, stride,
+    G) its packed bytes.
+    """
+
+    values: Bytes
+    control: Bytes
+    code: Bytes
+    size: Bytes
+
+    @classmethod
+    def of(cls, values: Bytes, count: int) -> _Blocks:
+        """Choose the smallest packing for the differences of ``count`` vertices."""
+        escapes = [_count_ones(values >= least) for least in (1, 3, 15)]
+        size = escapes[0] + np.uint8(2)
+        code = np.zeros_like(size)
+        for number, fixed in ((1, 4), (2, 8)):
+            other = escapes[number] + np.uint8(fixed)
+            better = other < size
+            code[better] = number
+            np.minimum(size, other, out=size)
+        empty = escapes[0] == 0
+        control = _choose_control(size, empty, count)
+
+        first = (control == 0)[..., None]
+        second = (control == 1)[..., None]
+        long = second & (size >= GROUP)
+        code += first & ~empty  # the first choice begins with no bits at all
+        code[long] = 3
+        size[(first & empty) | (control == ZERO)[..., None]] = 0
+        size[long | (control == PLAIN)[..., None]] = GROUP
+        return cls(values, control, code, size)
+
+
+def _choose_control(size: Bytes, empty: NDArray[np.bool_], count: int) -> Bytes:
+    """Control (B, stride) of least bytes, given the groups' sizes (B, stride, G) when packed."""
+    blocks, _, groups = size.shape
+    points = np.full((blocks, 1), groups * GROUP)
+    points[-1] = count - (blocks - 1) * groups * GROUP
+    present = np.arange(groups) * GROUP < points[..., None]
+    packed = present & ~empty
+    header = -(-points // (4 * GROUP))
+    first = np.where(packed, size, 0).sum(axis=2) + header
+    # A group of more than 16 bytes would be legal in the first choice, but never pays.
+    first[(packed & (size > GROUP)).any(axis=2)] = _NEVER
+    second = np.where(present, np.minimum(size, GROUP), 0).sum(axis=2) + header
+    control: Bytes = (second < first).astype(np.uint8)
+    control[np.minimum(first, second) >= points] = PLAIN
+    control[~packed.any(axis=2)] = ZERO
+    return control
+
+
+def _pack(values: Bytes, bits: int) -> Bytes:
+    """Slots (n, 16) with groups (n, 16) packed with ``bits`` a value."""
+    sentinel = (1 << bits) - 1
+    fixed = GROUP * bits // 8
+    slots = np.empty_like(values)
+    low = np.minimum(values, sentinel)
+    if bits == 1:
+        slots[:, :fixed] = np.packbits(low, axis=1, bitorder="little")
+    else:
+        per_byte = 8 // bits
+        low = low.reshape(len(values), fixed, per_byte)
+        packed = low[..., 0]
+        for column in range(1, per_byte):
+            packed = (packed << bits) | low[..., column]
+        slots[:, :fixed] = packed
+    escaped = values >= sentinel
+    room = np.arange(GROUP - fixed) < _count_ones(escaped)[:, None]
+    slots[:, fixed:][room] = values[escaped]  # both run group by group
+    return slots
+
+
+def _assemble(blocks: _Blocks, count: int) -> Bytes:
+    """The body of the stream: control bits, then headers and groups byte by byte."""
+    slots = blocks.values.copy()
+    rows = slots.reshape(-1, GROUP).view(_ROW)[:, 0]
+    grouped = (blocks.control < ZERO)[..., None] & (blocks.size > 0)
+    width = (blocks.code + (blocks.control == 1)[..., None]) * grouped  # 1, 2, 4 bits: 1, 2, 3
+    for number, bits in ((1, 1), (2, 2), (3, 4)):
+        chosen = np.flatnonzero(width == number)
+        values = rows.take(chosen).view(np.uint8).reshape(-1, GROUP)
+        rows[chosen] = _pack(values, bits).view(_ROW)[:, 0]
+
+    total, stride, groups, _ = slots.shape
+    head, body = stride // 4, -(-groups // 4)
+    last = count - (total - 1) * groups * GROUP
+    out = np.empty((total, head + stride * (body + groups * GROUP)), np.uint8)
+    used = np.ones(out.shape, np.bool_)
+    out[:, :head] = _two_bits(blocks.control)
+    lanes = out[:, head:].reshape(total, stride, -1)
+    keep = used[:, head:].reshape(total, stride, -1)
+    lanes[..., :body] = _two_bits(blocks.code)
+    lanes[..., body:] = slots.reshape(total, stride, -1)
+    keep[..., :body] = (blocks.control < ZERO)[..., None]
+    keep[-1, :, -(-last // (4 * GROUP)) : body] = False
+    packed = keep[..., body:].reshape(total, stride, groups, GROUP)
+    packed[:] = np.arange(GROUP) < blocks.size[..., None]
+    packed[-1, :, -(-last // GROUP) :] = False
+    plain = packed[-1].reshape(stride, -1)  # a plain block ends with its last vertex
+    plain[blocks.control[-1] == PLAIN, last:] = False
     return out[used]
 
 
-def _mode_table() -> list[tuple[int, int, int, int]]:
-    return [(b & 3, (b >> 2) & 3, (b >> 4) & 3, b >> 6) for b in range(256)]
-
-
-_MODES = _mode_table()
-
-
-def _group_lengths(data: Bytes, bits: int) -> bytes:
-    """For each offset, the length of a group packed with ``bits`` that would start there."""
-    fixed = GROUP * bits // 8
-    sentinel = (1 << bits) - 1
-    escapes = np.zeros(len(data), np.uint8)
-    for shift in range(0, 8, bits):
-        escapes += ((data >> shift) & sentinel) == sentinel
-    total = np.concatenate([[0], np.cumsum(escapes, dtype=np.int64)])
-    ends = np.minimum(np.arange(len(data)) + fixed, len(data))
-    lengths: Bytes = (fixed + total[ends] - total[:-1]).astype(np.uint8)
-    return lengths.tobytes()
-
-
-def _walk(data: Bytes, groups: int, stride: int, per_block: int) -> tuple[list[int], list[int]]:
-    """Offset and mode of every group, in stream order.  The only part that is sequential."""
-    raw = data.tobytes()
-    lengths = (bytes(len(raw)), _group_lengths(data, 2), _group_lengths(data, 4))
-    at, offsets, modes = 1, [], []
-    for first in range(0, groups, per_block):
-        count = min(per_block, groups - first)
-        width = -(-count // 4)
-        for _ in range(stride):
-            header = raw[at : at + width]
-            at += width
-            chosen = [mode for byte in header for mode in _MODES[byte]][:count]
-            if len(chosen) < count or at > len(raw):
-                raise BadInputError("vertex stream: expected more bytes, got its end")
-            for mode in chosen:
-                offsets.append(at)
-                modes.append(mode)
-                if mode == 3:
-                    at += GROUP
-                elif mode:
-                    if at >= len(raw):
-                        raise BadInputError("vertex stream: expected more bytes, got its end")
-                    at += lengths[mode][at]
-    if at != len(raw):
-        raise BadInputError(f"vertex stream: expected {at} bytes before the tail, got {len(raw)}")
-    return offsets, modes
-
-
-def _unpack(data: Bytes, offsets: NDArray[np.int64], bits: int) -> Bytes:
-    """Groups (n, 16) packed with ``bits`` a value at these offsets."""
-    fixed = GROUP * bits // 8
-    sentinel = (1 << bits) - 1
-    packed = data[offsets[:, None] + np.arange(fixed)]
-    shifts = np.arange(8 - bits, -1, -bits, dtype=np.uint8)
-    values: Bytes = ((packed[..., None] >> shifts) & sentinel).reshape(len(offsets), GROUP)
-    escaped = values == sentinel
-    rank = np.cumsum(escaped, axis=1) - 1
-    at = (offsets[:, None] + fixed + rank)[escaped]
-    values[escaped] = data[at]
-    return values
-
-
-def decode_vertices(data: bytes | memoryview, count: int, stride: int = 12) -> Bytes:
-    """Decode ``count`` vertices (count, stride) uint8.
-
-    Raises BadInputError when the stream is not a version 0 vertex stream of that many vertices.
-    """
-    _check_stride(stride)
-    stream = np.frombuffer(data, np.uint8)
-    tail = max(stride, _TAIL_MIN)
-    if len(stream) < 1 + tail or stream[0] != HEADER:
-        raise BadInputError("vertex stream: expected header 0xa0 and a tail, got something else")
-    groups = -(-count // GROUP)
-    per_block = _block_size(stride) // GROUP
-    body = stream[: len(stream) - tail]
-    offsets, modes = _walk(body, groups, stride, per_block)
-    at, mode = np.array(offsets, np.int64), np.array(modes, np.uint8)
-    values = np.zeros((len(at), GROUP), np.uint8)
-    # A malformed stream may point past its end: zeros there, the walk has checked the total.
-    padded = np.concatenate([body, np.zeros(2 * GROUP, np.uint8)])
-    for which, bits in ((1, 2), (2, 4)):
-        values[mode == which] = _unpack(padded, at[mode == which], bits)
-    values[mode == 3] = padded[at[mode == 3][:, None] + np.arange(GROUP)]
-    return _integrate(values, groups, stride, per_block, stream[-stride:])[:count]
-
-
-def _integrate(values: Bytes, groups: int, stride: int, per_block: int, first: Bytes) -> Bytes:
-    """Undo the order of the stream, the zigzag and the differences: vertices (16 G, stride)."""
-    columns = np.empty((stride, groups, GROUP), np.uint8)
-    full = groups // per_block
-    cut = full * per_block
-    head = values[: cut * stride].reshape(full, stride, per_block, GROUP)
-    columns[:, :cut] = head.transpose(1, 0, 2, 3).reshape(stride, cut, GROUP)
-    columns[:, cut:] = values[cut * stride :].reshape(stride, groups - cut, GROUP)
-    zigzag: Bytes = columns.reshape(stride, -1)
-    steps = (zigzag >> 1) ^ (0 - (zigzag & 1)).astype(np.uint8)
-    vertices: Bytes = np.cumsum(steps, axis=1, dtype=np.uint8) + first[:, None]
-    return np.ascontiguousarray(vertices.T)
+def _two_bits(values: Bytes) -> Bytes:
+    """Values 0..3 (…, n) four to a byte, the first lowest."""
+    spare = -values.shape[-1] % 4
+    if spare:
+        padding = np.zeros((*values.shape[:-1], spare), np.uint8)
+        values = np.concatenate([values, padding], axis=-1)
+    four: Bytes = values.reshape(*values.shape[:-1], -1, 4)
+    shifts = np.array([0, 2, 4, 6], np.uint8)
+    packed: Bytes = np.bitwise_or.reduce(four << shifts, axis=-1)
+    return packed

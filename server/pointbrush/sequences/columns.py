@@ -12,39 +12,12 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import blocks, kdtree
-from pointbrush.sequences.codec import encode_vertices
+from pointbrush.sequences.chunk import CHUNK, Grid, encode_chunk, wire_colors
 from pointbrush.sequences.order import morton_order, progressive
-from pointbrush.sequences.quantise import quantise
 
 CHUNK_POINTS = 65536
-WIRE_STRIDE = 12
-
-CHUNK = np.dtype(
-    [
-        ("level", "<i4"),
-        ("parent", "<i4"),
-        ("first", "<i8"),
-        ("count", "<i8"),
-        ("offset", "<i8"),
-        ("nbytes", "<i8"),
-        ("origin", "<f8", 3),
-        ("scale", "<f8", 3),
-        ("lo", "<f4", 3),
-        ("hi", "<f4", 3),
-    ]
-)
-"""One row per chunk; ``parent`` is -1 but in an octree."""
 
 POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
-
-
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """What all frames of a sequence share: the shift, the grid, the intensities' range."""
-
-    shift: NDArray[np.float64]
-    step: float
-    intensity_range: tuple[float, float] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,40 +100,6 @@ def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
     return np.array(first, np.int64), of_level
 
 
-def wire_colors(
-    rgb: NDArray[np.uint8] | None,
-    intensity: NDArray[np.float32] | None,
-    span: tuple[float, float] | None,
-    count: int,
-) -> NDArray[np.uint8]:
-    """Bytes (N, 4) r, g, b, intensity.  Without colour the intensity serves as grey."""
-    out = np.zeros((count, 4), np.uint8)
-    if intensity is not None and span is not None:
-        unit = (intensity.astype(np.float64) - span[0]) * (255.0 / (span[1] - span[0]))
-        out[:, 3] = np.rint(np.clip(np.nan_to_num(unit), 0, 255)).astype(np.uint8)
-        if rgb is None:
-            out[:, :3] = out[:, 3:]
-    if rgb is not None:
-        out[:, :3] = rgb
-    return out
-
-
-def encode_chunk(
-    xyz: NDArray[np.float32], colors: NDArray[np.uint8], step: float
-) -> tuple[NDArray[Any], bytes, float]:
-    """Row of the chunk table (without its place), wire bytes and error of one chunk."""
-    quantised = quantise(xyz, step)
-    vertices = np.zeros((len(xyz), WIRE_STRIDE), np.uint8)
-    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
-    vertices[:, 6:10] = colors
-    data = encode_vertices(vertices)
-    row = np.zeros((), CHUNK)
-    row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)
-    for name in ("origin", "scale", "lo", "hi"):
-        row[name] = getattr(quantised, name)
-    return row, data, quantised.error
-
-
 def frame_meta(frame: PointFrame) -> dict[str, Any]:
     """What is stored of a frame beside its arrays: the coordinates' type, the depth camera."""
     meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
@@ -174,7 +113,29 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
     """Order, quantise and encode a frame of at most ``order.MAX_POINTS`` points."""
     local = to_local(frame.xyz, grid.shift)
     order, levels = progressive(morton_order(local))
+    first, of_level = chunk_bounds(levels)
     xyz = local.take(order, axis=0)
+    colors = wire_colors(
+        None if frame.rgb is None else frame.rgb.take(order, axis=0),
+        None if frame.intensity is None else frame.intensity.take(order),
+        grid.intensity_range,
+        len(xyz),
+    )
+    chunks = np.zeros(len(of_level), CHUNK)
+    parts: list[bytes] = []
+    offset, error = 0, 0.0
+    for number, (start, stop) in enumerate(pairwise(first.tolist())):
+        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid)
+        if chunk.order is not None:
+            for column in (order, xyz):
+                column[start:stop] = column[start:stop][chunk.order]
+        chunks[number] = chunk.row
+        chunks[number]["level"], chunks[number]["first"] = of_level[number], start
+        chunks[number]["offset"] = offset
+        parts.append(chunk.data)
+        offset += len(chunk.data)
+        error = max(error, chunk.error)
+
     arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
     exact = residual(frame.xyz.take(order, axis=0), xyz, grid.shift)
     if exact is not None:
@@ -183,19 +144,6 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         column = getattr(frame, name)
         if column is not None:
             arrays[name] = column.take(order, axis=0)
-
-    first, of_level = chunk_bounds(levels)
-    colors = wire_colors(arrays.get("rgb"), arrays.get("intensity"), grid.intensity_range, len(xyz))
-    chunks = np.zeros(len(of_level), CHUNK)
-    parts: list[bytes] = []
-    offset, error = 0, 0.0
-    for number, (start, stop) in enumerate(pairwise(first.tolist())):
-        row, data, chunk_error = encode_chunk(xyz[start:stop], colors[start:stop], grid.step)
-        row["level"], row["first"], row["offset"] = of_level[number], start, offset
-        chunks[number] = row
-        parts.append(data)
-        offset += len(data)
-        error = max(error, chunk_error)
     arrays |= {"chunks": chunks, **block_arrays(xyz, first)}
     if len(xyz):
         arrays |= kdtree.pack(kdtree.build(xyz))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.columns import Grid
-from pointbrush.sequences.quantise import base_step
+from pointbrush.sequences.chunk import Grid
+from pointbrush.sequences.quantise import base_step, coarsest_step
 
 FAR = 1024.0
 """Coordinates beyond this (metres) are shifted: float32 has less than 0.1 mm left there."""
@@ -29,12 +30,14 @@ class GridChooser:
             self._placed = True
             lo = np.min([frame.xyz.min(axis=0) for frame in filled], axis=0).astype(np.float64)
             hi = np.max([frame.xyz.max(axis=0) for frame in filled], axis=0).astype(np.float64)
-            step = base_step(float((hi - lo).max()))
-            self.grid = Grid(choose_shift(lo, hi), step, self.grid.intensity_range)
+            extent = float((hi - lo).max())
+            step, coarsest = base_step(extent), coarsest_step(extent)
+            span = self.grid.intensity_range
+            self.grid = Grid(choose_shift(lo, hi), step, span, coarsest)
         known = [frame.intensity for frame in filled if frame.intensity is not None]
         if self.grid.intensity_range is None and known:
             span = intensity_range(np.concatenate(known))
-            self.grid = Grid(self.grid.shift, self.grid.step, span)
+            self.grid = replace(self.grid, intensity_range=span)
         return self.grid
 
 

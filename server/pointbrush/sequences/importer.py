@@ -16,7 +16,8 @@ from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.arrays import digest, file_digest, open_arrays, write_arrays
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
-from pointbrush.sequences.columns import POINT_FIELDS, Grid, encode_frame, frame_meta
+from pointbrush.sequences.chunk import Grid
+from pointbrush.sequences.columns import POINT_FIELDS, encode_frame, frame_meta
 from pointbrush.sequences.files import new_folder, write_file
 from pointbrush.sequences.grid import GridChooser
 from pointbrush.sequences.large import LargeFrame

@@ -19,7 +19,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.columns import Grid
+from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.growing import LargeWriter
 from pointbrush.sequences.partition import Cell, Key, Partition
 from pointbrush.sequences.rows import Part, Parts, Rows

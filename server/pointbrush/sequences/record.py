@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.columns import POINT_FIELDS, Grid
+from pointbrush.sequences.chunk import Grid
+from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.room import RoomFinder
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.columns import POINT_FIELDS, Grid, frame_meta, to_local
+from pointbrush.sequences.chunk import Grid
+from pointbrush.sequences.columns import POINT_FIELDS, frame_meta, to_local
 from pointbrush.sequences.order import bounds
 from pointbrush.sequences.partition import Groups, edge_exponent, group
 

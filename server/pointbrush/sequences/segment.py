@@ -9,16 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences import blocks
-from pointbrush.sequences.columns import (
-    CHUNK,
-    POINT_FIELDS,
-    Grid,
-    encode_chunk,
-    gather,
-    residual,
-    to_local,
-    wire_colors,
-)
+from pointbrush.sequences.chunk import CHUNK, Grid, encode_chunk, wire_colors
+from pointbrush.sequences.columns import POINT_FIELDS, gather, residual, to_local
 from pointbrush.sequences.octree import Node, build, hand_up, sort_codes
 from pointbrush.sequences.order import morton_codes
 from pointbrush.sequences.rows import Rows
@@ -90,6 +82,28 @@ def _encode(
     up: Rows,
 ) -> Segment:
     names = rows.dtype.names or ()
+    colors = wire_colors(
+        rows["rgb"] if "rgb" in names else None,
+        rows["intensity"] if "intensity" in names else None,
+        grid.intensity_range,
+        len(xyz),
+    )
+    counts = [len(node.positions) for node in nodes]
+    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    chunks = np.zeros(len(nodes), CHUNK)
+    parts: list[bytes] = []
+    offset, error = 0, 0.0
+    for number, node in enumerate(nodes):
+        run = slice(first[number], first[number + 1])
+        chunk = encode_chunk(xyz[run], colors[run], grid)
+        if chunk.order is not None:
+            rows[run], xyz[run] = gather(rows[run], chunk.order), xyz[run][chunk.order]
+        chunks[number] = chunk.row
+        chunks[number]["level"], chunks[number]["parent"] = level + node.depth, parents[number]
+        chunks[number]["first"], chunks[number]["offset"] = first[number], offset
+        parts.append(chunk.data)
+        offset += len(chunk.data)
+        error = max(error, chunk.error)
     columns: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(rows[name])
         for name in ("source_index", *POINT_FIELDS)
@@ -100,23 +114,6 @@ def _encode(
         # One width from the start where it is likely: widening a column later copies all of it.
         wide = rows["xyz"].dtype == np.float64 and exact.dtype.itemsize < 4
         columns["residual"] = exact.astype(np.int32) if wide else exact
-    colors = wire_colors(
-        columns.get("rgb"), columns.get("intensity"), grid.intensity_range, len(xyz)
-    )
-    counts = [len(node.positions) for node in nodes]
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    chunks = np.zeros(len(nodes), CHUNK)
-    parts: list[bytes] = []
-    offset, error = 0, 0.0
-    for number, node in enumerate(nodes):
-        run = slice(first[number], first[number + 1])
-        row, data, chunk_error = encode_chunk(xyz[run], colors[run], grid.step)
-        row["level"], row["parent"] = level + node.depth, parents[number]
-        row["first"], row["offset"] = first[number], offset
-        chunks[number] = row
-        parts.append(data)
-        offset += len(data)
-        error = max(error, chunk_error)
     block_first, of_chunk = blocks.cut(first)
     lo, hi = blocks.bound(xyz, block_first)
     return Segment(

@@ -164,7 +164,7 @@ class StoredFrame:
 
     @property
     def chunk_table(self) -> NDArray[Any]:
-        """The chunks as one structured array (``columns.CHUNK``)."""
+        """The chunks as one structured array (``chunk.CHUNK``)."""
         return self._arrays["chunks"]
 
     @cached_property

@@ -92,7 +92,8 @@ class Label(Message):
 class Chunk(Message):
     """A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
 
-    Decoded layout: x, y, z uint16; r, g, b, intensity uint8; 2 bytes zero.
+    Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
+    Where bit 0 of the first vertex's flags is set, all of r and b are less g (modulo 256).
     Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
     """
 

@@ -59,6 +59,19 @@ describe('a frame that Python encoded', () => {
     }
   });
 
+  it('reads what an older version imported', () => {
+    const text = readFileSync(new URL('vertices_v0.json', GOLDEN), 'utf8');
+    const old = JSON.parse(text) as { count: number; data_base64: string; decoded_base64: string };
+    const bytes = new Uint8Array(Buffer.from(old.data_base64, 'base64'));
+    const chunk = { ...golden.chunks[0]!, count: old.count, offset: 0, nbytes: bytes.length };
+    const read = decodeFrame({ ...message, chunks: [chunk], data: bytes }, new BufferPool(1 << 20));
+    const expected = Buffer.from(old.decoded_base64, 'base64');
+    const got = Buffer.from(read.vertices, 0, old.count * 12);
+    for (let at = 0; at < expected.length; at += 12) {
+      expect(got.compare(expected, at, at + 10, at, at + 10)).toBe(0);
+    }
+  });
+
   it('refuses bytes that are cut off', () => {
     const [chunk] = golden.chunks;
     const cut: Frame = { ...message, chunks: [{ ...chunk!, nbytes: 100 }] };

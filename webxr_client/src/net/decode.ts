@@ -5,6 +5,10 @@ import { stampChunk } from './density';
 import type { BufferPool } from './pool';
 import { MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
 
+/** Where a chunk's vertices carry flags on the wire, and the one that says: r and b are less g. */
+const FLAGS = 10;
+const RELATIVE = 1;
+
 /** Resolves once the WASM decoder can be used. */
 export const ready: Promise<void> = MeshoptDecoder.ready;
 
@@ -20,6 +24,7 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     const target = new Uint8Array(vertices, start * STRIDE, count * STRIDE);
     const source = message.data.subarray(offset, offset + nbytes);
     MeshoptDecoder.decodeVertexBuffer(target, count, STRIDE, source);
+    if (count && target[FLAGS]! & RELATIVE) addGreen(target);
     const words = new Uint16Array(vertices, start * STRIDE, count * 6);
     stampChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS);
     chunks.push({ ...chunk, start });
@@ -36,4 +41,13 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     nbytes: message.data.byteLength,
     decodeMs: performance.now() - started,
   };
+}
+
+/** Red and blue that came as differences to green, as they were. */
+function addGreen(vertices: Uint8Array): void {
+  for (let i = 6; i < vertices.length; i += STRIDE) {
+    const green = vertices[i + 1]!;
+    vertices[i] = vertices[i]! + green;
+    vertices[i + 2] = vertices[i + 2]! + green;
+  }
 }
