@@ -6,15 +6,22 @@ import os
 import subprocess
 import sys
 import time
+import uuid
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from distributed import LocalCluster
 
-from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush import scheduler as scheduler_module
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import Channel, Job, JobRunner
+from pointbrush.scheduler import DaskExecutor
+from pointbrush.workspace import Workspace
+from tests.serving import add_sequence, settings_in
 
 
 @dataclass(frozen=True)
@@ -63,9 +70,23 @@ def seen() -> Seen:
     return Seen()
 
 
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[str]:
+    """A Dask scheduler with one worker, in processes of their own; its address."""
+    options = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1"}
+    with LocalCluster(**options, dashboard_address=None, silence_logs=50) as started:
+        yield started.scheduler_address
+
+
+@pytest.fixture(params=["processes", "dask"])
+def scheduler(request: pytest.FixtureRequest) -> str:
+    """What jobs run on: nothing for local processes."""
+    return request.getfixturevalue("cluster") if request.param == "dask" else ""
+
+
 @pytest.fixture
-def runner(seen: Seen) -> Iterator[JobRunner]:
-    runner = JobRunner(seen.jobs.append, workers=1)
+def runner(seen: Seen, scheduler: str) -> Iterator[JobRunner]:
+    runner = JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)
     yield runner
     runner.close()
 
@@ -151,10 +172,37 @@ def test_workers_end_when_the_server_is_killed() -> None:
     assert not Path(f"/proc/{worker}").exists()
 
 
-def test_close_cancels_what_runs(seen: Seen) -> None:
-    runner = JobRunner(seen.jobs.append, workers=1)
+def test_close_cancels_what_runs(seen: Seen, scheduler: str) -> None:
+    runner = JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)
     job = submit(runner, seen, Count(10_000, pause=0.01))
     while not seen.items:
         time.sleep(0.01)
     runner.close()
     assert runner.job(job.id).state == "cancelled"
+
+
+@pytest.mark.parametrize("address", ["", "localhost", "http://localhost:1", "tcp://localhost"])
+def test_what_is_no_address_is_refused(address: str) -> None:
+    with pytest.raises(BadInputError, match="expected tcp://host:port"):
+        DaskExecutor(address)
+
+
+def test_a_scheduler_that_is_not_there_is_said_at_once(
+    seen: Seen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scheduler_module, "CONNECT_SECONDS", 0.5)
+    with pytest.raises(UnavailableError, match="expected a Dask scheduler at"):
+        JobRunner(seen.jobs.append, scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_recording_is_tracked_on_the_cluster(cluster: str, tmp_path: Path) -> None:
+    settings = replace(settings_in(tmp_path), scheduler=cluster)
+    add_sequence(settings, "wall", frames=3, points=4_000)
+    with closing(Workspace(settings)) as workspace:
+        workspace.store.create_label("wall", "anna", name="pin")
+        stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
+        workspace.stroke("wall", 0, stroke | {"samples": [{"origin": [0, 0, 3]}]}, "anna")
+        job = workspace.track("wall", start=0, stop=2, author="anna", method="icp")
+        job = workspace.runner.wait(job.id, 120)
+        assert (job.state, job.error) == ("done", None)
+        assert workspace.store.counts("wall")[1, 1][0] > 0

@@ -63,7 +63,7 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
     track_.add_argument("--method", default="auto", help="icp, color-icp or auto")
     track_.add_argument("--overwrite", default="tracked", choices=("never", "tracked", "all"))
-    _settings(track_, "workspace", "database", "workers")
+    _settings(track_, "workspace", "database", "workers", "scheduler")
 
     export_ = _command(commands, "export", do.export, "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ")
@@ -106,8 +106,8 @@ def parser() -> argparse.ArgumentParser:
 
 
 SERVE = (
-    "workspace", "host", "port", "token", "database", "workers", "tls", "certfile", "keyfile",
-    "insecure", "import_roots", "allowed_hosts", "max_upload", "max_frame_points",
+    "workspace", "host", "port", "token", "database", "workers", "scheduler", "tls", "certfile",
+    "keyfile", "insecure", "import_roots", "allowed_hosts", "max_upload", "max_frame_points",
 )  # fmt: skip
 
 

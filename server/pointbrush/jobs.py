@@ -1,7 +1,8 @@
 """Long work outside the server process, with progress, findings on the way, and cancel.
 
-Work runs on a ``concurrent.futures`` executor.  Each running job talks to its runner over one
-authenticated connection: progress and items go up, the wish to cancel comes down.
+Work runs on a ``concurrent.futures`` executor: local processes, or a Dask cluster.  Each running
+job talks to its runner over one authenticated connection: progress and items go up, the wish to
+cancel comes down.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from multiprocessing.connection import Client, Connection, Listener
 from typing import Any, Literal, Protocol
 
 from pointbrush.errors import CancelledError, ConflictError, NotFoundError, PointbrushError
+from pointbrush.scheduler import DaskExecutor, own_host
 
 logger = logging.getLogger(__name__)
 
@@ -96,25 +98,32 @@ class JobRunner:
     def __init__(
         self,
         notify: Callable[[Job], None],
-        executor: Callable[[], Executor] | None = None,
         workers: int = 2,
+        scheduler: str = "",
     ) -> None:
-        """``notify(job)`` is called at every change, from the runner's threads."""
+        """``notify(job)`` is called at every change, from the runner's threads.
+
+        With a Dask ``scheduler`` (tcp://host:port) jobs run on its workers, which report to this
+        machine's address on the way there; else on ``workers`` processes of this machine.
+        Raises BadInputError or UnavailableError when there is no such scheduler.
+        """
         self._notify = notify
-        self._make_executor = executor or (lambda: _local_processes(workers))
+        self._make_executor: Callable[[], Executor]
         self._executor: Executor | None = None
+        host = "127.0.0.1"
+        if scheduler:
+            self._make_executor = lambda: DaskExecutor(scheduler)
+            # At once: a wrong address should not first show when somebody needs it.
+            self._executor, host = self._make_executor(), own_host(scheduler)
+        else:
+            self._make_executor = lambda: _local_processes(workers)
         self._key = secrets.token_bytes(32)
-        self._listener = Listener(("127.0.0.1", 0), backlog=64, authkey=self._key)
+        self._listener = Listener((host, 0), backlog=64, authkey=self._key)
         self._lock = threading.Lock()
         self._jobs: dict[str, Job] = {}
         self._running: dict[str, _Running] = {}
         self._closed = False
         threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
-
-    def warm_up(self) -> None:
-        """Start the worker processes now, so that the first job does not wait for them."""
-        with self._lock:
-            self._submit(_nothing)
 
     def submit(
         self,
@@ -162,7 +171,7 @@ class JobRunner:
             running.cancelled = True
             running.future.cancel()
             if running.connection is not None:
-                _send_cancel(running.connection)
+                _tell(running.connection, "cancel")
         return job
 
     def wait(self, job_id: str, timeout: float | None = None) -> Job:
@@ -224,11 +233,14 @@ class JobRunner:
             return
         with self._lock:
             running = self._running.get(job_id)
-            if running is None:
+            # A cluster may run work again whose worker died; its findings came already.
+            if running is None or running.connection is not None:
+                connection.close()
                 return
             running.connection = connection
+            _tell(connection, "start")
             if running.cancelled:
-                _send_cancel(connection)
+                _tell(connection, "cancel")
         self._change(job_id, state="running")
         try:
             while True:
@@ -297,13 +309,10 @@ def _end_after(parent: Any) -> None:
     os._exit(1)
 
 
-def _nothing() -> None:
-    """Work that only makes a worker start."""
-
-
 def _run(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
     with Client(address, authkey=key) as connection:
         connection.send(job_id)
+        connection.recv()  # "start"; EOFError when the job is no longer wanted
         return work(Channel(connection))
 
 
@@ -316,9 +325,9 @@ def _outcome(future: Future[Any]) -> BaseException | None:
     return None
 
 
-def _send_cancel(connection: Connection[Any, Any]) -> None:
+def _tell(connection: Connection[Any, Any], word: str) -> None:
     try:
-        connection.send("cancel")
+        connection.send(word)
     except OSError:
         return  # the work ended in this moment
 
@@ -326,7 +335,7 @@ def _send_cancel(connection: Connection[Any, Any]) -> None:
 def _sentence(error: BaseException) -> str:
     if isinstance(error, PointbrushError):
         return str(error)
-    if isinstance(error, BrokenExecutor):
+    if isinstance(error, BrokenExecutor | EOFError | ConnectionError):
         return "the worker process died (out of memory, or a fault in a native decoder)"
     # Not one of ours: the operator needs the traceback, the user the gist.
     logger.error("a job failed unexpectedly", exc_info=error)

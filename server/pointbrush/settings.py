@@ -33,6 +33,10 @@ class Settings:
         default="", metadata=_help("database URL; empty is SQLite inside the workspace")
     )
     workers: int = field(default=2, metadata=_help("local processes for jobs"))
+    scheduler: str = field(
+        default="",
+        metadata=_help("Dask scheduler (tcp://host:port) whose workers run jobs instead"),
+    )
     tls: bool = field(
         default=False,
         metadata=_help("serve HTTPS with a certificate of pointbrush's own authority"),

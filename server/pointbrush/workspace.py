@@ -53,7 +53,9 @@ class Workspace:
         self._listeners: list[Callable[[Event], None]] = []
         self.store = LabelStore(settings.database_url)
         self._unsubscribe = self.store.subscribe(self._publish)
-        self.runner = JobRunner(self._publish, workers=settings.workers)
+        self.runner = JobRunner(
+            self._publish, workers=settings.workers, scheduler=settings.scheduler
+        )
         for manifest in self.sequences():
             self.store.register(manifest.id, manifest.points)
 
