@@ -161,12 +161,12 @@ class Seek(Message):
 class Credit(Message):
     """The client applied ``frames`` frame messages and may be sent as many more.
 
-    ``frame_ms`` is the page's measured time per rendered frame, ``target_ms`` what its display
+    With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time per rendered frame, ``target_ms`` what its display
     wants; a page that falls behind is sent fewer points.  ``points`` caps points per frame.
     """
 
     type: Literal["credit"] = "credit"
-    frames: Annotated[int, Field(ge=1, le=64)] = 1
+    frames: Annotated[int, Field(ge=0, le=64)] = 1
     nbytes: Count = 0
     decode_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
     frame_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0

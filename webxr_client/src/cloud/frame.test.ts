@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { LabelUpdate } from '../net/wire';
-import { CloudFrame, DELETED } from './frame';
+import { CloudFrame, DELETED, pointsWithin } from './frame';
 import { FrameStore } from './store';
 import { frameOf, segmentOf, wall } from './testing';
 
@@ -119,5 +119,31 @@ describe('the cache of frames', () => {
       { first: 4, last: 4, complete: false },
       { first: 8, last: 9, complete: true },
     ]);
+  });
+});
+
+describe('a frame of which not all is drawn', () => {
+  it('shows whole levels, the first one always', () => {
+    const frame = frameOf(wall(2, 0), wall(3, 1), wall(4, 2));
+    const within = [0, 4, 12, 13, 28, 29, Infinity].map((limit) => pointsWithin(frame, limit));
+    expect(within).toEqual([4, 4, 4, 13, 13, 29, 29]);
+  });
+});
+
+describe('chunks of a large frame', () => {
+  it('give back their memory when they are dropped, together with what came with them', () => {
+    const store = new FrameStore(1, true, Infinity);
+    store.add(segmentOf([wall(2, 0), wall(2, 5)], { total: 12, final: false }));
+    store.add(segmentOf([wall(2, 9)], { from: 8, total: 12, final: false }));
+    const frame = store.get(0)!;
+    const used = store.usedBytes;
+    expect(store.dropChunks(frame, [0])).toEqual([]);
+    expect(frame.loaded).toBe(8);
+    const [buffer] = store.dropChunks(frame, [1, 99]);
+    expect(store.usedBytes).toBe(used - buffer!.byteLength);
+    expect(frame.pieces.map((piece) => piece.index)).toEqual([8]);
+    // What was dropped may come again.
+    expect(store.add(segmentOf([wall(2, 0)], { total: 12, final: false }))).toBe(true);
+    expect(frame.loaded).toBe(8);
   });
 });

@@ -25,6 +25,8 @@ export interface Piece {
   blocks: Uint16Array | null;
   /** One id a point; null while all are 0. */
   labels: Uint16Array | null;
+  /** Grows with every change of `labels`. */
+  labelsVersion: number;
 }
 
 /** Labels shown over the server's own until it answers: a stroke, a tracking run. */
@@ -96,6 +98,7 @@ export class CloudFrame {
       bytes,
       blocks: null,
       labels: null,
+      labelsVersion: 0,
     };
     if (this.pieces.length === 0 || this.pieces.at(-1)!.first < first) this.pieces.push(piece);
     else this.pieces.splice(this.after(first), 0, piece);
@@ -118,14 +121,19 @@ export class CloudFrame {
     if (this.early.every((update) => update.base !== null)) this.early = [];
   }
 
-  /** Drop a chunk of a large frame. */
-  remove(index: number): void {
+  /** Drop a chunk of a large frame; returns the buffer that brought it once nothing needs it. */
+  remove(index: number): ArrayBuffer | null {
     const at = this.pieces.findIndex((piece) => piece.index === index);
     const piece = this.pieces[at];
-    if (!piece) return;
+    if (!piece) return null;
     this.pieces.splice(at, 1);
     this.loaded -= piece.count;
     this.pointsVersion += 1;
+    const { buffer } = piece.words;
+    if (this.pieces.some((other) => other.words.buffer === buffer)) return null;
+    this.buffers.splice(this.buffers.indexOf(buffer), 1);
+    this.bytes -= buffer.byteLength;
+    return buffer;
   }
 
   /** The buffers, to be recycled; the frame is empty afterwards. */
@@ -221,6 +229,7 @@ function applyRuns(piece: Piece, update: LabelUpdate): void {
     const value = values[run]!;
     if (end > piece.first && (value !== 0 || piece.labels)) {
       piece.labels ??= new Uint16Array(piece.count);
+      piece.labelsVersion += 1;
       piece.labels.fill(
         value,
         Math.max(number, piece.first) - piece.first,
@@ -236,6 +245,7 @@ function applyDelta(piece: Piece, numbers: Uint32Array, values: Uint16Array): vo
   let at = lowerBound(numbers, piece.first);
   if (at >= numbers.length || numbers[at]! >= stop) return;
   piece.labels ??= new Uint16Array(piece.count);
+  piece.labelsVersion += 1;
   const single = values.length === 1;
   for (; at < numbers.length && numbers[at]! < stop; at++) {
     piece.labels[numbers[at]! - piece.first] = values[single ? 0 : at]!;
@@ -264,11 +274,24 @@ export function blocksOf(piece: Piece): Uint16Array {
   return piece.blocks;
 }
 
-/** How much denser the frame is than the piece's level alone: scales its spacing. */
-export function densityFactor(frame: CloudFrame, piece: Piece): number {
+/** How much denser the frame's first `shown` points are than the piece's level: scales its spacing. */
+export function densityFactor(frame: CloudFrame, piece: Piece, shown = frame.loaded): number {
   let level = 0;
   for (const other of frame.pieces) if (other.level === piece.level) level += other.count;
-  return Math.sqrt(level / Math.max(1, frame.loaded));
+  return Math.sqrt(Math.min(1, level / Math.max(1, shown)));
+}
+
+/** Points of the finest levels that together have at most `limit`; the first level always. */
+export function pointsWithin(frame: CloudFrame, limit: number): number {
+  const { pieces } = frame;
+  let points = 0;
+  for (let i = 0; i < pieces.length; i++) {
+    const { level, first, count } = pieces[i]!;
+    if (pieces[i + 1]?.level === level) continue;
+    if (points > 0 && first + count > limit) break;
+    points = first + count;
+  }
+  return points;
 }
 
 /** Metres between neighbouring points near a point of a piece. */

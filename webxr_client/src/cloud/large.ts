@@ -12,7 +12,9 @@ const REFINED = 0.6;
 class Page {
   readonly points: Points<BufferGeometry, RawShaderMaterial>;
   piece: Piece | null = null;
-  labelsVersion = -1;
+  private labelsVersion = -1;
+  /** Values are shown over the server's own. */
+  private overlaid = false;
   private readonly buffers: PointBuffers;
 
   constructor(
@@ -33,25 +35,33 @@ class Page {
     sphere.center.fromArray(piece.lo).add(corner.fromArray(piece.hi)).multiplyScalar(0.5);
     sphere.radius = sphere.center.distanceTo(corner);
     this.points.geometry.setDrawRange(0, piece.count);
-    this.points.visible = true;
     this.piece = piece;
     this.labelsVersion = -1;
   }
 
+  /** Bring the labels over, if an edit or an overlay met this chunk. */
   loadLabels(frame: CloudFrame): void {
     const { piece } = this;
-    if (!piece || this.labelsVersion === frame.labelsVersion) return;
-    this.labelsVersion = frame.labelsVersion;
+    if (!piece) return;
+    const { first, count } = piece;
+    let overlaid = false;
+    for (const { indices } of frame.overlays.values()) {
+      const at = indices[lowerBound(indices, first)];
+      overlaid ||= at !== undefined && at < first + count;
+    }
+    if (this.labelsVersion === piece.labelsVersion && !overlaid && !this.overlaid) return;
+    this.labelsVersion = piece.labelsVersion;
+    this.overlaid = overlaid;
     if (piece.labels) scratch.set(piece.labels);
-    else scratch.fill(0, 0, piece.count);
+    else scratch.fill(0, 0, count);
     for (const { indices, values } of frame.overlays.values()) {
       const single = values.length === 1;
-      const stop = lowerBound(indices, piece.first + piece.count);
-      for (let i = lowerBound(indices, piece.first); i < stop; i++) {
-        scratch[indices[i]! - piece.first] = values[single ? 0 : i]!;
+      const stop = lowerBound(indices, first + count);
+      for (let i = lowerBound(indices, first); i < stop; i++) {
+        scratch[indices[i]! - first] = values[single ? 0 : i]!;
       }
     }
-    this.buffers.writeLabels(scratch, piece.count);
+    this.buffers.writeLabels(scratch, count);
   }
 
   /** Where finer chunks cover the same place, coarse points shrink to their size. */
@@ -78,10 +88,15 @@ const scratch = new Uint16Array(PAGE_POINTS);
 
 export class LargeCloud {
   readonly group = new Group();
+  /** Points that are drawn. */
+  drawn = 0;
   private readonly pages: Page[] = [];
   private readonly table = new ChunkTable();
   /** Chunk → the chunk above it in the octree, −1 at the root. */
-  private parents: ArrayLike<number> = [];
+  private parents: readonly number[] = [];
+  /** Chunk → how many are worth more from where one stands. */
+  private ranks = new Map<number, number>();
+  private limit = Infinity;
 
   constructor(
     private readonly gl: WebGL2RenderingContext,
@@ -90,8 +105,17 @@ export class LargeCloud {
     this.group.matrixAutoUpdate = false;
   }
 
-  setParents(parents: ArrayLike<number>): void {
+  /** See `Viewer.setOrder`. */
+  setOrder(order: readonly number[], parents: readonly number[]): void {
     this.parents = parents;
+    this.ranks = new Map(order.map((index, rank) => [index, rank]));
+    this.select();
+  }
+
+  /** Draw at most about so many points. */
+  setLimit(limit: number): void {
+    this.limit = limit;
+    this.select();
   }
 
   /** Make the pages hold exactly the frame's chunks. */
@@ -102,22 +126,38 @@ export class LargeCloud {
     for (const piece of frame.pieces) {
       if (!shown.has(piece)) this.freePage().load(piece);
     }
-    this.setDensities(frame);
     for (const page of this.pages) page.loadLabels(frame);
+    this.select();
+  }
+
+  /** Show what the limit allows of what is here. */
+  private select(): void {
+    const rank = (page: Page): number => this.ranks.get(page.piece!.index) ?? Infinity;
+    const held = this.pages.filter((page) => page.piece);
+    if (this.limit < Infinity) held.sort((a, b) => rank(a) - rank(b));
+    let points = 0;
+    for (const page of held) {
+      const { count } = page.piece!;
+      // The chunk that covers everything is always there.
+      page.points.visible = points === 0 || points + count <= this.limit;
+      if (page.points.visible) points += count;
+    }
+    this.drawn = points;
+    this.setDensities(held.filter((page) => page.points.visible));
   }
 
   /** A coarse chunk's points become as small as those of the finest chunks below it. */
-  private setDensities(frame: CloudFrame): void {
+  private setDensities(shown: readonly Page[]): void {
     const depths = new Map<number, number>();
-    const indices = frame.pieces.map((piece) => piece.index).sort((one, other) => other - one);
+    const indices = shown.map((page) => page.piece!.index).sort((one, other) => other - one);
     // A chunk's number is above its parent's: from the last to the first, children come first.
     for (const index of indices) {
       const parent = this.parents[index] ?? -1;
       const depth = (depths.get(index) ?? 0) + 1;
       depths.set(parent, Math.max(depths.get(parent) ?? 0, depth));
     }
-    for (const page of this.pages) {
-      if (page.piece) page.setDensity(0.9 * REFINED ** (depths.get(page.piece.index) ?? 0));
+    for (const page of shown) {
+      page.setDensity(0.9 * REFINED ** (depths.get(page.piece!.index) ?? 0));
     }
   }
 
@@ -129,10 +169,6 @@ export class LargeCloud {
     this.pages.push(page);
     this.group.add(page.points);
     return page;
-  }
-
-  get drawn(): number {
-    return this.pages.reduce((sum, page) => sum + (page.piece?.count ?? 0), 0);
   }
 
   dispose(): void {

@@ -79,11 +79,12 @@ export class ChunkTable {
     this.texture.needsUpdate = true;
   }
 
-  set(frame: CloudFrame): void {
+  /** `shown`: points of the frame that are drawn. */
+  set(frame: CloudFrame, shown: number): void {
     for (const piece of frame.pieces) {
       const at = (piece.index % MAX_CHUNKS) * 8;
       this.data.set(piece.origin, at);
-      this.data[at + 3] = densityFactor(frame, piece);
+      this.data[at + 3] = densityFactor(frame, piece, shown);
       this.data.set(piece.scale, at + 4);
     }
     this.texture.needsUpdate = true;

@@ -1,7 +1,7 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
 import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { DELETED, lowerBound, type CloudFrame } from './frame';
+import { DELETED, lowerBound, pointsWithin, type CloudFrame } from './frame';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 
@@ -13,6 +13,8 @@ export class Slot {
   private pointsVersion = -1;
   private labelsVersion = -1;
   private uploaded = 0;
+  private shownPoints = 0;
+  private limit = Infinity;
   private blank = false;
   private readonly buffers: PointBuffers;
   private readonly table = new ChunkTable();
@@ -53,10 +55,24 @@ export class Slot {
       this.buffers.writeVertices(piece.first, piece.bytes);
       this.uploaded = piece.first + piece.count;
     }
-    this.table.set(frame);
-    this.points.geometry.setDrawRange(0, this.uploaded);
+    this.cut(frame);
     this.pointsVersion = frame.pointsVersion;
     this.labelsVersion = -1;
+  }
+
+  /** Draw at most about so many points: whole levels, coarse ones first. */
+  setLimit(limit: number): void {
+    this.limit = limit;
+    const { frame } = this;
+    // A frame that was dropped meanwhile says nothing any more of what is on the GPU.
+    if (!frame || frame.loaded < this.uploaded) return;
+    if (pointsWithin(frame, limit) !== this.shownPoints) this.cut(frame);
+  }
+
+  private cut(frame: CloudFrame): void {
+    this.shownPoints = Math.min(this.uploaded, pointsWithin(frame, this.limit));
+    this.table.set(frame, this.shownPoints);
+    this.points.geometry.setDrawRange(0, this.shownPoints);
   }
 
   private uploadLabels(frame: CloudFrame): void {
@@ -91,7 +107,7 @@ export class Slot {
   }
 
   get drawn(): number {
-    return this.uploaded;
+    return this.shownPoints;
   }
 
   dispose(): void {

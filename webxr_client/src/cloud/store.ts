@@ -85,6 +85,15 @@ export class FrameStore {
     return dropped;
   }
 
+  /** Drop chunks of a large frame; returns the buffers that are free again. */
+  dropChunks(frame: CloudFrame, chunks: readonly number[]): ArrayBuffer[] {
+    const before = frame.bytes;
+    const buffers = chunks.map((chunk) => frame.remove(chunk)).filter((buffer) => buffer !== null);
+    this.bytes += frame.bytes - before;
+    this.version += 1;
+    return buffers;
+  }
+
   drop(frame: CloudFrame): void {
     this.frames.delete(frame.index);
     this.bytes -= frame.bytes;

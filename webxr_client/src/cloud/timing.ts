@@ -14,6 +14,11 @@ export class Timing {
     this.mean = this.count === 1 ? ms : this.mean + (ms - this.mean) / 20;
   }
 
+  /** The newest value. */
+  get last(): number {
+    return this.values[(this.count + LENGTH - 1) % LENGTH]!;
+  }
+
   get total(): number {
     return this.count;
   }

@@ -47,6 +47,7 @@ export class Viewer {
   private shown: CloudFrame | null = null;
   private eyeDomeOn = true;
   private dirty = true;
+  private limit = Infinity;
   private lastDrawn = 0;
   private readonly size = new Vector2();
 
@@ -106,6 +107,7 @@ export class Viewer {
     if (info.large) {
       this.large = new LargeCloud(this.gl, this.uniforms);
       this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
+      this.large.setLimit(this.limit);
       this.room.add(this.large.group);
       return;
     }
@@ -114,6 +116,7 @@ export class Viewer {
     this.slots = Array.from({ length: count }, () => new Slot(this.gl, capacity, this.uniforms));
     for (const slot of this.slots) {
       slot.points.layers.set(POINTS_LAYER);
+      slot.setLimit(this.limit);
       this.room.add(slot.points);
     }
   }
@@ -174,9 +177,37 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** The octree of a large frame: for each chunk the one above it, −1 at the root. */
-  setParents(parents: readonly number[]): void {
-    this.large?.setParents(parents);
+  /**
+   * Chunks of a large frame, those first that matter most from where one stands: they are drawn
+   * first under a limit.  `parents`: for each chunk the one above it in the octree, −1 at the root.
+   */
+  setOrder(order: readonly number[], parents: readonly number[]): void {
+    this.large?.setOrder(order, parents);
+    this.invalidate();
+  }
+
+  /** Draw at most about so many points of a frame. */
+  setLimit(points: number): void {
+    if (points === this.limit) return;
+    this.limit = points;
+    const before = this.drawn;
+    for (const slot of this.slots) slot.setLimit(points);
+    this.large?.setLimit(points);
+    if (this.drawn === before) return;
+    // The next picture takes another time: it says nothing of the one before.
+    this.lastDrawn = 0;
+    this.invalidate();
+  }
+
+  /** Height of what one eye sees, in pixels. */
+  get viewHeight(): number {
+    const { xr } = this.renderer;
+    return xr.isPresenting ? xr.getCamera().cameras[0].viewport.w : this.size.y;
+  }
+
+  /** Nothing moved since the last picture. */
+  get still(): boolean {
+    return !this.dirty && !this.renderer.xr.isPresenting;
   }
 
   /** Bring a frame to the GPU ahead of time. */

@@ -1,45 +1,41 @@
-/** Large frames: which chunks are worth their points from where one stands. */
-import { Frustum, Matrix4, Sphere, Vector3 } from 'three';
+/** Large frames: asks for the chunks that are worth their points, drops others under the budget. */
+import { Frustum, Matrix4, Vector3 } from 'three';
+import type { CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
 import type { Link } from '../net/link';
 import { apiUrl } from '../net/rest';
 import { state } from '../state';
+import { nodeOf, worthwhile, type ChunkRow, type OctreeNode, type View } from './octree';
 import type { Playback } from './playback';
 
 /** Points kept at once. */
 const BUDGET = 3_000_000;
 const BUDGET_SOFTWARE = 700_000;
-/** A chunk whose points would lie closer than this many pixels adds nothing to see. */
-const FINEST_PIXELS = 0.7;
+/** Until it is reached chunks out of view stay, for when one looks there again. */
+const SLACK = 1.25;
 const PERIOD_MS = 250;
-
-interface Node {
-  readonly index: number;
-  readonly count: number;
-  readonly center: Vector3;
-  readonly radius: number;
-  /** Metres between its points. */
-  readonly spacing: number;
-  readonly parent: number;
-}
-
-interface ChunkRow {
-  index: number;
-  count: number;
-  lo: [number, number, number];
-  hi: [number, number, number];
-  parent: number;
-}
+const RETRY_MS = 2000;
+/** Chunks that did not come by then are asked for again: the link may have been lost. */
+const PATIENCE_MS = 2000;
+/** Most chunks of one wish. */
+const LONGEST = 4096;
 
 export class Detail {
-  private nodes: Node[] = [];
+  private nodes: OctreeNode[] = [];
+  private parents: number[] = [];
+  private order = '';
   private key = '';
-  private last = 0;
-  private wanted = '';
-  private readonly frustum = new Frustum();
+  private next = 0;
+  /** Chunks asked for last, when, and the state of the frame then. */
+  private asked = new Set<number>();
+  private askedAt = 0;
+  private version = -1;
   private readonly matrix = new Matrix4();
-  private readonly eye = new Vector3();
-  private readonly sphere = new Sphere();
+  private readonly view: View & { pixels: number } = {
+    eye: new Vector3(),
+    frustum: new Frustum(),
+    pixels: 1,
+  };
 
   constructor(
     private readonly viewer: Viewer,
@@ -47,87 +43,98 @@ export class Detail {
     private readonly link: Link,
   ) {}
 
-  update(now: number): void {
+  /** Points that may be here at once, when `limit` can be drawn in time. */
+  budget(limit = Infinity): number {
+    return Math.min(limit, this.viewer.software ? BUDGET_SOFTWARE : BUDGET);
+  }
+
+  /** Before each picture; `limit`: points that may be drawn. */
+  update(now: number, limit: number): void {
     const info = state.sequence.peek();
-    if (!info?.large || now - this.last < PERIOD_MS) return;
-    this.last = now;
+    if (!info?.large || now < this.next) return;
+    this.next = now + PERIOD_MS;
     const frame = state.frame.peek();
     const key = `${info.id}/${frame}`;
     if (key !== this.key) {
       this.key = key;
       this.nodes = [];
-      this.wanted = '';
+      this.asked.clear();
       void this.load(info.id, frame, key);
     }
-    if (this.nodes.length > 0) this.choose(frame);
+    const cloud = this.playback.store.get(frame);
+    if (this.nodes.length > 0 && cloud) this.choose(cloud, this.budget(limit), now);
   }
 
   private async load(id: string, frame: number, key: string): Promise<void> {
     const url = apiUrl(`sequences/${encodeURIComponent(id)}/frames/${frame}/chunks`);
-    const response = await fetch(url, { credentials: 'same-origin' });
-    if (!response.ok || key !== this.key) return;
+    const response = await fetch(url, { credentials: 'same-origin' }).catch(() => null);
+    if (key !== this.key) return;
+    if (!response?.ok) {
+      this.key = '';
+      this.next = performance.now() + RETRY_MS;
+      return;
+    }
     const { chunks } = (await response.json()) as { chunks: ChunkRow[] };
-    this.nodes = chunks.map(({ index, count, lo, hi, parent }) => {
-      const center = new Vector3(...lo).add(new Vector3(...hi)).multiplyScalar(0.5);
-      const size = new Vector3(...hi).sub(new Vector3(...lo));
-      const [short, middle, long] = [size.x, size.y, size.z].sort((a, b) => a - b);
-      const spacing = Math.sqrt((Math.max(middle!, short!) * long!) / Math.max(1, count));
-      return { index, count, center, radius: size.length() / 2, spacing, parent };
-    });
-    this.viewer.setParents(this.nodes.map((node) => node.parent));
+    this.nodes = chunks.map(nodeOf);
+    this.parents = this.nodes.map((node) => node.parent);
+    this.order = '';
   }
 
-  /** Ask for the chunks that matter most, until the budget is used; drop the others. */
-  private choose(frame: number): void {
-    const { camera, room } = this.viewer;
+  private choose(cloud: CloudFrame, budget: number, now: number): void {
+    this.look();
+    const chosen = worthwhile(this.nodes, this.view, budget).map((node) => node.index);
+    const order = chosen.join();
+    if (order !== this.order) this.viewer.setOrder(chosen, this.parents);
+    this.order = order;
+    const here = new Set(cloud.pieces.map((piece) => piece.index));
+    const missing = chosen.filter((index) => !here.has(index)).slice(0, LONGEST);
+    this.drop(cloud, new Set(chosen), missing, SLACK * budget);
+    this.ask(cloud, new Set(chosen), here, missing, now);
+  }
+
+  /** Where the camera is in the frame's own coordinates: at the desk, or on somebody's head. */
+  private look(): void {
+    const { camera, room, viewHeight } = this.viewer;
+    const { view, matrix } = this;
     camera.updateMatrixWorld();
-    this.matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    this.matrix.multiply(room.matrixWorld);
-    this.frustum.setFromProjectionMatrix(this.matrix);
-    this.eye.copy(camera.position).applyMatrix4(this.matrix.copy(room.matrixWorld).invert());
-    const chosen = this.worthwhile();
-    const keep = new Set(chosen.map((node) => node.index));
-    const cloud = this.playback.store.get(frame);
-    const here = new Set(cloud?.pieces.map((piece) => piece.index));
-    const missing = chosen.filter((node) => !here.has(node.index)).map((node) => node.index);
-    if (cloud && cloud.loaded > 1.25 * this.budget) {
-      for (const index of here) if (!keep.has(index)) cloud.remove(index);
-      this.viewer.show(cloud);
-    }
-    const list = missing.slice(0, 4096);
-    const text = list.join();
-    if (text === this.wanted) return;
-    this.wanted = text;
-    this.link.send({ type: 'want', frame, chunks: list });
+    matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    view.frustum.setFromProjectionMatrix(matrix.multiply(room.matrixWorld));
+    view.eye.setFromMatrixPosition(camera.matrixWorld);
+    view.eye.applyMatrix4(matrix.copy(room.matrixWorld).invert());
+    view.pixels = Math.max(1, viewHeight / 2) * camera.projectionMatrix.elements[5];
   }
 
-  private get budget(): number {
-    return this.viewer.software ? BUDGET_SOFTWARE : BUDGET;
+  /** Make room: what is not worth it goes, the finest first. */
+  private drop(cloud: CloudFrame, keep: Set<number>, missing: number[], most: number): void {
+    let points = cloud.loaded;
+    for (const index of missing) points += this.nodes[index]!.count;
+    if (points <= most) return;
+    const idle = cloud.pieces.filter((piece) => !keep.has(piece.index));
+    idle.sort((a, b) => b.level - a.level);
+    const dropped: number[] = [];
+    for (const piece of idle) {
+      if (points <= most) break;
+      points -= piece.count;
+      dropped.push(piece.index);
+    }
+    if (dropped.length > 0) this.playback.dropChunks(cloud, dropped);
   }
 
-  private worthwhile(): Node[] {
-    const pixels =
-      this.viewer.canvas.height / 2 / Math.tan((this.viewer.camera.fov * Math.PI) / 360);
-    const scored: [number, Node][] = [];
-    for (const node of this.nodes) {
-      const distance = Math.max(0.5, this.eye.distanceTo(node.center) - node.radius);
-      // A chunk is worth what its parent's points leave empty on screen.
-      const coarse = node.parent < 0 ? Infinity : (this.nodes[node.parent]?.spacing ?? Infinity);
-      const gap = (coarse * pixels) / distance;
-      if (gap < FINEST_PIXELS) continue;
-      this.sphere.center.copy(node.center);
-      this.sphere.radius = node.radius;
-      if (node.parent >= 0 && !this.frustum.intersectsSphere(this.sphere)) continue;
-      scored.push([gap, node]);
-    }
-    scored.sort((a, b) => b[0] - a[0]);
-    const chosen: Node[] = [];
-    let points = 0;
-    for (const [, node] of scored) {
-      points += node.count;
-      if (points > this.budget) break;
-      chosen.push(node);
-    }
-    return chosen;
+  private ask(
+    cloud: CloudFrame,
+    keep: Set<number>,
+    here: Set<number>,
+    missing: number[],
+    now: number,
+  ): void {
+    if (cloud.pointsVersion !== this.version) this.askedAt = now;
+    this.version = cloud.pointsVersion;
+    const fresh = missing.some((index) => !this.asked.has(index));
+    const withdrawn = [...this.asked].some((index) => !keep.has(index) && !here.has(index));
+    const overdue = missing.length > 0 && now - this.askedAt > PATIENCE_MS;
+    if (!fresh && !withdrawn && !overdue) return;
+    this.asked = new Set(missing);
+    this.askedAt = now;
+    this.link.send({ type: 'want', frame: cloud.index, chunks: missing });
   }
 }

@@ -16,6 +16,7 @@ import { Strokes, type Stroke } from '../tools/strokes';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { labelActions, takeLabels, takeTimeline } from './labels';
+import { Pacing } from './pacing';
 import { Playback } from './playback';
 import { noteJob, recordingActions } from './recordings';
 import { timeActions } from './time';
@@ -25,6 +26,7 @@ export class Engine {
   readonly link: Link;
   readonly playback: Playback;
   readonly strokes: Strokes;
+  readonly pacing: Pacing;
   readonly camera: DeskCamera;
   private readonly pointer: DeskPointer;
   private readonly presence: DeskPresence;
@@ -38,6 +40,7 @@ export class Engine {
     this.viewer = new Viewer(canvas);
     this.link = new Link((message) => this.receive(message));
     this.playback = new Playback(this.viewer, this.link);
+    this.pacing = new Pacing(this.viewer, this.playback);
     this.strokes = new Strokes({
       send: (message) => this.link.send(message),
       locked: (label) => this.viewer.palette.isLocked(label),
@@ -71,7 +74,11 @@ export class Engine {
   private tick(now: number): void {
     this.playback.update();
     this.strokes.flush();
-    if (this.viewer.renderer.xr.isPresenting) return;
+    this.pacing.update(now);
+    const { isPresenting } = this.viewer.renderer.xr;
+    // At the desk more is kept than is drawn while something moves; a head always moves.
+    this.detail.update(now, isPresenting ? this.pacing.points : Infinity);
+    if (isPresenting) return;
     if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
     if (this.camera.update(now)) {
       this.pointer.refresh();
@@ -79,7 +86,6 @@ export class Engine {
     }
     this.pointer.update();
     this.presence.update(now, this.pointer.brushAt);
-    this.detail.update(now);
   }
 
   // ── the store drives the picture ───────────────────────────────────────────────────────────
@@ -193,6 +199,7 @@ export class Engine {
       return;
     }
     this.playback.open(info);
+    this.pacing.reset();
     this.unframed = true;
     state.frame.value = info.frame;
   }

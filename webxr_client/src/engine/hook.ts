@@ -68,7 +68,7 @@ export function installHook(engine: Engine): void {
     },
     /** Whether slow pictures make the server send fewer points. */
     setAdaptive: (on: boolean) => {
-      playback.adaptive = on;
+      engine.pacing.adaptive = on;
     },
   };
   Object.defineProperty(window, '__pointbrush', { value: Object.freeze(hook) });

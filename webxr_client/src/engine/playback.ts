@@ -11,18 +11,13 @@ import { state } from '../state';
 
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
 const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).deviceMemory ?? 4);
-const DESK_MS = 1000 / 60;
 
 export class Playback {
   store = new FrameStore(1, false, CACHE_BYTES);
   /** Frame messages taken in since the page began, and their bytes. */
   readonly counters = { applied: 0, points: 0, bytes: 0, dropped: 0, decodeMs: 0 };
-  /** What the display wants; the headset sets its own. */
-  targetMs = DESK_MS;
-  /** Points a frame that the display can show in time, or null. */
+  /** Points of a playing frame that can be drawn in time, or null. */
   pointBudget: number | null = null;
-  /** Tell the server when pictures come too slowly, so that it sends fewer points. */
-  adaptive = true;
   /** Told of each frame that has become complete. */
   readonly completed = new Set<(frame: CloudFrame) => void>();
   private info: SequenceInfo | null = null;
@@ -89,6 +84,8 @@ export class Playback {
     if (!state.playing.peek()) return;
     state.playing.value = false;
     state.frame.value = at;
+    // The budget of a playing frame no longer counts.
+    if (this.pointBudget !== null) this.link.pace(this.pace());
     this.link.send({ type: 'pause', frame: state.frame.peek() });
     this.sync();
   }
@@ -124,17 +121,9 @@ export class Playback {
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
   }
 
-  /**
-   * How fast pictures come, for the server to send fewer points when they are too slow.  A
-   * program that stands in for a GPU is too slow for any number of points: at the desk one then
-   * rather sees them all.
-   */
+  /** What is paused is wanted whole, however many of its points are drawn. */
   private pace(): Pace {
-    const { viewer, pointBudget: points } = this;
-    const useful = this.adaptive && (viewer.renderer.xr.isPresenting || !viewer.software);
-    if (!useful) return { frame_ms: 0, target_ms: 0, points };
-    const frame_ms = Math.min(1000, viewer.intervalMs.mean);
-    return { frame_ms, target_ms: this.targetMs, points };
+    return { points: state.playing.peek() ? this.pointBudget : null };
   }
 
   labels(update: LabelUpdate): void {
@@ -148,6 +137,11 @@ export class Playback {
     if (dropped.length === 0) return;
     this.link.send({ type: 'forget', frames: dropped.map((frame) => frame.index) });
     for (const frame of dropped) this.link.recycle(frame.release());
+  }
+
+  /** Drop chunks of a large frame. */
+  dropChunks(frame: CloudFrame, chunks: readonly number[]): void {
+    this.link.recycle(this.store.dropChunks(frame, chunks));
   }
 
   /** Drop a frame from the cache; the server is told. */

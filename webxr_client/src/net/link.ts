@@ -35,6 +35,10 @@ export class Link {
     this.post({ t: 'applied', pace, buffers }, buffers);
   }
 
+  pace(pace: Pace): void {
+    this.post({ t: 'pace', pace });
+  }
+
   recycle(buffers: ArrayBuffer[]): void {
     if (buffers.length > 0) this.post({ t: 'recycle', buffers }, buffers);
   }

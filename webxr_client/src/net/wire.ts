@@ -9,12 +9,12 @@ export type ToWorker =
   | { t: 'close' }
   /** The page took in a segment; `buffers` are free again. */
   | { t: 'applied'; pace: Pace; buffers: ArrayBuffer[] }
+  /** The pace changed by itself. */
+  | { t: 'pace'; pace: Pace }
   | { t: 'recycle'; buffers: ArrayBuffer[] };
 
-/** How the page keeps up: milliseconds a picture, those it should take, points it can show. */
+/** How the page keeps up: points of a frame that it can show in time, or null. */
 export interface Pace {
-  readonly frame_ms: number;
-  readonly target_ms: number;
   readonly points: number | null;
 }
 

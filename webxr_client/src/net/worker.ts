@@ -40,7 +40,7 @@ let revision: number | null = null;
 let waiting = 0;
 let owed: Credit[] = [];
 /** What the page last said of its pace. */
-let pace: Pace = { frame_ms: 0, target_ms: 0, points: null };
+let pace: Pace = { points: null };
 let timer: ReturnType<typeof setTimeout> | undefined;
 
 function post(message: FromWorker, transfer: Transferable[] = []): void {
@@ -247,6 +247,10 @@ async function handle(message: ToWorker): Promise<void> {
       if (credit) transmit({ ...credit, ...pace });
       return;
     }
+    case 'pace':
+      pace = message.pace;
+      transmit({ type: 'credit', frames: 0, ...pace });
+      return;
     case 'recycle':
       for (const buffer of message.buffers) pool.give(buffer);
   }

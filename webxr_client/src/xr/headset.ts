@@ -60,7 +60,7 @@ export class Headset {
   }
 
   private async begin(session: XRSession, mode: Mode): Promise<void> {
-    const { viewer, playback } = this.engine;
+    const { viewer, pacing } = this.engine;
     const { xr } = viewer.renderer;
     this.leaving = false;
     viewer.camera.updateMatrix();
@@ -72,7 +72,7 @@ export class Headset {
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
     await xr.setSession(session);
     xr.setFoveation(FOVEATION);
-    playback.targetMs = 1000 / (await chooseRate(session));
+    pacing.reset(1000 / (await chooseRate(session)));
     viewer.backdrop.showSky(mode === 'immersive-vr');
     this.cockpit = new Cockpit(this.engine, session, floor ? 0 : 1.2, mode);
     patch(state.xr, { session: 'running', detail: '' });
@@ -84,14 +84,14 @@ export class Headset {
   }
 
   private ended(): void {
-    const { viewer, playback } = this.engine;
+    const { viewer, pacing } = this.engine;
     this.cockpit?.dispose();
     this.cockpit = null;
     const { position, quaternion, scale } = viewer.camera;
     this.desk.decompose(position, quaternion, scale);
     viewer.renderer.xr.enabled = false;
     viewer.backdrop.showSky(true);
-    playback.targetMs = 1000 / 60;
+    pacing.reset(null);
     viewer.invalidate();
     if (this.leaving) {
       patch(state.xr, { session: 'none', detail: '' });

@@ -1,0 +1,182 @@
+"""An octree scan: opens coarse, sharpens where one looks, is painted at full resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import laspy
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from playwright.sync_api import Browser
+
+from pointbrush.sequences import importer
+from pointbrush.work import importing
+from tests.e2e.desk import Desk, launch
+from tests.e2e.server import LiveServer
+
+POINTS = 1_500_000
+SIDE = 120.0
+SHIFT = np.array([448_260.0, 5_411_930.0, 310.0])
+BUDGET = 700_000
+"""Points that the page keeps without a GPU; a quarter more may stay until they are in the way."""
+SEQUENCE = "scan"
+RADIUS = 1.0
+PIECES = "pb.engine.playback.frame.pieces"
+SPY = """() => {
+  window.labelWrites = [];
+  const write = WebGL2RenderingContext.prototype.bufferSubData;
+  WebGL2RenderingContext.prototype.bufferSubData = function (...given) {
+    if (given[2] instanceof Uint16Array) window.labelWrites.push(given[4]);
+    return write.apply(this, given);
+  };
+}
+"""
+
+
+def hills() -> NDArray[np.float64]:
+    """(POINTS, 3) a rolling field, denser in its middle, metres."""
+    rng = np.random.default_rng(5)
+    spread = np.where(rng.random(POINTS) < 0.5, SIDE / 2, SIDE / 8)
+    xyz = np.zeros((POINTS, 3))
+    xyz[:, :2] = rng.uniform(-1, 1, (POINTS, 2)) * spread[:, None]
+    xyz[:, 2] = np.sin(xyz[:, 0] / 9) + np.cos(xyz[:, 1] / 7) + rng.normal(0, 0.01, POINTS)
+    return xyz
+
+
+class Silent:
+    """A job's channel that nobody listens to."""
+
+    def progress(self, fraction: float, message: str) -> None:
+        """Nobody asked."""
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace with the LAS file imported as an octree."""
+    folder = tmp_path_factory.mktemp("large")
+    header = laspy.LasHeader(point_format=2, version="1.2")
+    header.scales, header.offsets = np.full(3, 0.001), np.floor(SHIFT)
+    rows = laspy.ScaleAwarePointRecord.zeros(POINTS, header=header)
+    local = hills()
+    rows.x, rows.y, rows.z = (local + SHIFT).T
+    shade = 32_000 + 20_000 * np.sin(local * [0.7, 0.9, 2.3])
+    rows.red, rows.green, rows.blue = shade.astype(np.uint16).T
+    with laspy.open(folder / "scan.las", "w", header=header) as writer:
+        writer.write_points(rows)
+    target = folder / "workspace" / "sequences" / SEQUENCE
+    target.parent.mkdir(parents=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(importer, "LARGE_POINTS", 200_000)
+        patch.setattr(importing, "LARGE_POINTS", 200_000)
+        importing.ImportWork((folder / "scan.las",), target, SEQUENCE)(Silent())
+    return folder / "workspace"
+
+
+@pytest.fixture
+def large(scan: Path, browser: Browser) -> Iterator[tuple[Desk, LiveServer]]:
+    live = LiveServer(scan)
+    live.start()
+    live.create_label(SEQUENCE, "mound", "#ff5d5d")
+    desk = launch(browser, live.page_url)
+    yield desk, live
+    desk.context.close()
+    live.stop()
+    assert desk.complaints == []
+
+
+def settled(desk: Desk) -> int:
+    """Wait until no more points come; returns how many are here."""
+    desk.until("window.__pointbrush && pb.shown().drawn > 0")
+    before = -1
+    while (now := desk.ask("pb.shown().points")) != before:
+        before = now
+        desk.page.wait_for_timeout(700)
+    return before
+
+
+def finest(desk: Desk) -> int:
+    level: int = desk.ask(f"Math.max(...{PIECES}.map((piece) => piece.level))")
+    return level
+
+
+def stand(desk: Desk, eye: list[float], target: list[float]) -> None:
+    """Look from a point to another, in the scan's own metres."""
+    at = [room(desk, point) for point in (eye, target)]
+    desk.ask(f"pb.look({at[0]}, {at[1]})")
+
+
+def room(desk: Desk, local: list[float]) -> list[float]:
+    x, y, z = np.array(local) + SHIFT
+    place: list[float] = desk.ask(
+        f"""(() => {{
+          const [sx, sy, sz] = pb.state.sequence.value.shift, {{ viewer }} = pb.engine;
+          const at = viewer.camera.position.clone().set({x} - sx, {y} - sy, {z} - sz);
+          return at.applyMatrix4(viewer.room.matrixWorld).toArray();
+        }})()"""
+    )
+    return place
+
+
+def test_a_large_scan_sharpens_where_one_looks_and_is_painted_whole(
+    large: tuple[Desk, LiveServer],
+) -> None:
+    desk, live = large
+    assert desk.until("window.__pointbrush && pb.shown().total") == POINTS
+    overview = settled(desk)
+    assert 0.5 * BUDGET < overview <= 1.25 * BUDGET
+    coarse = finest(desk)
+
+    # Near the ground in the middle: finer chunks come, others make room, none comes twice.
+    ground = [0.0, 0.0, 1.0]
+    stand(desk, [0.0, -9.0, 4.0], ground)
+    desk.until(f"Math.max(...{PIECES}.map((piece) => piece.level)) > {coarse}")
+    near = settled(desk)
+    assert near <= 1.25 * BUDGET
+    counters = desk.ask("pb.counters()")
+    assert counters["cachedBytes"] < 3 * 12 * near, "dropped chunks give their memory back"
+    assert len(set(desk.ask(f"{PIECES}.map((piece) => piece.index)"))) == desk.ask(
+        f"{PIECES}.length"
+    )
+
+    # A ball: the server paints all of its points, also those that are not on the page.
+    desk.until("pb.state.activeLabel.value === 1")
+    desk.ask(f"(pb.state.brush.value = {{ ...pb.state.brush.value, radius: {RADIUS} }})")
+    desk.page.evaluate(SPY)
+    desk.paint([(np.array(ground) + SHIFT).tolist()])
+    desk.settled()
+    label = live.annotation(SEQUENCE, 0)
+    xyz = live.points(SEQUENCE, 0)
+    away = np.linalg.norm(xyz - xyz[label == 1].mean(axis=0), axis=1)
+    assert (label[away < 0.8 * RADIUS] == 1).all()
+    assert (label[away > 1.3 * RADIUS] == 0).all()
+    shown = desk.until("pb.labels()[1]")
+    painted = int((label == 1).sum())
+    assert 0 < shown <= painted
+    touched = desk.ask("window.labelWrites.length")
+    assert 0 < touched < desk.ask(f"{PIECES}.length"), "only chunks that the ball meets go over"
+
+    # All of the place's points are there once one is near enough, with their labels.
+    stand(desk, [0.0, -1.5, 2.5], ground)
+    desk.until(f"pb.labels()[1] === {painted}")
+    desk.ask("(pb.state.view.value = { ...pb.state.view.value, labelBlend: 1 })")
+    desk.page.wait_for_timeout(800)
+    desk.screenshot("large-near")
+
+
+def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(
+    large: tuple[Desk, LiveServer],
+) -> None:
+    desk, live = large
+    overview = settled(desk)
+    live.kill()
+    desk.until("pb.state.connection.value.state !== 'online'")
+    coarse = finest(desk)
+    stand(desk, [0.0, -5.0, 4.0], [0.0, 0.0, 1.0])
+    desk.page.wait_for_timeout(600)
+    live.start()
+    desk.until(f"Math.max(...{PIECES}.map((piece) => piece.level)) > {coarse}")
+    assert settled(desk) > 0.3 * overview
+    # The browser itself complains of the connections that were refused.
+    desk.complaints.clear()

@@ -1,0 +1,96 @@
+import { describe, expect, it } from 'vitest';
+import { FEWEST_POINTS, PointBudget } from './budget';
+
+const TARGET = 1000 / 72;
+
+/** A display that draws `rate` points a millisecond, in whole multiples of its refresh. */
+class Display {
+  now = 0;
+  drawn = 0;
+  readonly budget = new PointBudget();
+
+  constructor(
+    public rate: number,
+    readonly there = 1_000_000,
+    /** Drawn only whole levels, which double. */
+    readonly levels = false,
+    readonly refresh = TARGET,
+  ) {}
+
+  run(seconds: number): void {
+    const stop = this.now + seconds * 1000;
+    while (this.now < stop) {
+      this.drawn = Math.min(this.there, this.budget.points);
+      if (this.levels) {
+        let level = this.there;
+        while (level > this.drawn) level /= 2;
+        this.drawn = level;
+      }
+      const interval = Math.ceil(this.drawn / this.rate / this.refresh) * this.refresh;
+      this.now += interval;
+      this.budget.note(interval, TARGET, this.drawn, this.now);
+    }
+  }
+
+  /** Pictures of the next seconds that were late. */
+  late(seconds: number): number {
+    let late = 0;
+    let all = 0;
+    const stop = this.now + seconds * 1000;
+    while (this.now < stop) {
+      const before = this.now;
+      this.run(1e-6);
+      all += 1;
+      if (this.now - before > 1.01 * TARGET) late += 1;
+    }
+    return late / all;
+  }
+}
+
+describe('the budget of points', () => {
+  it('leaves alone a display that is in time', () => {
+    const display = new Display(1e6);
+    display.run(10);
+    expect(display.budget.points).toBe(Infinity);
+  });
+
+  it.each([false, true])('finds what a slow display can draw (whole levels: %s)', (levels) => {
+    const display = new Display(300_000 / TARGET, 1_000_000, levels);
+    display.run(4);
+    display.run(60);
+    expect(display.late(10)).toBeLessThan(0.1);
+    expect(display.drawn).toBeGreaterThan(levels ? 240_000 : 150_000);
+  });
+
+  it('comes down within a second', () => {
+    const display = new Display(100_000 / TARGET);
+    display.run(1.5);
+    expect(display.late(0.5)).toBeLessThan(0.5);
+  });
+
+  it('recovers when the display does', () => {
+    const display = new Display(100_000 / TARGET);
+    display.run(5);
+    expect(display.drawn).toBeLessThan(150_000);
+    display.rate = 1e6;
+    display.run(60);
+    expect(display.drawn).toBe(1_000_000);
+    expect(display.budget.points).toBe(Infinity);
+  });
+
+  it('takes no points away when that does not help: a display of 30 pictures a second', () => {
+    const display = new Display(1e6, 1_000_000, false, 1000 / 30);
+    display.run(20);
+    expect(display.drawn).toBe(1_000_000);
+    // Should points be to blame later on, they are taken away after all.
+    display.rate = 10_000;
+    display.run(5);
+    expect(display.drawn).toBeLessThan(500_000);
+  });
+
+  it('never draws nothing', () => {
+    const display = new Display(1);
+    display.run(60);
+    expect(display.drawn).toBeGreaterThanOrEqual(FEWEST_POINTS);
+  });
+});
