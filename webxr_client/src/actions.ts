@@ -20,6 +20,8 @@ export interface TrackRequest {
   readonly stop: number;
   readonly method: string;
   readonly overwrite: 'never' | 'tracked' | 'all';
+  /** End at the first frame that a person should look at. */
+  readonly stop_unsure?: boolean;
 }
 
 export interface ImportOptions {
@@ -77,6 +79,10 @@ export interface Actions {
 
   // tracking and other long work
   track(request: TrackRequest): void;
+  /** What was found in this frame is right: its doubtful labels count as painted; and on. */
+  acceptHere(): Promise<void>;
+  /** Track on from this frame, to where a run that stopped was to go. */
+  continueRun(): void;
   /** `keep`: what was found so far stays (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;
   dismissJob(id: string): void;

@@ -93,8 +93,8 @@ export interface TimelineTable {
 /** What a stroke does. `navigate`: the left button moves the camera; `pick`: takes a label. */
 export type Tool = 'navigate' | 'paint' | 'erase' | 'delete' | 'restore' | 'pick';
 
-/** How a stroke chooses points: under the brush, the region that hangs together, an outline. */
-export type BrushShape = 'brush' | 'fill' | 'lasso';
+/** How a stroke chooses points: under the brush, a region, a flat surface, an outline. */
+export type BrushShape = 'brush' | 'fill' | 'plane' | 'lasso';
 
 export interface BrushSettings {
   readonly shape: BrushShape;
@@ -134,6 +134,12 @@ export interface ViewSettings {
   readonly hideUnlabeled: boolean;
   readonly showDeleted: boolean;
   readonly grid: boolean;
+  /** A box round each labelled object. */
+  readonly boxes: boolean;
+  /** The ways of the objects through the frames near the playhead. */
+  readonly trails: boolean;
+  /** Where the objects were in the frame before, faintly, while time stands. */
+  readonly ghost: boolean;
 }
 
 // ── work and messages ────────────────────────────────────────────────────────────────────────
@@ -223,6 +229,9 @@ export const state = {
     hideUnlabeled: false,
     showDeleted: false,
     grid: true,
+    boxes: false,
+    trails: true,
+    ghost: true,
   }),
 
   jobs: signal<readonly Job[]>([]),

@@ -28,6 +28,7 @@ export class PointUniforms {
   readonly brushRadius = { value: 0.05 };
   readonly brushColour = { value: new Vector3(1, 1, 1) };
   readonly brushOnlyUnlabeled = { value: 0 };
+  readonly pulse = { value: 0 };
   readonly palette: IUniform<DataTexture>;
   private pointSize = 1;
 
@@ -114,7 +115,7 @@ export function pointMaterial(
     labelBlend,
   } = shared;
   const { hideUnlabeled, showDeleted, brushMode, brushA, brushB } = shared;
-  const { brushRadius, brushColour, brushOnlyUnlabeled } = shared;
+  const { brushRadius, brushColour, brushOnlyUnlabeled, pulse } = shared;
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: POINT_VERTEX,
@@ -124,7 +125,7 @@ export function pointMaterial(
       chunkRow: { value: row },
       palette, pixelsPerMetre, pixelLimits, colourMode, hasIntensity, heightRow, gain, labelBlend,
       hideUnlabeled, showDeleted, brushMode, brushA, brushB,
-      brushRadius, brushColour, brushOnlyUnlabeled,
+      brushRadius, brushColour, brushOnlyUnlabeled, pulse,
     }, // prettier-ignore
   });
 }

@@ -5,6 +5,8 @@ import type { Label } from '../protocol/messages';
 const SIDE = 256;
 export const FLAG_VISIBLE = 128;
 export const FLAG_LOCKED = 64;
+/** A person should look at it: it pulses in the headset. */
+export const FLAG_UNSURE = 32;
 
 export class PaletteTexture {
   readonly texture: DataTexture;
@@ -15,11 +17,11 @@ export class PaletteTexture {
     this.texture.minFilter = NearestFilter;
     this.texture.magFilter = NearestFilter;
     this.texture.generateMipmaps = false;
-    this.set([], null);
+    this.set([], null, []);
   }
 
-  /** `solo`: the only label shown, or null. */
-  set(labels: readonly Label[], solo: number | null): void {
+  /** `solo`: the only label shown, or null; `unsure`: those that a person should look at. */
+  set(labels: readonly Label[], solo: number | null, unsure: readonly number[]): void {
     // A label that this page has not heard of yet shows grey rather than vanish.
     for (let i = 0; i < this.data.length; i += 4) {
       this.data[i] = this.data[i + 1] = this.data[i + 2] = 160;
@@ -32,7 +34,10 @@ export class PaletteTexture {
       this.data[at] = rgb >> 16;
       this.data[at + 1] = (rgb >> 8) & 255;
       this.data[at + 2] = rgb & 255;
-      this.data[at + 3] = (visible ? FLAG_VISIBLE : 0) | (label.locked ? FLAG_LOCKED : 0);
+      this.data[at + 3] =
+        (visible ? FLAG_VISIBLE : 0) |
+        (label.locked ? FLAG_LOCKED : 0) |
+        (unsure.includes(label.id) ? FLAG_UNSURE : 0);
     }
     this.texture.needsUpdate = true;
   }

@@ -30,6 +30,7 @@ uniform vec3 brushB;
 uniform float brushRadius;
 uniform vec3 brushColour;
 uniform int brushOnlyUnlabeled;
+uniform float pulse;            // 0..1, of labels that a person should look at
 
 out vec3 shade;
 flat out float pixels;
@@ -97,11 +98,15 @@ void main() {
   }
 
   float grow = 1.0;
+  if (!deleted && (flags & 32) != 0) {
+    base = mix(base, vec3(1.0), 0.65 * pulse);
+    grow += 0.35 * pulse;
+  }
   if (underBrush(position)) {
     bool spared = !deleted && (flags & 64) != 0 || brushOnlyUnlabeled != 0 && id != 0;
     if (!spared) {
       base = mix(base, brushColour, 0.62);
-      grow = 1.15;
+      grow *= 1.15;
     }
   }
   shade = base;

@@ -96,6 +96,7 @@ export const KEYS: readonly KeyBinding[] = [
   },
   { keys: ['e'], shown: 'E', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
   { keys: ['f'], shown: 'F', what: 'Fill', group: 'Tools', run: () => actions.setShape('fill') },
+  { keys: ['g'], shown: 'G', what: 'Ground', group: 'Tools', run: () => actions.setShape('plane') },
   { keys: ['o'], shown: 'O', what: 'Lasso', group: 'Tools', run: () => actions.setShape('lasso') },
   {
     keys: ['x'],

@@ -25,6 +25,7 @@ type Drag = 'turn' | 'pan' | 'stroke' | 'lasso';
 /** Dabs lie this part of the brush's radius apart on screen. */
 const DAB_SPACING = 0.4;
 const MAX_DABS = 48;
+const WIRE = { brush: 'ray', fill: 'grow', plane: 'plane', lasso: 'lasso' } as const;
 const TOOL_COLORS = { erase: '#e8edf2', delete: '#ff5d5d', restore: '#7ddc8f' } as const;
 
 export class DeskPointer {
@@ -169,7 +170,7 @@ export class DeskPointer {
       notify('info', 'This label is locked', 'Unlock it, or choose another one.');
       return null;
     }
-    const wire = shape === 'fill' ? 'grow' : shape === 'lasso' ? 'lasso' : 'ray';
+    const wire = WIRE[shape];
     return { label, tool, shape: wire, radius, only_unlabeled: onlyUnlabeled, through };
   }
 
@@ -197,7 +198,8 @@ export class DeskPointer {
 
   /** Dabs between the last place and this one, close enough to make a line. */
   private dabsTo(x: number, y: number): void {
-    if (!this.stroke || state.brush.peek().shape === 'fill') return;
+    const { shape } = state.brush.peek();
+    if (!this.stroke || shape === 'fill' || shape === 'plane') return;
     const distance = Math.hypot(x - this.last.x, y - this.last.y);
     if (distance < 0.5) return;
     const gap = Math.max(2, this.radiusPixels() * DAB_SPACING);

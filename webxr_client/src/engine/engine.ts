@@ -19,6 +19,7 @@ import { labelActions, takeLabels, takeTimeline } from './labels';
 import { Pacing } from './pacing';
 import { Playback } from './playback';
 import { noteJob, recordingActions } from './recordings';
+import { reviewActions, runAsked, runEnded, unsure } from './review';
 import { timeActions } from './time';
 
 export class Engine {
@@ -92,7 +93,7 @@ export class Engine {
 
   private follow(): void {
     effect(() => {
-      this.viewer.palette.set(state.palette.value, state.solo.value);
+      this.viewer.palette.set(state.palette.value, state.solo.value, unsure.value);
       this.viewer.invalidate();
     });
     effect(() => {
@@ -208,7 +209,10 @@ export class Engine {
     const known = state.jobs.peek().find((other) => other.id === job.id);
     noteJob(job);
     if (isActive(job) || (known && !isActive(known))) return;
-    if (job.kind === 'tracking') this.dropProvisional();
+    if (job.kind === 'tracking') {
+      this.dropProvisional();
+      runEnded();
+    }
     if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
     if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`);
     if (job.state === 'done') void this.jobDone(job);
@@ -237,6 +241,7 @@ export class Engine {
     bindActions(recordingActions);
     bindActions(labelActions);
     bindActions(brushActions);
+    bindActions(reviewActions);
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
@@ -273,6 +278,7 @@ export class Engine {
 
   private track(request: TrackRequest): void {
     this.playback.pause();
+    runAsked(request);
     const { labels, ...rest } = request;
     const id = crypto.randomUUID();
     this.link.send({ type: 'track', id, labels: labels && [...labels], ...rest });

@@ -17,6 +17,13 @@ interface ShapeEntry {
 const SHAPES: readonly ShapeEntry[] = [
   { shape: 'brush', icon: 'brush', label: 'Brush', tip: 'A ball on the surface', keys: 'B' },
   { shape: 'fill', icon: 'fill', label: 'Fill', tip: 'The region that hangs together', keys: 'F' },
+  {
+    shape: 'plane',
+    icon: 'plane',
+    label: 'Ground',
+    tip: 'A floor, a wall: all that is flat',
+    keys: 'G',
+  },
   { shape: 'lasso', icon: 'lasso', label: 'Lasso', tip: 'Everything inside an outline', keys: 'O' },
 ];
 
@@ -74,7 +81,7 @@ function BrushOptions() {
       </div>
       {brush.shape !== 'lasso' && (
         <Slider
-          label={brush.shape === 'fill' ? 'Reach' : 'Radius'}
+          label={brush.shape === 'brush' ? 'Radius' : 'Reach'}
           value={brush.radius}
           min={RADIUS_MIN}
           max={RADIUS_MAX}

@@ -46,7 +46,8 @@ export class BrushLook {
     const tool = state.tool.peek();
     const brushes = visible && tool !== 'navigate' && tool !== 'pick';
     const drawn = way === 'lasso' || way === 'box';
-    this.ball.visible = brushes && way !== 'ray';
+    const far = way === 'ray' || way === 'plane';
+    this.ball.visible = brushes && !far;
     this.ball.position.copy(tip);
     this.ball.scale.setScalar(drawn ? POINTER_SIZE : radius * this.place.scale);
     if (!brushes || drawn) {
@@ -57,7 +58,7 @@ export class BrushLook {
     uniforms.brushRadius.value = radius;
     uniforms.brushOnlyUnlabeled.value =
       tool === 'paint' && state.brush.peek().onlyUnlabeled ? 1 : 0;
-    if (way === 'ray') this.followRay(hand, radius, now);
+    if (far) this.followRay(hand, radius, now, way === 'ray' && state.brush.peek().through);
     else {
       this.reach = -1;
       uniforms.brushMode.value = 1;
@@ -67,9 +68,9 @@ export class BrushLook {
     return this.newColor();
   }
 
-  private followRay(hand: Hand, radius: number, now: number): void {
+  private followRay(hand: Hand, radius: number, now: number, through: boolean): void {
     const { uniforms } = this.engine.viewer;
-    if (state.brush.peek().through) {
+    if (through) {
       this.reach = FAR;
       uniforms.brushMode.value = 2;
       this.place.toLocal(hand.origin, uniforms.brushA.value);

@@ -4,7 +4,16 @@ import type { Brush } from '../protocol/messages';
 import { activeLabel, canEdit, notify, state } from '../state';
 import { xrSettings } from './settings';
 
-export type Way = 'ball' | 'ray' | 'fill' | 'lasso' | 'box';
+export type Way = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
+
+const SHAPES = {
+  ball: 'sphere',
+  ray: 'ray',
+  fill: 'grow',
+  plane: 'plane',
+  lasso: 'lasso',
+  box: 'box',
+} as const;
 
 /** How the next stroke takes points. */
 export function currentWay(): Way {
@@ -31,9 +40,7 @@ export function brushFor(way: Way, radius: number): Brush | null {
   }
   if (tool === 'navigate' || tool === 'pick') return null;
   const { onlyUnlabeled, through } = state.brush.peek();
-  const shape = ({ ball: 'sphere', ray: 'ray', fill: 'grow', lasso: 'lasso', box: 'box' } as const)[
-    way
-  ];
+  const shape = SHAPES[way];
   const label = tool === 'paint' ? state.activeLabel.peek() : 0;
   // Painting on a moving picture would paint what one no longer sees.
   if (state.playing.peek()) actions.pause();

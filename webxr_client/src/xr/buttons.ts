@@ -30,6 +30,10 @@ export class Buttons {
       this.togglePanel();
       this.lessons.done('panel');
     }
+    if (other.edge.press === 1) {
+      actions.nextDoubtful(1);
+      this.lessons.done('doubt');
+    }
     if (other.edge.secondary === 1) {
       actions.redo();
       this.lessons.done('redo');

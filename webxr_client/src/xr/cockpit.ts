@@ -6,11 +6,12 @@ import { effect } from '@preact/signals';
 import { Quaternion, Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
-import { isActive, notify, state } from '../state';
-import { Body } from './body';
+import { notify, state } from '../state';
+import { currentWay } from './brush';
 import { Buttons } from './buttons';
-import { Hand } from './hand';
-import { BUMP, FRAME_TICK, type Pulse } from './haptics';
+import { Controllers } from './controllers';
+import { Feelings } from './feelings';
+import type { Hand } from './hand';
 import { Hud } from './hud';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
@@ -18,73 +19,73 @@ import { PalettePanel } from './palette-panel';
 import type { Panel } from './panel';
 import { Place } from './place';
 import { Presence } from './presence';
+import { Pulse } from './pulse';
 import { Rig } from './rig';
-import { xrSettings, type Side } from './settings';
+import { xrSettings } from './settings';
 import { TimelinePanel } from './timeline-panel';
 import { layLow, standBefore } from './standing';
 import { Lessons } from './tips';
-import { Trail } from './trail';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 
 export class Cockpit {
   readonly rig = new Rig();
-  readonly hands: Record<Side, Hand> = { left: new Hand('left'), right: new Hand('right') };
+  readonly controllers: Controllers;
   readonly painter: Painter;
   readonly palette: PalettePanel;
   readonly timeline = new TimelinePanel();
   /** Pictures since the session began, for tests. */
   frames = 0;
   private readonly lessons = new Lessons();
-  private readonly bodies: readonly Body[];
   private readonly place: Place;
   private readonly locomotion = new Locomotion(this.rig);
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
-  private readonly hud: Hud;
+  private readonly hud = new Hud();
   private readonly presence: Presence;
-  private readonly trail: Trail;
+  private readonly feelings: Feelings;
+  private readonly pulse: Pulse;
   private readonly undo: (() => void)[] = [];
   private readonly headTurn = new Quaternion();
   private readonly panels: readonly Panel[];
   private readonly farPanels: readonly Panel[];
   private standing = false;
   private last = -1;
-  private frame = -1;
 
   constructor(
     private readonly engine: Engine,
-    private readonly session: XRSession,
+    session: XRSession,
     /** Added where the headset does not know the floor. */
     private readonly height: number,
     readonly mode: XRSessionMode,
   ) {
     const { viewer } = engine;
     this.place = new Place(viewer);
-    this.painter = new Painter(engine, this.place, (strength, ms) =>
-      this.brushHand.pulse(strength, ms),
-    );
-    this.palette = new PalettePanel({
-      scaleTo: (scale) => this.scaleTo(scale),
-      reset: () => this.reset(),
+    const feel = (strength: number, ms: number): void => this.brushHand.pulse(strength, ms);
+    this.painter = new Painter(engine, this.place, feel);
+    this.controllers = new Controllers(session, this.rig, this.lessons, {
+      brushGone: () => this.painter.finish(),
+      say: (text) => this.hud.say(text),
     });
+    this.palette = new PalettePanel(
+      { scaleTo: (scale) => this.scaleTo(scale), reset: () => this.reset() },
+      session,
+    );
     this.panels = [this.palette, this.timeline];
     this.farPanels = [this.timeline];
     this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
-    this.hud = new Hud();
     this.presence = new Presence(engine.link);
-    this.trail = new Trail(engine, viewer.room);
-    this.bodies = [this.hands.left, this.hands.right].map((hand) => new Body(hand, this.lessons));
+    this.feelings = new Feelings(({ strength, milliseconds }) => feel(strength, milliseconds));
+    this.pulse = new Pulse(viewer.uniforms, this.palette);
     this.assemble();
     this.listen();
   }
 
-  /** The hand that paints, and the one that holds the palette. */
   get brushHand(): Hand {
-    return this.hands[xrSettings.peek().hand];
+    return this.controllers.brush;
   }
 
-  get otherHand(): Hand {
-    return this.hands[xrSettings.peek().hand === 'right' ? 'left' : 'right'];
+  get hands(): Controllers['hands'] {
+    return this.controllers.hands;
   }
 
   private assemble(): void {
@@ -93,7 +94,7 @@ export class Cockpit {
     group.position.y = this.height;
     viewer.scene.add(group);
     group.add(viewer.camera, this.timeline.mesh, this.hud.group);
-    for (const body of this.bodies) body.addTo(viewer.scene, group);
+    for (const body of this.controllers.bodies) body.addTo(viewer.scene, group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
     this.holdPalette();
@@ -101,33 +102,21 @@ export class Cockpit {
 
   /** The palette lies over the other hand, turned to the face. */
   private holdPalette(): void {
-    const hand = this.otherHand;
+    const hand = this.controllers.other;
     const side = hand.side === 'left' ? 1 : -1;
     this.palette.mesh.position.set(side * 0.09, 0.19, -0.13);
     this.palette.mesh.rotation.set(-0.75, 0, 0);
     hand.grip.add(this.palette.mesh);
-    for (const body of this.bodies) body.explain(body.hand === this.brushHand);
+    this.controllers.explain();
   }
 
   private listen(): void {
-    const { session, undo } = this;
-    const on = <K extends keyof XRSessionEventMap>(
-      type: K,
-      run: (event: XRSessionEventMap[K]) => void,
-    ): void => {
-      session.addEventListener(type, run as EventListener);
-      undo.push(() => session.removeEventListener(type, run as EventListener));
-    };
-    on('inputsourceschange', (event) => this.sources(event.added, event.removed));
-    on('selectstart', (event) => this.bodyOf(event.inputSource)?.hand.select(true));
-    on('selectend', (event) => this.bodyOf(event.inputSource)?.hand.select(false));
-    on('visibilitychange', () => {
-      if (session.visibilityState !== 'visible') this.painter.finish();
-    });
-    this.sources([...session.inputSources], []);
+    const { undo } = this;
+    this.controllers.listen();
+    const { ticks } = this.engine.viewer;
     const tick = (now: number, frame: XRFrame | undefined): void => this.update(now, frame);
-    this.engine.viewer.ticks.add(tick);
-    undo.push(() => this.engine.viewer.ticks.delete(tick));
+    ticks.add(tick);
+    undo.push(() => ticks.delete(tick));
     let side = xrSettings.peek().hand;
     undo.push(
       effect(() => {
@@ -136,40 +125,7 @@ export class Cockpit {
         this.painter.finish();
         this.holdPalette();
       }),
-      this.followJobs(),
     );
-  }
-
-  /** A bump when a tracking run ends. */
-  private followJobs(): () => void {
-    let running = new Set<string>();
-    return effect(() => {
-      const tracking = state.jobs.value.filter((job) => job.kind === 'tracking');
-      const active = new Set(tracking.filter(isActive).map((job) => job.id));
-      const ended = [...running].some((id) => !active.has(id));
-      running = active;
-      if (ended) this.feel(this.brushHand, BUMP);
-    });
-  }
-
-  private bodyOf(source: XRInputSource): Body | undefined {
-    return this.bodies.find(({ hand }) => hand.source === source);
-  }
-
-  private sources(added: readonly XRInputSource[], removed: readonly XRInputSource[]): void {
-    for (const source of removed) {
-      const body = this.bodyOf(source);
-      if (!body) continue;
-      if (body.hand === this.brushHand) this.painter.finish();
-      body.strip();
-      this.hud.say(`The ${body.hand.side} controller is away`);
-    }
-    for (const source of added) {
-      if (source.targetRayMode !== 'tracked-pointer') continue;
-      const side: Side = source.handedness === 'left' ? 'left' : 'right';
-      const body = this.bodies.find(({ hand }) => hand.side === side)!;
-      body.dress(source, body.hand === this.brushHand, this.rig.group);
-    }
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────
@@ -182,28 +138,21 @@ export class Cockpit {
     this.frames += 1;
     if (!this.rig.update(frame, space)) return;
     if (!this.standing) this.stand();
-    const { left, right } = this.hands;
-    const { matrixWorld } = this.rig.group;
-    left.update(frame, space, matrixWorld);
-    right.update(frame, space, matrixWorld);
-    for (const body of this.bodies) body.follow(frame, space, matrixWorld);
+    const { controllers } = this;
+    controllers.update(frame, space);
     this.rig.group.updateMatrixWorld(true);
     this.moveWorld();
     this.place.update();
-    for (const body of this.bodies) {
-      const brush = body.hand === this.brushHand;
-      // The hand that holds the palette cannot point at it.
-      body.point(brush ? this.panels : this.farPanels, brush ? this.painter : null);
-    }
-    this.buttons.update(this.brushHand, this.otherHand, seconds, now);
-    this.locomotion.update(this.otherHand, seconds);
+    controllers.point(this.panels, this.farPanels, this.painter);
+    this.buttons.update(controllers.brush, controllers.other, seconds, now);
+    this.locomotion.update(controllers.other, seconds);
     this.paint(now);
-    this.followFrame();
-    this.trail.update();
+    this.feelings.update();
     this.tellOthers(now);
     this.engine.viewer.backdrop.follow(this.rig.head);
     for (const panel of this.panels) panel.update(now);
-    for (const { tips } of this.bodies) tips.update(seconds, xrSettings.peek().tips);
+    this.pulse.update(now);
+    for (const { tips } of controllers.bodies) tips.update(seconds, xrSettings.peek().tips);
     this.hud.update(this.rig, seconds, now);
   }
 
@@ -224,10 +173,12 @@ export class Cockpit {
     const { left, right } = this.hands;
     const { world } = this.engine.viewer;
     const was = this.grab.active;
+    // Both triggers make a box between the hands.
+    const busy = this.painter.painting || currentWay() === 'box';
     const grown = this.grab.update(
       world,
-      left.squeeze.down ? left.place : null,
-      right.squeeze.down ? right.place : null,
+      this.controllers.holds(left, busy) ? left.place : null,
+      this.controllers.holds(right, busy) ? right.place : null,
     );
     if (this.grab.active && !was) this.lessons.done('grab');
     // The ball keeps its size in the hand.
@@ -235,25 +186,11 @@ export class Cockpit {
   }
 
   private paint(now: number): void {
-    const hand = this.brushHand;
-    const body = this.bodies.find((other) => other.hand === hand)!;
+    const { brush, other } = this.controllers;
     const before = this.painter.painting;
-    this.painter.update(
-      hand,
-      this.otherHand,
-      this.rig.head,
-      body.on !== null || this.grab.active,
-      now,
-    );
+    const blocked = this.controllers.bodyOf(brush).on !== null || this.grab.active;
+    this.painter.update(brush, other, this.rig.head, blocked, now);
     if (this.painter.painting && !before) this.lessons.done('paint');
-  }
-
-  private followFrame(): void {
-    const frame = state.frame.peek();
-    if (frame === this.frame) return;
-    // While it plays the hand would only buzz.
-    if (this.frame >= 0 && !state.playing.peek()) this.feel(this.brushHand, FRAME_TICK);
-    this.frame = frame;
   }
 
   private tellOthers(now: number): void {
@@ -262,17 +199,11 @@ export class Cockpit {
     this.presence.update(
       now,
       this.rig,
-      this.order,
+      this.controllers.both,
       this.painter.tip,
       this.headTurn,
       world.matrixWorld,
     );
-  }
-
-  private readonly order = [this.hands.left, this.hands.right];
-
-  private feel(hand: Hand, { strength, milliseconds }: Pulse): void {
-    hand.pulse(strength, milliseconds);
   }
 
   // ── the world ──────────────────────────────────────────────────────────────────────────────
@@ -300,9 +231,10 @@ export class Cockpit {
     for (const run of this.undo) run();
     this.presence.gone();
     this.painter.dispose();
-    this.trail.dispose();
+    this.feelings.dispose();
+    this.pulse.dispose();
     this.locomotion.dispose();
-    for (const body of this.bodies) body.dispose();
+    this.controllers.dispose();
     for (const panel of this.panels) panel.dispose();
     this.hud.dispose();
     viewer.camera.removeFromParent();

@@ -1,18 +1,29 @@
-/** Controllers as data: which button and axis is what, by WebXR input profile. */
+/**
+ * Controllers as data: which button and axis is what, by WebXR input profile.  Positions are those
+ * of the `xr-standard` mapping (WebXR Gamepads Module): trigger, squeeze, touchpad, thumbstick, and
+ * then buttons of its own; axes of the touchpad, then of the thumbstick.
+ */
 
 export type PadKind = 'stick' | 'touchpad' | 'none';
 
-export interface Device {
-  readonly id: string;
-  /** Input profiles that this row is for, most specific first. */
-  readonly profiles: readonly string[];
+/** Something for the thumb. */
+export interface PadPlace {
   readonly pad: PadKind;
   /** Positions in `gamepad.axes`. */
   readonly axes: readonly [number, number];
+  /** Position in `gamepad.buttons`; −1 where it cannot be pressed. */
+  readonly press: number;
+}
+
+export interface Device extends PadPlace {
+  readonly id: string;
+  /** Input profiles that this row is for, generic ones last. */
+  readonly profiles: readonly string[];
+  /** Some controllers have a touchpad beside the stick: it works as well. */
+  readonly second: PadPlace | null;
   /** Positions in `gamepad.buttons`; −1 where there is none. */
   readonly trigger: number;
   readonly squeeze: number;
-  readonly press: number;
   readonly primary: number;
   readonly secondary: number;
   /** Names printed on the buttons of the right and the left controller. */
@@ -22,57 +33,88 @@ export interface Device {
   readonly tip: number;
 }
 
-const NONE = ['', ''] as const;
-
-/** Buttons and axes as in the `xr-standard` mapping of the WebXR Gamepads Module. */
-const STICK = {
-  pad: 'stick', axes: [2, 3], trigger: 0, squeeze: 1, press: 3, primary: 4, secondary: 5,
-  tip: 0.04,
+const NO_NAME = ['', ''] as const;
+const NO_BUTTONS = {
+  primary: -1, secondary: -1, primaryName: NO_NAME, secondaryName: NO_NAME,
 } as const; // prettier-ignore
-
-const TOUCHPAD = {
-  pad: 'touchpad', axes: [0, 1], trigger: 0, squeeze: 1, press: 2, primary: -1, secondary: -1,
-  primaryName: NONE, secondaryName: NONE, tip: 0.04,
+const TOUCHPAD = { pad: 'touchpad', axes: [0, 1], press: 2 } as const;
+const STICK = { pad: 'stick', axes: [2, 3], press: 3 } as const;
+const GRIPPED = { trigger: 0, squeeze: 1, second: null, tip: 0.04 } as const;
+const GRIPLESS = { ...GRIPPED, squeeze: -1 } as const;
+const BUTTONS = {
+  primary: 4, secondary: 5, primaryName: ['A', 'X'], secondaryName: ['B', 'Y'],
 } as const; // prettier-ignore
 
 export const DEVICES: readonly Device[] = [
   {
-    ...STICK,
+    ...STICK, ...GRIPPED, ...BUTTONS,
     id: 'touch',
-    profiles: ['meta-quest-touch-plus', 'meta-quest-touch-pro', 'oculus-touch-v3',
-      'oculus-touch-v2', 'oculus-touch', 'pico-4', 'pico-neo3'],
-    primaryName: ['A', 'X'],
-    secondaryName: ['B', 'Y'],
+    profiles: ['meta-quest-touch-plus-v2', 'meta-quest-touch-plus', 'meta-quest-touch-pro',
+      'oculus-touch-v3', 'oculus-touch-v2', 'oculus-touch', 'pico-4', 'pico-4u', 'pico-neo3',
+      'pico-neo2', 'hp-mixed-reality', 'htc-vive-cosmos', 'htc-vive-focus-3',
+      'samsung-galaxyxr', 'yvr-touch-v2', 'yvr-touch', 'generic-trigger-squeeze-thumbstick'],
   },
   {
-    ...STICK,
+    ...STICK, ...GRIPPED, ...BUTTONS,
     id: 'index',
     profiles: ['valve-index'],
+    second: TOUCHPAD,
     primaryName: ['A', 'A'],
     secondaryName: ['B', 'B'],
   },
-  { ...TOUCHPAD, id: 'vive', profiles: ['htc-vive', 'generic-trigger-squeeze-touchpad'] },
-  { ...STICK, id: 'wmr', profiles: ['microsoft-mixed-reality', 'windows-mixed-reality'],
-    primary: -1, secondary: -1, primaryName: NONE, secondaryName: NONE },
-  { ...TOUCHPAD, id: 'focus', profiles: ['htc-vive-focus', 'generic-trigger-touchpad'],
-    squeeze: -1 },
   {
-    ...STICK,
-    id: 'hand',
-    profiles: ['generic-hand-select', 'generic-hand'],
-    pad: 'none', squeeze: -1, press: -1, primary: -1, secondary: -1,
-    primaryName: NONE, secondaryName: NONE, tip: 0,
+    ...STICK, ...GRIPPED, ...NO_BUTTONS,
+    id: 'wmr',
+    profiles: ['microsoft-mixed-reality', 'windows-mixed-reality', 'samsung-odyssey',
+      'generic-trigger-squeeze-touchpad-thumbstick'],
+    second: TOUCHPAD,
   },
   {
-    ...STICK,
-    id: 'standard',
-    profiles: ['generic-trigger-squeeze-thumbstick', 'generic-trigger-thumbstick'],
-    primaryName: ['A', 'X'],
-    secondaryName: ['B', 'Y'],
+    ...TOUCHPAD, ...GRIPPED, ...NO_BUTTONS,
+    id: 'vive',
+    profiles: ['htc-vive', 'generic-trigger-squeeze-touchpad'],
+  },
+  {
+    ...TOUCHPAD, ...GRIPLESS, ...NO_BUTTONS,
+    id: 'focus',
+    profiles: ['htc-vive-focus', 'oculus-go', 'pico-g2', 'samsung-gearvr',
+      'generic-trigger-touchpad'],
+  },
+  {
+    ...STICK, ...GRIPLESS, ...NO_BUTTONS,
+    id: 'stick',
+    profiles: ['generic-trigger-thumbstick'],
+  },
+  {
+    ...STICK, ...GRIPLESS, ...NO_BUTTONS,
+    id: 'both',
+    profiles: ['generic-trigger-touchpad-thumbstick'],
+    second: TOUCHPAD,
+  },
+  {
+    ...GRIPPED, ...NO_BUTTONS,
+    id: 'hand',
+    profiles: ['generic-hand-select', 'generic-hand', 'oculus-hand'],
+    pad: 'none', axes: [2, 3], press: -1, squeeze: -1, tip: 0,
+  },
+  {
+    ...GRIPPED, ...NO_BUTTONS,
+    id: 'grip',
+    profiles: ['generic-trigger-squeeze'],
+    pad: 'none', axes: [2, 3], press: -1,
+  },
+  {
+    ...GRIPLESS, ...NO_BUTTONS,
+    id: 'wand',
+    profiles: ['generic-trigger', 'generic-button', 'google-daydream'],
+    pad: 'none', axes: [2, 3], press: -1,
   },
 ]; // prettier-ignore
 
-/** The row for an input source; unknown ones are told apart by their number of axes. */
+/**
+ * The row for an input source.  `profiles` begins with the most specific name; what no row has is
+ * told apart by its number of axes.
+ */
 export function deviceFor(profiles: readonly string[], axes: number, isHand: boolean): Device {
   const named = (id: string): Device => DEVICES.find((device) => device.id === id)!;
   if (isHand) return named('hand');
@@ -80,6 +122,6 @@ export function deviceFor(profiles: readonly string[], axes: number, isHand: boo
     const found = DEVICES.find((device) => device.profiles.includes(profile));
     if (found) return found;
   }
-  if (axes >= 4) return named('standard');
-  return axes >= 2 ? named('vive') : named('hand');
+  if (axes >= 4) return named('touch');
+  return axes >= 2 ? named('vive') : named('wand');
 }

@@ -1,6 +1,6 @@
 /** One controller or hand as it is at this moment: poses in the scene, buttons as switches. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
-import { deviceFor, type Device } from './devices';
+import { deviceFor, type Device, type PadPlace } from './devices';
 import { readPad, Repeat, Switch, type Pad } from './pad';
 import { Pressure } from './pressure';
 import type { Side } from './settings';
@@ -65,6 +65,11 @@ export class Hand {
     this.pinching = down;
   }
 
+  /** It can take hold without painting or pointing. */
+  get hasGrip(): boolean {
+    return (this.device?.squeeze ?? -1) >= 0;
+  }
+
   get isHand(): boolean {
     return this.device?.id === 'hand';
   }
@@ -99,11 +104,10 @@ export class Hand {
     const device = this.device!;
     const pinched = this.pinching ? PINCHED : 0;
     this.trigger = Math.max(value(gamepad, device.trigger), this.isHand ? pinched : 0);
-    // Absent axes are null in some runtimes.
-    const x = gamepad?.axes[device.axes[0]] || 0;
-    const y = gamepad?.axes[device.axes[1]] || 0;
-    readPad(device.pad, x, y, value(gamepad, device.press) > 0.5, this.pad);
-    const { edge } = this;
+    readThumb(device, gamepad, this.pad);
+    const { edge, pad } = this;
+    const idle = pad.x === 0 && pad.y === 0 && !pad.click;
+    if (idle && device.second) readThumb(device.second, gamepad, pad);
     edge.click = this.click.update(this.trigger);
     edge.squeeze = this.squeeze.update(value(gamepad, device.squeeze));
     edge.press = this.press.update(this.pad.click ? 1 : 0);
@@ -137,6 +141,13 @@ interface Actuator {
 /** A controller that cannot pulse any more has nothing to tell. */
 function ignore(): void {
   return;
+}
+
+function readThumb({ pad, axes, press }: PadPlace, gamepad: Gamepad | null, out: Pad): void {
+  // Absent axes are null in some runtimes.
+  const x = gamepad?.axes[axes[0]] || 0;
+  const y = gamepad?.axes[axes[1]] || 0;
+  readPad(pad, x, y, value(gamepad, press) > 0.5, out);
 }
 
 function value(gamepad: Gamepad | null, button: number): number {

@@ -1,13 +1,15 @@
 /** `window.__pointbrushHeadset`: what tests may look at in the headset. */
 import type { Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
+import { halted, unsure } from '../engine/review';
+import type { Overlays } from '../overlays/index';
 import { state } from '../state';
 import type { Headset } from './headset';
 import type { Panel } from './panel';
 
 type Triple = [number, number, number];
 
-export function installHeadsetHook(engine: Engine, headset: Headset): void {
+export function installHeadsetHook(engine: Engine, headset: Headset, overlays: Overlays): void {
   const { viewer } = engine;
   const inRig = (place: Vector3): Triple =>
     headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
@@ -36,6 +38,18 @@ export function installHeadsetHook(engine: Engine, headset: Headset): void {
       const out = at.clone().setZ(at.z + 0.2);
       return { at: inRig(mesh.localToWorld(at)), out: inRig(mesh.localToWorld(out)) };
     },
+    /** What is drawn over the recording: boxes, dots of trails, points of the ghost. */
+    overlays: () => ({
+      boxes: overlays.boxes.count,
+      trails: overlays.trails.count,
+      ghost: overlays.ghost.count,
+    }),
+    /** What a person should look at here, and the run that stopped for it. */
+    doubt: () => ({
+      unsure: unsure.peek(),
+      halted: halted.peek(),
+      pulse: viewer.uniforms.pulse.value,
+    }),
     /** Places on a panel that answer, 0..1. */
     areas: (name: 'palette' | 'timeline') => panel(name).places(),
   };

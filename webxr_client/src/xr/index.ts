@@ -1,14 +1,15 @@
 /** The headset: sessions on request, and the others in the room. */
 import type { Engine } from '../engine/engine';
+import type { Overlays } from '../overlays/index';
 import { followPeople } from './follow';
 import { Headset } from './headset';
 import { installHeadsetHook } from './hook';
 import { People } from './people';
 
 /** Wire the headset to the engine. */
-export function installHeadset(engine: Engine): Headset {
+export function installHeadset(engine: Engine, overlays: Overlays): Headset {
   const headset = new Headset(engine);
-  installHeadsetHook(engine, headset);
+  installHeadsetHook(engine, headset, overlays);
   const { viewer } = engine;
   followPeople(engine);
   const people = new People(viewer.world, () => viewer.invalidate());

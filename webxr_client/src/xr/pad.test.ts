@@ -1,5 +1,4 @@
 import { describe, expect, it } from 'vitest';
-import { deviceFor } from './devices';
 import { readPad, Repeat, Switch } from './pad';
 import { Pressure } from './pressure';
 
@@ -8,21 +7,6 @@ const pad = (kind: 'stick' | 'touchpad', x: number, y: number, pressed = false) 
   readPad(kind, x, y, pressed, out);
   return [Math.sign(out.x), Math.sign(out.y) || 0, out.click];
 };
-
-describe('devices', () => {
-  it('know the controllers by their profile, most specific first', () => {
-    expect(deviceFor(['meta-quest-touch-plus', 'generic-trigger'], 4, false).id).toBe('touch');
-    expect(deviceFor(['htc-vive', 'generic-trigger-squeeze-touchpad'], 2, false).pad).toBe(
-      'touchpad',
-    );
-    expect(deviceFor(['generic-hand-select'], 0, true).pad).toBe('none');
-  });
-
-  it('tell unknown controllers apart by their axes', () => {
-    expect(deviceFor(['acme-wand'], 4, false).axes).toEqual([2, 3]);
-    expect(deviceFor(['acme-wand'], 2, false).axes).toEqual([0, 1]);
-  });
-});
 
 describe('a thumbstick', () => {
   it('points where it leans most; up is positive', () => {

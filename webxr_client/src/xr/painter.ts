@@ -10,7 +10,7 @@ import { AirShape } from './air';
 import { brushFor, currentWay, refusal, type Way } from './brush';
 import { BrushLook } from './brush-look';
 import type { Hand } from './hand';
-import { BUMP, PAINT_MS, strengthOf, TouchCounter } from './haptics';
+import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from './haptics';
 import type { Place } from './place';
 import type { Level } from './pressure';
 
@@ -27,7 +27,7 @@ export class Painter {
   private stroke: Stroke | null = null;
   private way: Way = 'ball';
   private level: Level = 0;
-  private readonly counter = new TouchCounter();
+  private readonly counter = new ChangeCounter();
   private readonly mine = new Set<string>();
   private readonly local = new Vector3();
   private readonly aim = new Vector3();
@@ -55,7 +55,7 @@ export class Painter {
     this.air.dispose();
   }
 
-  /** The server counted newly touched points: that is what the hand feels. */
+  /** The server counted newly changed points: that is what the hand feels. */
   private readonly felt: ResultListener = (result) => {
     if (!this.mine.has(result.id)) return;
     const strength = strengthOf(this.counter.take(result));
@@ -142,6 +142,11 @@ export class Painter {
   private aimSample(hand: Hand, now: number): boolean {
     const { place, local, aim } = this;
     place.directionToLocal(hand.direction, aim);
+    if (this.way === 'plane') {
+      place.toLocal(hand.origin, local);
+      // Once a press.
+      return Number.isNaN(this.last.x);
+    }
     if (this.way === 'ray') {
       if (now - this.lastRay < RAY_EVERY_MS) return false;
       this.lastRay = now;

@@ -14,8 +14,8 @@ export interface XrSettings {
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;
   readonly seated: boolean;
-  /** The way of the active label's object. */
-  readonly trail: boolean;
+  /** Tracking runs stop where they become unsure. */
+  readonly stopUnsure: boolean;
   /** Explain the buttons again. */
   readonly tips: boolean;
 }
@@ -27,7 +27,7 @@ export const DEFAULTS: XrSettings = {
   snap: 30,
   vignette: true,
   seated: false,
-  trail: true,
+  stopUnsure: true,
   tips: true,
 };
 

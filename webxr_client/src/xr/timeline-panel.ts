@@ -1,27 +1,36 @@
 /** The panel before one: time, strips, tracking. */
 import { Mesh, MeshBasicMaterial, PlaneGeometry } from 'three';
 import { actions } from '../actions';
-import { state, trackingJob } from '../state';
-import { clock } from '../panels/format';
-import { frameRange, ordered } from '../panels/range';
+import { halted, unsure } from '../engine/review';
+import { frameRange } from '../panels/range';
+import { state } from '../state';
 import { drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
 import { Panel } from './panel';
-import { watch } from './watch';
+import { Readout } from './readout';
+import { drawTracking } from './timeline-tracking';
 import { FONT, INK, type Ui } from './ui';
+import { watch } from './watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
 const LANES = 4;
 const GUTTER_EMS = 7.5;
+const READOUT_EMS = 14.6;
+/** Between two drawings for what may show later; a picture of its own is a costly one. */
+const SOON_MS = 100;
+const LAZY_MS = 1000;
 
 export class TimelinePanel extends Panel {
   /** Moved in every frame, so that playing does not draw the panel anew. */
   private readonly head: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly span: { first: number; length: number } = { first: 0, length: 1 };
   private readonly unfollow: () => void;
+  private offered = -1;
   private strips = { x: 0, y: 0, w: 1, h: 1 };
-  private readout = -1;
-  private readoutAt = 0;
+  private readonly readout: Readout;
+  /** Something changed that may show a little later: what is loaded, how far a run is. */
+  private stale = false;
+  private drawnAt = -Infinity;
 
   constructor() {
     super({ width: 0.9, height: 0.43, pixelsPerMetre: 1800, em: 0.02 }, 90);
@@ -34,15 +43,25 @@ export class TimelinePanel extends Panel {
     this.head.renderOrder = 91;
     this.head.frustumCulled = false;
     this.mesh.add(this.head);
+    const { width, height, pixelsPerMetre } = this.size;
+    this.readout = new Readout(this.ui.em, pixelsPerMetre, 91);
+    const left = (READOUT_EMS * this.ui.em) / pixelsPerMetre - width / 2;
+    this.readout.lieOn(this.mesh, left, height / 2 - (1.6 * this.ui.em) / pixelsPerMetre);
     const { sequence, playing, speed, loop, palette, timeline, loaded, activeLabel, jobs } = state;
-    this.unfollow = watch(
-      [sequence, playing, speed, loop, palette, timeline, loaded, activeLabel, jobs, frameRange],
+    const soon = watch(
+      [sequence, playing, speed, loop, palette, activeLabel, frameRange, halted, unsure],
       this.touch,
     );
+    const later = watch([loaded, timeline, jobs], () => (this.stale = true));
+    this.unfollow = () => {
+      soon();
+      later();
+    };
   }
 
   override dispose(): void {
     this.unfollow();
+    this.readout.dispose();
     this.head.geometry.dispose();
     this.head.material.dispose();
     super.dispose();
@@ -50,14 +69,19 @@ export class TimelinePanel extends Panel {
 
   override update(now: number): void {
     const frame = state.frame.peek();
-    // The number may lag a little while it plays.
-    const pause = state.playing.peek() ? 250 : 0;
-    if (frame !== this.readout && now - this.readoutAt > pause) {
-      this.readout = frame;
-      this.readoutAt = now;
+    const playing = state.playing.peek();
+    // What the row below offers depends on the frame; while it plays nobody presses it.
+    if (!playing && frame !== this.offered) {
+      this.offered = frame;
+      this.touch();
+    }
+    if (this.stale && now - this.drawnAt > (playing ? LAZY_MS : SOON_MS)) {
+      this.stale = false;
+      this.drawnAt = now;
       this.touch();
     }
     this.placeHead(frame);
+    this.readout.update(now);
     super.update(now);
   }
 
@@ -76,12 +100,12 @@ export class TimelinePanel extends Panel {
       ui.text('Open a recording at the desk.', ui.width / 2, ui.height / 2, { align: 'center' });
       return;
     }
-    this.drawTransport(ui, info.frames, info.fps);
+    this.drawTransport(ui, info.frames);
     this.drawStrips(ui, info.frames);
-    this.drawTracking(ui, info.frames);
+    drawTracking(ui, info.frames);
   }
 
-  private drawTransport(ui: Ui, frames: number, fps: number): void {
+  private drawTransport(ui: Ui, frames: number): void {
     const { em } = ui;
     const h = em * 2.3;
     const y = em * 0.45;
@@ -99,10 +123,6 @@ export class TimelinePanel extends Panel {
     ui.button(x, y, em * 3.2, h, { text: `${speed}×`, strong: true }, () => {
       actions.setSpeed(SPEEDS[(SPEEDS.indexOf(speed) + 1) % SPEEDS.length]!);
     });
-    x += em * 3.8;
-    const frame = state.frame.peek();
-    ui.text(`${frame} / ${frames - 1}`, x, y + h / 2, { size: 1.2, weight: 600 });
-    ui.text(clock(frame / Math.max(fps, 1e-3)), x + em * 6.4, y + h / 2, { color: INK.quiet });
     const doubtful = doubtfulFrames(state.timeline.peek().rows.values(), frames).length;
     if (doubtful === 0) return;
     const right = ui.width - em * 0.5;
@@ -110,7 +130,7 @@ export class TimelinePanel extends Panel {
       actions.nextDoubtful(1),
     );
     ui.text(`${doubtful} doubtful`, right - em * 5.6, y + h / 2, {
-      color: '#ffc966',
+      color: INK.warn,
       align: 'center',
     });
     ui.button(right - em * 11.2, y, em * 2.2, h, { icon: 'previous', strong: true }, () =>
@@ -163,114 +183,4 @@ export class TimelinePanel extends Panel {
       },
     }); // prettier-ignore
   }
-
-  private drawTracking(ui: Ui, frames: number): void {
-    const { em, width, height } = ui;
-    const y = height - em * 2.9;
-    const h = em * 2.4;
-    const job = trackingJob.peek();
-    if (job) {
-      ui.text(`Tracking ${Math.round(job.progress * 100)} %`, em * 0.8, y + h / 2, { weight: 600 });
-      ui.box(em * 10, y + h / 2 - em * 0.2, em * 14, em * 0.4, INK.line);
-      ui.box(
-        em * 10,
-        y + h / 2 - em * 0.2,
-        em * 14 * Math.max(0.02, job.progress),
-        em * 0.4,
-        INK.accent,
-      );
-      ui.button(
-        width - em * 21,
-        y,
-        em * 12,
-        h,
-        { text: 'Stop and keep', icon: 'check', strong: true },
-        () => void actions.cancelJob(job.id, true),
-      );
-      ui.button(
-        width - em * 8.5,
-        y,
-        em * 8,
-        h,
-        { text: 'Cancel', icon: 'close', strong: true },
-        () => void actions.cancelJob(job.id),
-      );
-      return;
-    }
-    const range = frameRange.peek();
-    const frame = state.frame.peek();
-    const labels = trackable(range?.from ?? frame);
-    const what = labels.length === 1 ? 'label' : 'labels';
-    const off = labels.length === 0;
-    const name = off
-      ? 'Paint something, then track it'
-      : `Track ${labels.length} ${what} of frame ${range?.from ?? frame}`;
-    ui.text(name, em * 0.8, y + h / 2, { color: off ? INK.quiet : INK.text, width: em * 15.5 });
-    const track = (stop: number): void => {
-      actions.track({
-        labels,
-        start: range?.from ?? frame,
-        stop,
-        method: 'auto',
-        overwrite: 'tracked',
-      });
-    };
-    if (range) {
-      const [from, to] = ordered(range);
-      ui.button(
-        width - em * 22,
-        y,
-        em * 14,
-        h,
-        { icon: 'track', text: `Frames ${from} – ${to}`, on: true, disabled: off },
-        () => track(range.to),
-      );
-      ui.button(
-        width - em * 7.5,
-        y,
-        em * 7,
-        h,
-        { icon: 'close', text: 'Range' },
-        () => (frameRange.value = null),
-      );
-      return;
-    }
-    const back = off || frame === 0;
-    const on = off || frame === frames - 1;
-    ui.button(
-      width - em * 30,
-      y,
-      em * 9.4,
-      h,
-      { icon: 'previous', text: 'To start', strong: true, disabled: back },
-      () => track(0),
-    );
-    ui.button(
-      width - em * 20.3,
-      y,
-      em * 10.2,
-      h,
-      { icon: 'track', text: '30 frames', strong: true, disabled: on },
-      () => track(Math.min(frames - 1, frame + 30)),
-    );
-    ui.button(
-      width - em * 9.8,
-      y,
-      em * 9.3,
-      h,
-      { icon: 'next', text: 'To end', strong: true, disabled: on },
-      () => track(frames - 1),
-    );
-  }
-}
-
-/** The active label if it is in the frame, else every unlocked one that is. */
-function trackable(frame: number): number[] {
-  const { rows } = state.timeline.peek();
-  const here = state.palette
-    .peek()
-    .filter((label) => !label.locked && (rows.get(label.id)?.points[frame] ?? 0) > 0)
-    .map((label) => label.id);
-  const active = state.activeLabel.peek();
-  return here.includes(active) ? [active] : here;
 }

@@ -4,7 +4,7 @@ import type { Device } from './devices';
 import type { Hand } from './hand';
 import { Sign } from './sign';
 
-export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo'; // prettier-ignore
+export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt'; // prettier-ignore
 
 const LEARNT = 3;
 const KEY = 'pointbrush.learnt';
@@ -19,8 +19,10 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
   const side = left ? 1 : 0;
   const tips: Tip[] = [];
   if (device.pad === 'none') {
-    const text = paints ? 'Pinch: paint' : 'Your palette';
-    return [{ text, lessons: ['paint'] }];
+    const act = device.id === 'hand' ? 'Pinch' : 'Trigger';
+    return paints
+      ? [{ text: `${act}: paint`, lessons: ['paint'] }]
+      : [{ text: `${act}: move the room`, lessons: ['grab'] }];
   }
   const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
   if (paints) {
@@ -35,9 +37,12 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
       text: `${pad} ↑: go there   ← →: turn`,
       lessons: ['teleport', 'turn'],
     });
+    tips.push({ text: `${pad} pressed: next doubtful`, lessons: ['doubt'] });
   }
   if (device.squeeze >= 0) {
     tips.push({ text: 'Grip: move the room', lessons: ['grab'] });
+  } else if (!paints) {
+    tips.push({ text: 'Trigger: move the room', lessons: ['grab'] });
   }
   const [first, second] = [device.primaryName[side], device.secondaryName[side]];
   if (first)

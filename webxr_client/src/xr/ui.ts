@@ -19,6 +19,7 @@ export const INK = {
   accent: '#8bbcff',
   bad: '#ff7b72',
   good: '#4cc38a',
+  warn: '#ffc966',
 } as const;
 
 export interface Area {

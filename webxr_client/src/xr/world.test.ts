@@ -1,6 +1,5 @@
 import { Group, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { strengthOf, TouchCounter } from './haptics';
 import { AirLasso } from './lasso';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 import { Matrix4 } from 'three';
@@ -46,24 +45,6 @@ describe('holding the world', () => {
     expect(seen(world, v(1, 0.8, -1))).toEqual([1, 0.8, -1]);
     resetWorld(world);
     expect(seen(world, v(1, 2, 3))).toEqual([1, 2, 3]);
-  });
-});
-
-describe('haptics', () => {
-  it('grow with the newly touched points', () => {
-    expect(strengthOf(0)).toBe(0);
-    expect(strengthOf(1)).toBeGreaterThan(0.1);
-    expect(strengthOf(50)).toBeGreaterThan(strengthOf(5));
-    expect(strengthOf(1e6)).toBe(1);
-  });
-
-  it('count what is new in each answer of a stroke', () => {
-    const counter = new TouchCounter();
-    const answer = (id: string, touched: number, final = false) => ({
-      type: 'stroke_result' as const, id, frame: 0, touched, changed: 0, edit: null, revision: 1, final,
-    }); // prettier-ignore
-    const felt = [answer('a', 10), answer('a', 25), answer('b', 5), answer('a', 25, true)];
-    expect(felt.map((result) => counter.take(result))).toEqual([10, 15, 5, 0]);
   });
 });
 

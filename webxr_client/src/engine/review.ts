@@ -1,0 +1,135 @@
+/** Doubt: what a person should look at here, a run that stopped for it, and how it goes on. */
+import { computed, effect, signal, type ReadonlySignal } from '@preact/signals';
+import { actions, type Actions, type TrackRequest } from '../actions';
+import { api } from '../net/rest';
+import { cellKind, doubtfulFrames, wantsLook } from '../panels/timeline-layout';
+import { notify, state, type TimelineRow } from '../state';
+import { attempt } from './recordings';
+
+export interface Halt {
+  /** The frame that it stopped at, and the one that it was to reach. */
+  readonly at: number;
+  readonly stop: number;
+  readonly labels: readonly number[];
+}
+
+/** A run that stopped because it was not sure; null when none waits to go on. */
+export const halted = signal<Halt | null>(null);
+
+const unsureText = computed(() => {
+  if (state.playing.value) return '';
+  const { rows } = state.timeline.value;
+  const frame = state.frame.value;
+  const doubtful = [...rows].filter(([, row]) => wantsLook(cellKind(row, frame)));
+  return doubtful.map(([label]) => label).join(' ');
+});
+
+/** Labels that are doubtful or lost in the frame at which time stands. */
+export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
+  unsureText.value ? unsureText.value.split(' ').map(Number) : [],
+);
+
+/** The request of the run that goes on now, if it is one that stops. */
+let asked: TrackRequest | null = null;
+/** The table of the run's frames may come a little after its end. */
+const PATIENCE_MS = 3000;
+
+/** A run was asked for. */
+export function runAsked(request: TrackRequest): void {
+  asked = request.stop_unsure ? request : null;
+  halted.value = null;
+}
+
+/** A run has ended: go to where it stopped. */
+export function runEnded(): void {
+  const request = asked;
+  asked = null;
+  if (!request) return;
+  const { id } = state.sequence.peek() ?? {};
+  let done = false;
+  const stopLooking = effect(() => {
+    const { rows } = state.timeline.value;
+    if (done || state.sequence.peek()?.id !== id) return;
+    const found = firstDoubt(request, rows);
+    if (!found) return;
+    done = true;
+    queueMicrotask(() => {
+      stopLooking();
+      halt(request, found);
+    });
+  });
+  setTimeout(stopLooking, PATIENCE_MS);
+}
+
+interface Doubt {
+  readonly frame: number;
+  readonly label: number;
+}
+
+/** The first frame of a run, in its own direction, that a label is doubtful in. */
+function firstDoubt(
+  { labels, start, stop }: TrackRequest,
+  rows: ReadonlyMap<number, TimelineRow>,
+): Doubt | null {
+  const step = stop < start ? -1 : 1;
+  for (let frame = start + step; frame !== stop + step; frame += step) {
+    for (const [label, row] of rows) {
+      if (labels && !labels.includes(label)) continue;
+      if (wantsLook(cellKind(row, frame))) return { frame, label };
+    }
+  }
+  return null;
+}
+
+function halt(request: TrackRequest, { frame, label }: Doubt): void {
+  const labels = request.labels ?? [...state.timeline.peek().rows.keys()];
+  halted.value = { at: frame, stop: request.stop, labels };
+  actions.pause();
+  actions.seek(frame);
+  actions.selectLabel(label);
+  const name = state.palette.peek().find((entry) => entry.id === label)?.name ?? 'A label';
+  notify('info', `Not sure of ${name} here`, 'Mend it with a stroke, or accept it, and go on.');
+}
+
+/** Labels with points in a frame, of those given. */
+function present(labels: readonly number[], frame: number): number[] {
+  const { rows } = state.timeline.peek();
+  const locked = new Set(state.palette.peek().flatMap((label) => (label.locked ? label.id : [])));
+  return labels.filter((id) => !locked.has(id) && (rows.get(id)?.points[frame] ?? 0) > 0);
+}
+
+function continueRun(): void {
+  const start = state.frame.peek();
+  const run = halted.peek();
+  const stop = run?.stop ?? (state.sequence.peek()?.frames ?? 1) - 1;
+  const labels = present(run?.labels ?? unsure.peek(), start);
+  if (labels.length === 0 || start === stop) {
+    notify('info', 'Nothing here to track on', 'Paint the object in this frame first.');
+    return;
+  }
+  actions.track({
+    labels, start, stop, method: 'auto', overwrite: 'tracked', stop_unsure: true,
+  }); // prettier-ignore
+}
+
+async function acceptHere(): Promise<void> {
+  const id = encodeURIComponent(state.sequence.peek()?.id ?? '');
+  const frame = state.frame.peek();
+  const labels = unsure.peek();
+  if (labels.length === 0) return;
+  await attempt('The frame was not accepted', async () => {
+    await api('POST', `sequences/${id}/frames/${frame}/accept`, { labels });
+    const run = halted.peek();
+    const rows = state.timeline.peek().rows.values();
+    const frames = state.sequence.peek()?.frames ?? 0;
+    if (run?.at === frame && run.stop !== frame) continueRun();
+    else if (doubtfulFrames(rows, frames).some((other) => other !== frame)) {
+      actions.nextDoubtful(1);
+    }
+  });
+}
+
+export const reviewActions: Pick<Actions, 'acceptHere' | 'continueRun'> = {
+  acceptHere,
+  continueRun,
+};

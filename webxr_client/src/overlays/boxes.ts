@@ -1,0 +1,84 @@
+/** An upright box round each labelled object of the frame on screen. */
+import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, Matrix4, MeshBasicMaterial, type Object3D } from 'three'; // prettier-ignore
+import { colorOf, isShown } from './shown';
+import { at, BOX, HALF, type Summary } from './summary';
+
+const MOST = 96;
+const EDGES = 12;
+/** Metres: edges are bars, since a line of one pixel is a hair in a headset. */
+const BAR = 0.004;
+/** Space between the points and the box, metres. */
+const AIR = 0.01;
+/** Fewer points are a speck and no object. */
+const FEWEST = 8;
+
+export class Boxes {
+  /** Boxes on screen. */
+  count = 0;
+  readonly mesh: InstancedMesh<BoxGeometry, MeshBasicMaterial>;
+  private readonly matrix = new Matrix4();
+
+  constructor(world: Object3D) {
+    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.9, toneMapped: false });
+    this.mesh = new InstancedMesh(new BoxGeometry(1, 1, 1), material, MOST * EDGES);
+    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    this.mesh.setColorAt(0, new Color());
+    this.mesh.frustumCulled = false;
+    this.mesh.visible = false;
+    world.add(this.mesh);
+  }
+
+  hide(): void {
+    this.mesh.visible = false;
+    this.count = 0;
+  }
+
+  show(summary: Summary): void {
+    let bars = 0;
+    this.count = 0;
+    for (let slot = 0; slot < summary.labels.length && this.count < MOST; slot++) {
+      const label = summary.labels[slot]!;
+      if (summary.count[slot]! < FEWEST || !isShown(label)) continue;
+      this.count += 1;
+      const color = colorOf(label);
+      for (let edge = 0; edge < EDGES; edge++, bars++) {
+        this.place(summary, slot, edge);
+        this.mesh.setMatrixAt(bars, this.matrix);
+        this.mesh.setColorAt(bars, color);
+      }
+    }
+    this.mesh.count = bars;
+    this.mesh.visible = bars > 0;
+    this.mesh.instanceMatrix.needsUpdate = true;
+    this.mesh.instanceColor!.needsUpdate = true;
+  }
+
+  /** One edge as a stretched cube: four along each axis. */
+  private place({ values, yaw }: Summary, slot: number, edge: number): void {
+    const axis = edge >> 2;
+    const cos = Math.cos(yaw[slot]!);
+    const sin = Math.sin(yaw[slot]!);
+    const first = edge & 1 ? 1 : -1;
+    const second = edge & 2 ? 1 : -1;
+    const half = (k: number): number => values[at(slot, HALF + k)]! + AIR;
+    const sign = (k: number): number => (k === axis ? 0 : k === (axis + 1) % 3 ? first : second);
+    const long = (k: number): number => (k === axis ? 2 * half(k) + BAR : BAR);
+    const u = sign(0) * half(0);
+    const y = sign(1) * half(1);
+    const v = sign(2) * half(2);
+    const [a, b, c] = [long(0), long(1), long(2)];
+    this.matrix.set(
+      cos * a, 0, sin * c, values[at(slot, BOX)]! + cos * u + sin * v,
+      0, b, 0, values[at(slot, BOX + 1)]! + y,
+      -sin * a, 0, cos * c, values[at(slot, BOX + 2)]! - sin * u + cos * v,
+      0, 0, 0, 1,
+    ); // prettier-ignore
+  }
+
+  dispose(): void {
+    this.mesh.removeFromParent();
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+    this.mesh.dispose();
+  }
+}

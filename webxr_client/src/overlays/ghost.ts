@@ -1,0 +1,95 @@
+/** Where the labelled objects were a frame before: their points, faint, while one steps and paints. */
+import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, PointsMaterial, type Object3D } from 'three'; // prettier-ignore
+import { DELETED, type CloudFrame } from '../cloud/frame';
+import { colorOf, isShown } from './shown';
+
+const MOST = 20_000;
+/** Metres. */
+const DOT = 0.007;
+const OPACITY = 0.4;
+
+export class Ghost {
+  /** Points on screen. */
+  count = 0;
+  private readonly points: Points<BufferGeometry, PointsMaterial>;
+
+  /** `room`: points are placed in local coordinates. */
+  constructor(room: Object3D) {
+    const geometry = new BufferGeometry();
+    for (const name of ['position', 'color']) {
+      const attribute = new Float32BufferAttribute(new Float32Array(3 * MOST), 3);
+      geometry.setAttribute(name, attribute.setUsage(DynamicDrawUsage));
+    }
+    const look = { size: DOT, transparent: true, opacity: OPACITY, depthWrite: false } as const;
+    this.points = new Points(geometry, new PointsMaterial({ ...look, vertexColors: true }));
+    this.points.frustumCulled = false;
+    this.points.visible = false;
+    this.points.renderOrder = 59;
+    room.add(this.points);
+  }
+
+  hide(): void {
+    this.points.visible = false;
+    this.count = 0;
+  }
+
+  /** The points of a label in a frame, of all labels shown when it has none there. */
+  show(frame: CloudFrame, active: number): void {
+    const only = has(frame, active) ? active : 0;
+    const total = countOf(frame, only);
+    const step = Math.max(1, Math.ceil(total / MOST));
+    const { position, color } = this.points.geometry.attributes;
+    let met = 0;
+    let count = 0;
+    let last = 0;
+    let shown = false;
+    let tint = colorOf(0);
+    for (const { labels, words, origin, scale } of frame.pieces) {
+      if (!labels) continue;
+      for (let i = 0, w = 0; i < labels.length && count < MOST; i++, w += 6) {
+        const label = labels[i]!;
+        if (!wanted(label, only) || met++ % step !== 0) continue;
+        if (label !== last) {
+          last = label;
+          shown = isShown(label);
+          tint = colorOf(label);
+        }
+        if (!shown) continue;
+        position!.setXYZ(
+          count,
+          origin[0] + words[w]! * scale[0],
+          origin[1] + words[w + 1]! * scale[1],
+          origin[2] + words[w + 2]! * scale[2],
+        );
+        color!.setXYZ(count, tint.r, tint.g, tint.b);
+        count += 1;
+      }
+    }
+    this.count = count;
+    this.points.visible = count > 0;
+    this.points.geometry.setDrawRange(0, count);
+    position!.needsUpdate = color!.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.points.removeFromParent();
+    this.points.geometry.dispose();
+    this.points.material.dispose();
+  }
+}
+
+function wanted(label: number, only: number): boolean {
+  return only === 0 ? label !== 0 && label !== DELETED : label === only;
+}
+
+function has(frame: CloudFrame, label: number): boolean {
+  return label !== 0 && frame.pieces.some((piece) => piece.labels?.includes(label) ?? false);
+}
+
+function countOf(frame: CloudFrame, only: number): number {
+  let count = 0;
+  for (const { labels } of frame.pieces) {
+    if (labels) for (const label of labels) if (wanted(label, only)) count += 1;
+  }
+  return count;
+}

@@ -1,0 +1,117 @@
+/** What is drawn over the recording, at the desk and in the headset: boxes, trails, a ghost. */
+import { watch } from '../xr/watch';
+import type { CloudFrame } from '../cloud/frame';
+import type { Engine } from '../engine/engine';
+import { state } from '../state';
+import { Boxes } from './boxes';
+import { Ghost } from './ghost';
+import { Summaries, type Summary } from './summary';
+import { PLACES, REACH, Trails } from './trails';
+
+export class Overlays {
+  readonly boxes: Boxes;
+  readonly trails: Trails;
+  readonly ghost: Ghost;
+  private readonly summaries = new Summaries();
+  /** Something else than frames changed: the palette, what is to be shown. */
+  private dirty = true;
+  private head = -1;
+  /** Where one last came from in time: 1 when stepping forward. */
+  private direction = 1;
+  private boxed: CloudFrame | null = null;
+  private seen = -1;
+  private ghostOf: CloudFrame | null = null;
+  private ghostVersion = -1;
+  private next = 0;
+
+  constructor(private readonly engine: Engine) {
+    const { world, room } = engine.viewer;
+    this.boxes = new Boxes(world);
+    this.trails = new Trails(world);
+    this.ghost = new Ghost(room);
+    const { palette, solo, view, activeLabel, sequence, playing } = state;
+    watch([palette, solo, view, activeLabel, sequence, playing], () => {
+      this.dirty = true;
+      engine.viewer.invalidate();
+    });
+  }
+
+  /** Once per picture: looks at one frame anew at most, so that it costs little. */
+  update(now: number): void {
+    const info = state.sequence.peek();
+    const { boxes, trails, ghost } = state.view.peek();
+    const frame = this.engine.playback.frame;
+    if (!info || info.large || !frame) {
+      this.boxes.hide();
+      this.trails.hide();
+      this.ghost.hide();
+      return;
+    }
+    const moved = this.follow(state.frame.peek());
+    if (boxes || trails) this.look(frame, trails, now);
+    const news = this.dirty || this.seen !== this.summaries.version;
+    if (news || frame !== this.boxed) this.box(frame, boxes);
+    if (news || moved) this.trail(info.frames, trails);
+    this.haunt(ghost && !state.playing.peek());
+    this.seen = this.summaries.version;
+    this.dirty = false;
+  }
+
+  private follow(head: number): boolean {
+    if (head === this.head) return false;
+    if (this.head >= 0) this.direction = head < this.head ? -1 : 1;
+    this.head = head;
+    return true;
+  }
+
+  /** The frame on screen, or else the next one near it that changed. */
+  private look(frame: CloudFrame, around: boolean, now: number): void {
+    const { room } = this.engine.viewer;
+    if (this.summaries.stale(frame)) {
+      this.summaries.of(frame, room.matrix, now);
+      return;
+    }
+    if (!around) return;
+    this.next = (this.next + 1) % PLACES;
+    const other = this.engine.playback.store.get(this.head - REACH + this.next);
+    if (other && this.summaries.stale(other)) this.summaries.of(other, room.matrix, now);
+  }
+
+  private box(frame: CloudFrame, on: boolean): void {
+    this.boxed = frame;
+    const summary = on ? this.summaries.peek(frame) : null;
+    if (summary) this.boxes.show(summary);
+    else this.boxes.hide();
+    this.engine.viewer.invalidate();
+  }
+
+  private readonly summaryOf = (index: number): Summary | null => {
+    const frame = this.engine.playback.store.get(index);
+    return frame ? this.summaries.peek(frame) : null;
+  };
+
+  private trail(frames: number, on: boolean): void {
+    if (on) this.trails.show(this.head, frames, state.palette.peek(), this.summaryOf);
+    else this.trails.hide();
+    this.engine.viewer.invalidate();
+  }
+
+  /** The frame that one has just come from. */
+  private haunt(on: boolean): void {
+    const frame = on ? (this.engine.playback.store.get(this.head - this.direction) ?? null) : null;
+    const version = frame ? frame.labelsVersion * 4096 + frame.pointsVersion : -1;
+    if (!this.dirty && frame === this.ghostOf && version === this.ghostVersion) return;
+    this.ghostOf = frame;
+    this.ghostVersion = version;
+    if (frame) this.ghost.show(frame, state.activeLabel.peek());
+    else this.ghost.hide();
+    this.engine.viewer.invalidate();
+  }
+}
+
+/** Wire the overlays to the engine. */
+export function installOverlays(engine: Engine): Overlays {
+  const overlays = new Overlays(engine);
+  engine.viewer.ticks.add((now) => overlays.update(now));
+  return overlays;
+}

@@ -1,0 +1,228 @@
+/** Where each label is in a frame: the middle of its points, and an upright box round them. */
+import { Matrix4 } from 'three';
+import { DELETED, lowerBound, type CloudFrame } from '../cloud/frame';
+
+/** Numbers kept for each label. */
+const FIELDS = 9;
+/** Labels that can be told apart; more than anybody follows at a time. */
+const MOST = 512;
+/** A frame whose labels keep changing (somebody paints) is looked at so often. */
+const EVERY_MS = 80;
+
+/** All lengths in metres of the room, y up. */
+export class Summary {
+  /** Labels present, in the order they were met. */
+  readonly labels: number[] = [];
+  readonly count: number[] = [];
+  /** Middle of the points, middle of the box, half edges along its axes; see the getters. */
+  readonly values = new Float32Array(FIELDS * MOST);
+  /** Turn of the box about the vertical, radians. */
+  readonly yaw = new Float32Array(MOST);
+  versions = -1;
+  time = -Infinity;
+
+  /** Position of a label, or −1. */
+  of(label: number): number {
+    return this.labels.indexOf(label);
+  }
+}
+
+/** Sums per label while a frame is looked at; grown once, used for every frame. */
+class Sums {
+  readonly slots = new Int16Array(65536).fill(-1);
+  readonly moments = new Float64Array(7 * MOST);
+  readonly bounds = new Float64Array(6 * MOST);
+  shown = new Uint16Array(0);
+}
+
+export class Summaries {
+  /** Counts the summaries made anew. */
+  version = 0;
+  private readonly known = new WeakMap<CloudFrame, Summary>();
+  private readonly sums = new Sums();
+  private readonly affine = new Float64Array(12);
+
+  /** The summary of a frame as its labels are shown now (or were, a moment ago). */
+  of(frame: CloudFrame, room: Matrix4, now: number): Summary {
+    let summary = this.known.get(frame);
+    if (!summary) this.known.set(frame, (summary = new Summary()));
+    const versions = versionsOf(frame);
+    if (summary.versions === versions || now - summary.time < EVERY_MS) return summary;
+    summary.versions = versions;
+    summary.time = now;
+    this.version += 1;
+    this.look(frame, room, summary);
+    return summary;
+  }
+
+  /** Whether `of` would have to look at the frame. */
+  stale(frame: CloudFrame): boolean {
+    return this.known.get(frame)?.versions !== versionsOf(frame);
+  }
+
+  /** What was last known of a frame. */
+  peek(frame: CloudFrame): Summary | null {
+    return this.known.get(frame) ?? null;
+  }
+
+  private look(frame: CloudFrame, room: Matrix4, out: Summary): void {
+    out.labels.length = 0;
+    out.count.length = 0;
+    if (frame.overlays.size === 0 && frame.pieces.every((piece) => !piece.labels)) return;
+    this.gather(frame);
+    this.addUp(frame, room, out);
+    turn(this.sums, out);
+    this.bound(frame, room, out);
+    finish(this.sums, out);
+    for (const label of out.labels) this.sums.slots[label] = -1;
+  }
+
+  /** The labels as shown, in stored order. */
+  private gather(frame: CloudFrame): void {
+    const { sums } = this;
+    if (sums.shown.length < frame.loaded) sums.shown = new Uint16Array(frame.loaded);
+    const { shown } = sums;
+    for (const { labels, first, count } of frame.pieces) {
+      if (labels) shown.set(labels, first);
+      else shown.fill(0, first, first + count);
+    }
+    for (const { indices, values } of frame.overlays.values()) {
+      const single = values.length === 1;
+      const stop = lowerBound(indices, frame.loaded);
+      for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
+    }
+  }
+
+  private addUp(frame: CloudFrame, room: Matrix4, out: Summary): void {
+    const { affine: m } = this;
+    const { shown, slots, moments } = this.sums;
+    for (const { first, count, words, origin, scale } of frame.pieces) {
+      place(room, origin, scale, m);
+      for (let i = 0, w = 0; i < count; i++, w += 6) {
+        const label = shown[first + i]!;
+        if (label === 0 || label === DELETED) continue;
+        let slot = slots[label]!;
+        if (slot < 0) {
+          if (out.labels.length >= MOST) continue;
+          slot = slots[label] = out.labels.push(label) - 1;
+          moments.fill(0, 7 * slot, 7 * slot + 7);
+        }
+        const a = words[w]!;
+        const b = words[w + 1]!;
+        const c = words[w + 2]!;
+        const x = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
+        const z = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
+        const at = 7 * slot;
+        moments[at]! += 1;
+        moments[at + 1]! += x;
+        moments[at + 2]! += m[4]! * a + m[5]! * b + m[6]! * c + m[7]!;
+        moments[at + 3]! += z;
+        moments[at + 4]! += x * x;
+        moments[at + 5]! += z * z;
+        moments[at + 6]! += x * z;
+      }
+    }
+  }
+
+  /** Extents along each label's own axes. */
+  private bound(frame: CloudFrame, room: Matrix4, out: Summary): void {
+    const { affine: m } = this;
+    const { shown, slots, bounds } = this.sums;
+    for (let at = 0; at < 6 * out.labels.length; at += 2) {
+      bounds[at] = Infinity;
+      bounds[at + 1] = -Infinity;
+    }
+    for (const { first, count, words, origin, scale } of frame.pieces) {
+      place(room, origin, scale, m);
+      for (let i = 0, w = 0; i < count; i++, w += 6) {
+        const slot = slots[shown[first + i]!]!;
+        if (slot < 0) continue;
+        const a = words[w]!;
+        const b = words[w + 1]!;
+        const c = words[w + 2]!;
+        const x = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
+        const y = m[4]! * a + m[5]! * b + m[6]! * c + m[7]!;
+        const z = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
+        const cos = out.values[FIELDS * slot]!;
+        const sin = out.values[FIELDS * slot + 1]!;
+        const u = cos * x - sin * z;
+        const v = sin * x + cos * z;
+        const at = 6 * slot;
+        if (u < bounds[at]!) bounds[at] = u;
+        if (u > bounds[at + 1]!) bounds[at + 1] = u;
+        if (y < bounds[at + 2]!) bounds[at + 2] = y;
+        if (y > bounds[at + 3]!) bounds[at + 3] = y;
+        if (v < bounds[at + 4]!) bounds[at + 4] = v;
+        if (v > bounds[at + 5]!) bounds[at + 5] = v;
+      }
+    }
+  }
+}
+
+function versionsOf(frame: CloudFrame): number {
+  return frame.labelsVersion * 4096 + frame.pointsVersion;
+}
+
+/** From a piece's quantised coordinates to the room: three rows of four. */
+function place(
+  { elements: e }: Matrix4,
+  origin: readonly number[],
+  scale: readonly number[],
+  m: Float64Array,
+): void {
+  for (let row = 0; row < 3; row++) {
+    m[4 * row + 3] = e[12 + row]!;
+    for (let column = 0; column < 3; column++) {
+      const turned = e[4 * column + row]!;
+      m[4 * row + column] = turned * scale[column]!;
+      m[4 * row + 3]! += turned * origin[column]!;
+    }
+  }
+}
+
+/** The long way of each label's points on the floor; noted as cosine and sine for `bound`. */
+function turn({ moments }: Sums, out: Summary): void {
+  for (let slot = 0; slot < out.labels.length; slot++) {
+    const at = 7 * slot;
+    const n = moments[at]!;
+    const x = moments[at + 1]! / n;
+    const z = moments[at + 3]! / n;
+    const xx = moments[at + 4]! / n - x * x;
+    const zz = moments[at + 5]! / n - z * z;
+    const xz = moments[at + 6]! / n - x * z;
+    const yaw = -0.5 * Math.atan2(2 * xz, xx - zz);
+    out.yaw[slot] = yaw;
+    out.values[FIELDS * slot] = Math.cos(yaw);
+    out.values[FIELDS * slot + 1] = Math.sin(yaw);
+  }
+}
+
+function finish({ moments, bounds }: Sums, out: Summary): void {
+  for (let slot = 0; slot < out.labels.length; slot++) {
+    const n = moments[7 * slot]!;
+    out.count.push(n);
+    const at = FIELDS * slot;
+    const b = 6 * slot;
+    const cos = out.values[at]!;
+    const sin = out.values[at + 1]!;
+    const u = (bounds[b]! + bounds[b + 1]!) / 2;
+    const v = (bounds[b + 4]! + bounds[b + 5]!) / 2;
+    for (let k = 0; k < 3; k++) out.values[at + k] = moments[7 * slot + 1 + k]! / n;
+    out.values[at + 3] = cos * u + sin * v;
+    out.values[at + 4] = (bounds[b + 2]! + bounds[b + 3]!) / 2;
+    out.values[at + 5] = cos * v - sin * u;
+    for (let k = 0; k < 3; k++) {
+      out.values[at + 6 + k] = (bounds[b + 2 * k + 1]! - bounds[b + 2 * k]!) / 2;
+    }
+  }
+}
+
+/** Where `values` has what: the middle of the points, of the box, and its half edges. */
+export const MIDDLE = 0;
+export const BOX = 3;
+export const HALF = 6;
+
+/** Position in `values` of a label's field. */
+export function at(slot: number, field: number): number {
+  return FIELDS * slot + field;
+}

@@ -1,0 +1,120 @@
+/** The ways of the labelled objects through the frames near the playhead. */
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, PointsMaterial, type Color, type Object3D } from 'three'; // prettier-ignore
+import { colorOf, isShown } from './shown';
+import { at, MIDDLE, type Summary } from './summary';
+
+/** Frames before and after the playhead. */
+export const REACH = 45;
+export const PLACES = 2 * REACH + 1;
+const DOTS = 4096;
+/** Metres. */
+const DOT = 0.014;
+/** Missing frames that the line still bridges. */
+const BRIDGE = 3;
+
+/** Places with colours, some of which are on screen. */
+class Vertices {
+  readonly geometry = new BufferGeometry();
+  private readonly places: BufferAttribute;
+  private readonly colors: BufferAttribute;
+
+  constructor(readonly most: number) {
+    const array = (size: number): BufferAttribute =>
+      new BufferAttribute(new Float32Array(size * most), size).setUsage(DynamicDrawUsage);
+    this.geometry.setAttribute('position', (this.places = array(3)));
+    this.geometry.setAttribute('color', (this.colors = array(4)));
+  }
+
+  set(index: number, values: Float32Array, from: number, color: Color, alpha: number): void {
+    this.places.setXYZ(index, values[from]!, values[from + 1]!, values[from + 2]!);
+    this.colors.setXYZW(index, color.r, color.g, color.b, alpha);
+  }
+
+  copy(index: number, other: Vertices, from: number): void {
+    this.places.copyAt(index, other.places, from);
+    this.colors.copyAt(index, other.colors, from);
+  }
+
+  /** Show the first ones. */
+  reveal(object: Object3D, count: number): void {
+    object.visible = count > 0;
+    this.geometry.setDrawRange(0, count);
+    for (const attribute of [this.places, this.colors]) {
+      attribute.clearUpdateRanges();
+      attribute.addUpdateRange(0, count * attribute.itemSize);
+      attribute.needsUpdate = true;
+    }
+  }
+}
+
+export class Trails {
+  /** Dots on screen. */
+  count = 0;
+  private readonly dots = new Vertices(DOTS);
+  private readonly ends = new Vertices(2 * DOTS);
+  private readonly points: Points<BufferGeometry, PointsMaterial>;
+  private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
+
+  constructor(world: Object3D) {
+    const look = { transparent: true, depthTest: false, vertexColors: true };
+    this.lines = new LineSegments(this.ends.geometry, new LineBasicMaterial(look));
+    // A dot for each frame: a line alone is a hair in a headset.
+    this.points = new Points(this.dots.geometry, new PointsMaterial({ ...look, size: DOT }));
+    for (const object of [this.lines, this.points]) {
+      object.frustumCulled = false;
+      object.visible = false;
+      world.add(object);
+    }
+    this.lines.renderOrder = 60;
+    this.points.renderOrder = 61;
+  }
+
+  hide(): void {
+    this.lines.visible = this.points.visible = false;
+    this.count = 0;
+  }
+
+  /** `summaryOf` gives what is known of a frame. */
+  show(
+    head: number,
+    frames: number,
+    labels: readonly { readonly id: number }[],
+    summaryOf: (frame: number) => Summary | null,
+  ): void {
+    const { dots, ends } = this;
+    const first = Math.max(0, head - REACH);
+    const last = Math.min(frames - 1, head + REACH);
+    let count = 0;
+    let joined = 0;
+    for (const { id: label } of labels) {
+      if (!isShown(label)) continue;
+      const color = colorOf(label);
+      let before = -Infinity;
+      for (let frame = first; frame <= last && count < DOTS; frame++) {
+        const summary = summaryOf(frame);
+        const slot = summary ? summary.of(label) : -1;
+        if (slot < 0) continue;
+        // What is farther away in time is fainter.
+        const near = 1 - (0.75 * Math.abs(frame - head)) / REACH;
+        dots.set(count, summary!.values, at(slot, MIDDLE), color, near);
+        if (frame - before <= BRIDGE) {
+          ends.copy(joined++, dots, count - 1);
+          ends.copy(joined++, dots, count);
+        }
+        before = frame;
+        count += 1;
+      }
+    }
+    this.count = count;
+    dots.reveal(this.points, count);
+    ends.reveal(this.lines, joined);
+  }
+
+  dispose(): void {
+    for (const object of [this.lines, this.points]) {
+      object.removeFromParent();
+      object.geometry.dispose();
+      object.material.dispose();
+    }
+  }
+}

@@ -1,0 +1,116 @@
+/** The two hands: who comes and goes, what they hold, what their rays are on. */
+import { Body } from './body';
+import { Hand } from './hand';
+import type { Painter } from './painter';
+import type { Panel } from './panel';
+import type { Rig } from './rig';
+import { xrSettings, type Side } from './settings';
+import type { Lessons } from './tips';
+
+export interface Changes {
+  /** The hand that paints is not there any more. */
+  brushGone(): void;
+  /** Something to be told. */
+  say(text: string): void;
+}
+
+export class Controllers {
+  readonly hands: Record<Side, Hand> = { left: new Hand('left'), right: new Hand('right') };
+  readonly both: readonly Hand[] = [this.hands.left, this.hands.right];
+  readonly bodies: readonly Body[];
+  private readonly undo: (() => void)[] = [];
+
+  constructor(
+    private readonly session: XRSession,
+    private readonly rig: Rig,
+    lessons: Lessons,
+    private readonly changes: Changes,
+  ) {
+    this.bodies = this.both.map((hand) => new Body(hand, lessons));
+  }
+
+  /** The hand that paints, and the one that holds the palette. */
+  get brush(): Hand {
+    return this.hands[xrSettings.peek().hand];
+  }
+
+  get other(): Hand {
+    return this.hands[xrSettings.peek().hand === 'right' ? 'left' : 'right'];
+  }
+
+  bodyOf(hand: Hand): Body {
+    return this.bodies[hand === this.hands.left ? 0 : 1]!;
+  }
+
+  listen(): void {
+    const { session } = this;
+    const on = <K extends keyof XRSessionEventMap>(
+      type: K,
+      run: (event: XRSessionEventMap[K]) => void,
+    ): void => {
+      session.addEventListener(type, run as EventListener);
+      this.undo.push(() => session.removeEventListener(type, run as EventListener));
+    };
+    on('inputsourceschange', (event) => this.sources(event.added, event.removed));
+    on('selectstart', (event) => this.holder(event.inputSource)?.hand.select(true));
+    on('selectend', (event) => this.holder(event.inputSource)?.hand.select(false));
+    on('visibilitychange', () => {
+      if (session.visibilityState !== 'visible') this.changes.brushGone();
+    });
+    this.sources([...session.inputSources], []);
+  }
+
+  private holder(source: XRInputSource): Body | undefined {
+    return this.bodies.find(({ hand }) => hand.source === source);
+  }
+
+  private sources(added: readonly XRInputSource[], removed: readonly XRInputSource[]): void {
+    for (const source of removed) {
+      const body = this.holder(source);
+      if (!body) continue;
+      if (body.hand === this.brush) this.changes.brushGone();
+      body.strip();
+      this.changes.say(`The ${body.hand.side} controller is away`);
+    }
+    for (const source of added) {
+      if (source.targetRayMode !== 'tracked-pointer') continue;
+      const side: Side = source.handedness === 'left' ? 'left' : 'right';
+      const body = this.bodyOf(this.hands[side]);
+      body.dress(source, body.hand === this.brush, this.rig.group);
+    }
+  }
+
+  /** The tips of both, after a change of sides. */
+  explain(): void {
+    for (const body of this.bodies) body.explain(body.hand === this.brush);
+  }
+
+  update(frame: XRFrame, space: XRReferenceSpace): void {
+    const { matrixWorld } = this.rig.group;
+    for (const hand of this.both) hand.update(frame, space, matrixWorld);
+    for (const body of this.bodies) body.follow(frame, space, matrixWorld);
+  }
+
+  /** `far`: what also the hand that holds the palette can point at. */
+  point(panels: readonly Panel[], far: readonly Panel[], painter: Painter): void {
+    for (const body of this.bodies) {
+      const paints = body.hand === this.brush;
+      body.point(paints ? panels : far, paints ? painter : null);
+    }
+  }
+
+  /**
+   * Whether a hand holds the room.  Without a grip the trigger of the hand that does not paint
+   * takes hold, unless it is needed for something else.
+   */
+  holds(hand: Hand, busy: boolean): boolean {
+    if (hand.hasGrip) return hand.squeeze.down;
+    if (hand === this.brush || busy || this.bodyOf(hand).on) return false;
+    return hand.tracked && hand.click.down;
+  }
+
+  dispose(): void {
+    for (const run of this.undo) run();
+    for (const body of this.bodies) body.dispose();
+  }
+}

@@ -1,0 +1,88 @@
+/** The palette's first page: every label, to choose, lock, hide or see alone. */
+import { actions } from '../../actions';
+import type { Label } from '../../protocol/messages';
+import { state } from '../../state';
+import { INK, type Ui } from '../ui';
+
+export const ROWS = 6;
+
+export class LabelsPage {
+  /** Pixels from the top of the first row, and from one row to the next; for the glow. */
+  top = 0;
+  row = 0;
+  private first = 0;
+
+  constructor(
+    private readonly touch: () => void,
+    private readonly makeNew: () => void,
+  ) {}
+
+  /** The row that a label is drawn in, or −1. */
+  rowOf(label: number): number {
+    const place = state.palette.peek().findIndex((entry) => entry.id === label) - this.first;
+    return place >= 0 && place < ROWS ? place : -1;
+  }
+
+  draw(ui: Ui, x: number, top: number, inner: number): void {
+    const { em } = ui;
+    const palette = state.palette.peek();
+    this.first = Math.min(this.first, Math.max(0, palette.length - ROWS));
+    const row = em * 2.35;
+    this.top = top;
+    this.row = row;
+    palette.slice(this.first, this.first + ROWS).forEach((label, i) => {
+      drawLabel(ui, label, x, top + i * row, inner, row - em * 0.15);
+    });
+    if (palette.length === 0) {
+      ui.text('A label is one thing to follow.', x + em * 0.5, top + em * 1.5, {
+        color: INK.quiet,
+      });
+    }
+    this.drawBelow(ui, x, top + ROWS * row + em * 0.2, inner, palette.length > ROWS);
+  }
+
+  private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
+    const w = inner / 4;
+    const h = ui.em * 2.2;
+    ui.button(x, y, w * 1.4, h, { icon: 'plus', text: 'New', strong: true }, this.makeNew);
+    const picking = state.tool.peek() === 'pick';
+    ui.button(x + w * 1.5, y, w * 1.3, h, { icon: 'picker', text: 'Pick', on: picking }, () => {
+      actions.setTool(picking ? 'paint' : 'pick');
+    });
+    const turn = { disabled: !more };
+    ui.button(x + w * 2.9, y, w * 0.52, h, { icon: 'previous', ...turn }, () => this.scroll(-ROWS));
+    ui.button(x + w * 3.45, y, w * 0.52, h, { icon: 'next', ...turn }, () => this.scroll(ROWS));
+  }
+
+  private scroll(by: number): void {
+    this.first = Math.max(0, this.first + by);
+    this.touch();
+  }
+}
+
+function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: number): void {
+  const { em } = ui;
+  const on = label.id === state.activeLabel.peek();
+  const tools = em * 4.6;
+  ui.button(
+    x,
+    y,
+    w - tools,
+    h,
+    { swatch: label.color, text: label.name, on, strong: true, align: 'left' },
+    () => {
+      actions.selectLabel(label.id);
+      if (state.tool.peek() === 'pick') actions.setTool('paint');
+    },
+  );
+  const left = x + w - tools + em * 0.15;
+  const size = em * 1.45;
+  const lock = { icon: label.locked ? 'lock' : 'unlock', on: label.locked } as const;
+  const eye = { icon: label.visible ? 'eye' : 'hidden', on: !label.visible } as const;
+  ui.button(left, y, size, h, lock, () => void actions.toggleLock(label.id));
+  ui.button(left + size, y, size, h, eye, () => void actions.toggleVisible(label.id));
+  const solo = state.solo.peek() === label.id;
+  ui.button(left + 2 * size, y, size, h, { icon: 'solo', on: solo }, () =>
+    actions.solo(solo ? null : label.id),
+  );
+}

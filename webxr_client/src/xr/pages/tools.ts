@@ -1,0 +1,81 @@
+/** What the trigger does, and how it takes points. */
+import { actions } from '../../actions';
+import { metres } from '../../panels/format';
+import type { IconName } from '../../panels/icons';
+import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../../state';
+import { currentWay, type Way } from '../brush';
+import { change, xrSettings } from '../settings';
+import type { Ui } from '../ui';
+
+const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
+  ['paint', 'brush', 'Paint'],
+  ['erase', 'eraser', 'Erase'],
+  ['delete', 'noise', 'Delete'],
+  ['restore', 'restore', 'Restore'],
+];
+
+const WAYS: readonly (readonly [Way, IconName, string])[] = [
+  ['ball', 'brush', 'Ball'],
+  ['ray', 'target', 'Ray'],
+  ['fill', 'fill', 'Fill'],
+  ['lasso', 'lasso', 'Lasso'],
+  ['box', 'view', 'Box'],
+  ['plane', 'plane', 'Ground'],
+];
+
+export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
+  const { em } = ui;
+  const tool = state.tool.peek();
+  const half = inner / 2;
+  TOOLS.forEach(([id, icon, text], i) => {
+    const [column, line] = [i % 2, Math.floor(i / 2)];
+    ui.button(x + column * half, top + line * em * 2.3, half - em * 0.2, em * 2.1,
+      { icon, text, on: tool === id, strong: true, align: 'left' }, () => actions.setTool(id));
+  }); // prettier-ignore
+  const way = currentWay();
+  const third = inner / 3;
+  WAYS.forEach(([id, icon, text], i) => {
+    const [column, line] = [i % 3, Math.floor(i / 3)];
+    ui.button(x + column * third, top + em * (5 + 2.3 * line), third - em * 0.2, em * 2.1,
+      { icon, text, on: way === id, strong: true, align: 'left' }, () => chooseWay(id));
+  }); // prettier-ignore
+  drawBrush(ui, x, top, inner, way);
+}
+
+function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): void {
+  const { em } = ui;
+  const { radius, onlyUnlabeled, through } = state.brush.peek();
+  const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
+  const name = way === 'fill' || way === 'plane' ? 'Reach' : 'Radius';
+  ui.slider(
+    x + em * 0.4,
+    top + em * 9.8,
+    inner - em * 0.8,
+    em * 2.8,
+    name,
+    metres(radius),
+    share,
+    (to) => {
+      actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to);
+    },
+  );
+  ui.check(x, top + em * 12.7, inner, em * 1.9, 'Only unlabeled points', onlyUnlabeled, (on) => {
+    patch(state.brush, { onlyUnlabeled: on });
+  });
+  ui.check(x, top + em * 14.7, inner, em * 1.9, 'Ray goes through', through, (on) => {
+    patch(state.brush, { through: on });
+  });
+  const { stopUnsure } = xrSettings.peek();
+  ui.check(x, top + em * 16.7, inner, em * 1.9, 'Tracking stops when unsure', stopUnsure, (on) => {
+    change({ stopUnsure: on });
+  });
+}
+
+export function chooseWay(way: Way): void {
+  if (way === 'fill' || way === 'plane' || way === 'lasso') {
+    actions.setShape(way);
+    return;
+  }
+  change({ tip: way });
+  actions.setShape('brush');
+}

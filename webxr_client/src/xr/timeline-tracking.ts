@@ -1,0 +1,141 @@
+/** The row below the timeline: carry labels on, watch the run, judge what it is unsure of. */
+import { actions } from '../actions';
+import { halted, unsure } from '../engine/review';
+import { frameRange, ordered } from '../panels/range';
+import type { Job } from '../protocol/messages';
+import { state, trackingJob } from '../state';
+import { xrSettings } from './settings';
+import { INK, type Ui } from './ui';
+
+const SOME = 30;
+
+export function drawTracking(ui: Ui, frames: number): void {
+  const { em, height } = ui;
+  const row = new Row(ui, height - em * 2.9);
+  const job = trackingJob.peek();
+  if (job) drawRun(row, job);
+  else if (unsure.peek().length > 0) drawDoubt(row);
+  else if (halted.peek()?.at === state.frame.peek()) drawMended(row);
+  else if (frameRange.peek()) drawRange(row);
+  else drawOffers(row, frames);
+}
+
+/** Text at the left, buttons from the right; lengths in ems. */
+class Row {
+  private right: number;
+
+  constructor(
+    readonly ui: Ui,
+    private readonly top: number,
+  ) {
+    this.right = ui.width - ui.em * 0.5;
+  }
+
+  say(text: string, color: string = INK.text): void {
+    const { em } = this.ui;
+    const x = em * 0.8;
+    this.ui.text(text, x, this.top + em * 1.2, { color, weight: 600, width: this.right - x - em });
+  }
+
+  button(wide: number, look: Parameters<Ui['button']>[4], act: () => void): void {
+    const { em } = this.ui;
+    this.right -= wide * em;
+    this.ui.button(this.right, this.top, (wide - 0.3) * em, em * 2.4, look, act);
+  }
+
+  bar(share: number): void {
+    const { em } = this.ui;
+    const y = this.top + em;
+    const length = this.right - em * 12;
+    this.ui.box(em * 11, y, length, em * 0.4, INK.line);
+    this.ui.box(em * 11, y, length * Math.max(0.02, share), em * 0.4, INK.accent);
+  }
+}
+
+function drawRun(row: Row, job: Job): void {
+  row.button(8.5, { text: 'Cancel', icon: 'close', strong: true }, () => {
+    void actions.cancelJob(job.id);
+  });
+  row.button(12.5, { text: 'Stop and keep', icon: 'check', strong: true }, () => {
+    void actions.cancelJob(job.id, true);
+  });
+  row.bar(job.progress);
+  row.say(`Tracking ${Math.round(job.progress * 100)} %`);
+}
+
+/** Some label is doubtful in this frame: right as it is, or paint it and go on. */
+function drawDoubt(row: Row): void {
+  row.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () => actions.continueRun());
+  row.button(8.5, { text: 'Accept', icon: 'check', on: true }, () => void actions.acceptHere());
+  const names = unsure.peek().map(nameOf).join(', ');
+  row.say(`${names}: not sure. Mend it, or accept it`, INK.warn);
+}
+
+function drawMended(row: Row): void {
+  const run = halted.peek()!;
+  if (run.stop !== run.at) {
+    row.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
+      actions.continueRun();
+    });
+  }
+  row.say('Mended: the run can go on', INK.good);
+}
+
+function drawRange(row: Row): void {
+  const range = frameRange.peek()!;
+  const [from, to] = ordered(range);
+  const labels = trackable(range.from);
+  row.button(7.5, { icon: 'close', text: 'Range' }, () => (frameRange.value = null));
+  row.button(
+    14.5,
+    { icon: 'track', text: `Frames ${from} – ${to}`, on: true, disabled: labels.length === 0 },
+    () => track(labels, range.from, range.to),
+  );
+  offer(row, labels, range.from);
+}
+
+function drawOffers(row: Row, frames: number): void {
+  const frame = state.frame.peek();
+  const last = frames - 1;
+  const labels = trackable(frame);
+  const none = labels.length === 0;
+  const go = (stop: number) => () => track(labels, frame, stop);
+  const end = none || frame === last;
+  row.button(9.6, { icon: 'next', text: 'To end', strong: true, disabled: end }, go(last));
+  const some = Math.min(last, frame + SOME);
+  row.button(
+    10.5,
+    { icon: 'track', text: `${SOME} frames`, strong: true, disabled: end },
+    go(some),
+  );
+  const start = none || frame === 0;
+  row.button(9.7, { icon: 'previous', text: 'To start', strong: true, disabled: start }, go(0));
+  offer(row, labels, frame);
+}
+
+function offer(row: Row, labels: readonly number[], frame: number): void {
+  if (labels.length === 0) row.say('Paint something, then track it', INK.quiet);
+  else if (labels.length === 1) row.say(`Track ${nameOf(labels[0]!)}`);
+  else row.say(`Track ${labels.length} labels of frame ${frame}`);
+}
+
+function track(labels: number[], start: number, stop: number): void {
+  const { stopUnsure } = xrSettings.peek();
+  const method = 'auto';
+  actions.track({ labels, start, stop, method, overwrite: 'tracked', stop_unsure: stopUnsure });
+}
+
+function nameOf(label: number): string {
+  return state.palette.peek().find((entry) => entry.id === label)?.name ?? '';
+}
+
+/** The active label if it is in the frame, else every unlocked one that is. */
+function trackable(frame: number): number[] {
+  const { rows } = state.timeline.peek();
+  const here = state.palette
+    .peek()
+    .filter((label) => !label.locked && (rows.get(label.id)?.points[frame] ?? 0) > 0)
+    .map((label) => label.id);
+  const active = state.activeLabel.peek();
+  return here.includes(active) ? [active] : here;
+}
