@@ -238,7 +238,10 @@ class Workspace:
         raise NotFoundError(f"label: expected the id of a label, got {label_id}")
 
     def create_label(self, sequence: str, author: str, **fields: Any) -> Label:
-        """Add a label (``name``; optional ``category``, ``color``, ``id``)."""
+        """Add a label: ``name``; optional ``category``, ``color``, ``id``, ``locked``, ``visible``.
+
+        Here and below, ``edit_id`` makes a call that is sent twice count once.
+        """
         self.recording(sequence)
         return self.store.create_label(sequence, author, **fields)[0]
 
@@ -247,10 +250,12 @@ class Workspace:
         self.recording(sequence)
         return self.store.update_label(sequence, author, label_id, **fields)[0]
 
-    def delete_label(self, sequence: str, author: str, label_id: int) -> Commit:
+    def delete_label(
+        self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
+    ) -> Commit:
         """Remove a label; its points become unlabeled in the same edit."""
         self.recording(sequence)
-        return self.store.delete_label(sequence, author, label_id)
+        return self.store.delete_label(sequence, author, label_id, edit_id=edit_id)
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
 

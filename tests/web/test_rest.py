@@ -217,6 +217,26 @@ def test_labels(api: httpx.Client) -> None:
     assert api.get(f"/sequences/wall/labels/{hidden}").json()["locked"] is True
 
 
+def test_a_change_of_the_palette_that_is_sent_again_counts_once(api: httpx.Client) -> None:
+    def history() -> list[str]:
+        return [edit["id"] for edit in api.get("/sequences/wall/edits").json()]
+
+    before = len(history())
+    url, ids = "/sequences/wall/labels", [str(uuid.uuid4()) for _ in range(3)]
+    body = {"name": "n" * 200, "locked": True}
+    made = [api.post(url, params={"edit": ids[0]}, json=body).json() for _ in range(2)]
+    assert made[0] == made[1]
+    assert made[0]["locked"] is True
+    url += f"/{made[0]['id']}"
+    free = {"locked": False}
+    assert [api.patch(url, params={"edit": ids[1]}, json=free).json() for _ in range(2)] == [
+        made[0] | free
+    ] * 2
+    gone = [api.delete(url, params={"edit": ids[2]}).json() for _ in range(2)]
+    assert gone[0] == gone[1]
+    assert history()[: len(history()) - before] == ids[::-1]
+
+
 def test_locked_labels_are_never_changed(api: httpx.Client) -> None:
     label, other = new_label(api, "done"), new_label(api, "other")
     api.post("/sequences/wall/frames/0/strokes", json=stroke(label))

@@ -16,7 +16,7 @@ from pointbrush.labels.types import Label
 
 HIGHEST = 65_534
 """The greatest label id; 65535 means *deleted* on the wire."""
-NAME_LIMIT = 128
+NAME_LIMIT = 200
 FIELDS: dict[str, type] = {
     "name": str, "category": str, "color": str, "locked": bool, "visible": bool,
 }  # fmt: skip

@@ -131,9 +131,11 @@ class LabelStore:
         color: str | None = None,
         id: int | None = None,
         edit_id: str | None = None,
+        **fields: Any,
     ) -> tuple[Label, Commit]:
-        """Add a label; raises ConflictError when ``id`` is taken."""
-        fields = palette.check_fields({"name": name, "category": category, "color": color})
+        """Add a label (also ``locked``, ``visible``); ConflictError when ``id`` is taken."""
+        fields |= {"name": name, "category": category, "color": color}
+        fields = palette.check_fields(fields)
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
         commit = self._sessions.commit(sequence, entry.id, plans.create(entry, number, fields))

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Annotated
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Query, Response
 
 from pointbrush.labels import Label
+from pointbrush.streaming.messages import Uuid
 from pointbrush.web.auth import Annotator, Viewer
 from pointbrush.web.context import LabelPath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut, LabelBody, LabelOut, LabelPatch
 
 router = APIRouter(tags=["labels"])
+EditId = Annotated[
+    Uuid | None, Query(description="the edit's UUID: the same one twice is applied once")
+]
 
 
 def _out(label: Label) -> LabelOut:
@@ -27,14 +32,15 @@ def list_labels(seq: SequenceId, workspace: Ws, _who: Viewer) -> list[LabelOut]:
 
 @router.post("/sequences/{seq}/labels", status_code=201, responses=responses(404, 409, 413))
 def create_label(
-    seq: SequenceId, body: LabelBody, response: Response, workspace: Ws, who: Annotator
+    seq: SequenceId,
+    body: LabelBody,
+    response: Response,
+    workspace: Ws,
+    who: Annotator,
+    edit: EditId = None,
 ) -> LabelOut:
     """Add a label."""
-    fields = body.model_dump(exclude={"locked", "visible"})
-    label = workspace.create_label(seq, who.author, **fields)
-    if body.locked or not body.visible:
-        shown = body.model_dump(include={"locked", "visible"})
-        label = workspace.update_label(seq, who.author, label.id, **shown)
+    label = workspace.create_label(seq, who.author, edit_id=edit, **body.model_dump())
     response.headers["Location"] = f"/api/v1/sequences/{seq}/labels/{label.id}"
     return _out(label)
 
@@ -52,15 +58,18 @@ def update_label(
     body: LabelPatch,
     workspace: Ws,
     who: Annotator,
+    edit: EditId = None,
 ) -> LabelOut:
     """Rename, recolour, recategorise, lock or hide a label."""
     fields = {name: value for name, value in body.model_dump().items() if value is not None}
     if not fields:
         return _out(workspace.label(seq, id))
-    return _out(workspace.update_label(seq, who.author, id, **fields))
+    return _out(workspace.update_label(seq, who.author, id, edit_id=edit, **fields))
 
 
 @router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))
-def delete_label(seq: SequenceId, id: LabelPath, workspace: Ws, who: Annotator) -> EditOut:
+def delete_label(
+    seq: SequenceId, id: LabelPath, workspace: Ws, who: Annotator, edit: EditId = None
+) -> EditOut:
     """Remove a label; its points become unlabeled in the same edit."""
-    return EditOut.of(workspace.delete_label(seq, who.author, id))
+    return EditOut.of(workspace.delete_label(seq, who.author, id, edit_id=edit))
