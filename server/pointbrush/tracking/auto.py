@@ -52,8 +52,8 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
-DOUBTFUL = 0.05
-"""Confidence under which a fit says nothing about the motion."""
+DOUBTFUL = 0.4
+"""Cost over which a fit says nothing about the motion."""
 WAS = 7
 EXPL, NEARR, CUT = 0.2, 0, 0.05
 KEPT = 0.85
@@ -223,7 +223,7 @@ class Run:
     def _place(self, search: Search, view: View) -> Place:
         """Register a thing, and bend it where it bends."""
         thing = search.thing
-        fit = register(search, view.eye)
+        fit = register(search)
         world = transform(fit.T, thing.model.xyz)
         if thing.bends:
             apart = max(thing.model.radius / 5, 3 * thing.unit)
@@ -355,7 +355,7 @@ class Run:
         here = likelihood(evidence(thing, place, found, len(points), verdict))
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
-        thing.motion.add(place.pose, sure=here > DOUBTFUL)
+        thing.motion.add(place.pose, sure=place.cost < DOUBTFUL)
         kept = found
         if not place.whole and not thing.bends:
             new = found.gap >= 0.9 * thing.model.spacing

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.background import Background
+from pointbrush.tracking.explain import cost_of, look
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.recovery import proposals
+from pointbrush.tracking.recovery import nudges, proposals
 from pointbrush.tracking.registration import (
     Fit,
     Target,
-    cost_at,
     excess,
     robust_fit,
     transform,
@@ -22,10 +22,13 @@ from pointbrush.tracking.registration import (
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
-COARSE, FINE = 64, 200
+COARSE, FINE = 120, 400
 """Model points that a guess is judged by, and that the last iterations use."""
 TARGET = 1200
-FEWEST = 5
+FEWEST, LEAST = 5, 20
+NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
+"""Scales of the fits, in units, from a prediction and from anywhere."""
+TRIES = 6
 DOUBT = 0.3
 """Cost of the best prediction above which other places are tried."""
 AVERTED = 0.3
@@ -45,6 +48,7 @@ class Search:
     """
 
     thing: Thing
+    view: View
     box: tuple[F64, F64]
     around: I64
     near: I64
@@ -78,18 +82,17 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
         near, moving = around[~far], around[~(far | still)]
     if len(moving) < FEWEST:
         return None
-    visible = np.flatnonzero(expected(thing, view, guesses[0]))
-    if len(visible) < 10:
-        visible = np.arange(len(thing.model.xyz))
+    count = len(thing.model.xyz)
     search = Search(
         thing,
+        view,
         (lo, hi),
         around,
         near,
         moving,
         guesses,
-        visible[:: max(1, len(visible) // COARSE)],
-        visible[:: max(1, len(visible) // FINE)],
+        np.arange(0, count, max(1, count // COARSE)),
+        np.arange(0, count, max(1, count // FINE)),
         target_of(view, moving, thing.weight),
     )
     search.costs = _costs(search, guesses)
@@ -100,16 +103,6 @@ def target_of(view: View, indices: I64, weight: float) -> Target:
     """An even part of the points as a target of registration."""
     some = indices[:: max(1, -(-len(indices) // TARGET))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
-
-
-def expected(thing: Thing, view: View, pose: F64) -> Mask:
-    """Model points that the sensor should see: facing it, and nothing in front."""
-    seen = thing.model.facing(pose, view.eye)
-    if view.lens is not None:
-        cell, depth = view.project(transform(pose, thing.model.xyz))
-        with np.errstate(invalid="ignore"):
-            seen &= ~(view.depth[cell] < depth - 4 * thing.unit) & (cell >= 0)
-    return seen
 
 
 def share_out(searches: Iterable[Search]) -> None:
@@ -133,48 +126,62 @@ def share_out(searches: Iterable[Search]) -> None:
         search.costs = _costs(search, search.guesses)
 
 
-def register(search: Search, eye: F64 | None) -> Fit:
+def register(search: Search) -> Fit:
     """The best of the robust fits from the likeliest guesses."""
-    thing, target = search.thing, search.target
-    model, unit = thing.model, thing.unit
-    xyz, colour = model.xyz[search.few], model.colour[search.few]
-    guesses, costs = list(search.guesses), list(search.costs)
-    known = len(guesses)
-    if thing.motion.gap > 1 or thing.motion.fresh or min(costs) > DOUBT:
-        others = proposals(model, target, guesses[0])
-        costs += _costs(search, others)
-        guesses += others
-    costs = [c + _surprise(thing, g, guesses[:known]) for c, g in zip(costs, guesses, strict=True)]
-    best = np.argsort(costs, kind="stable")[: 2 if len(guesses) == known else 6]
-    near, far = (3.0, 3.0, 3.0, 2.5), (5.0, 4.0, 4.0, 3.0, 3.0)
-    fits = [
-        robust_fit(
-            xyz,
-            colour,
-            target,
-            guesses[i],
-            [s * unit for s in (near if i < known and costs[i] < DOUBT else far)],
-        )
-        for i in best
+    motion = search.thing.motion
+    order = np.argsort(search.costs, kind="stable")
+    poses = [_fit(search, search.few, search.guesses[i], NARROW).T for i in order[:2]]
+    scores = [_score(search, T) for T in poses]
+    if motion.gap > 1 or motion.fresh or min(scores) > DOUBT:
+        others = proposals(search.thing.model, search.target, search.guesses[0])
+        _try(search, others + search.guesses, TRIES, poses, scores)
+        best = poses[int(np.argmin(scores))]
+        _try(search, nudges(search.thing.model, best), TRIES // 2, poses, scores)
+    best = poses[int(np.argmin(scores))]
+    return _fit(search, search.many, best, (2.5, 2.0, 2.0))
+
+
+def _try(
+    search: Search, guesses: list[F64], most: int, poses: list[F64], scores: list[float]
+) -> None:
+    """Fit the likeliest of the guesses, and add them with their scores."""
+    known = search.guesses
+    costs = [
+        _cost(search, T, 6 * search.thing.unit) + _surprise(search.thing, T, known)
+        for T in guesses
     ]
-    fit = fits[0]
-    if len(fits) > 1:
-        scores = [
-            cost_at(xyz, colour, target, f.T, 3 * unit)
-            + _surprise(thing, f.T, guesses[:known])
-            + excess(xyz, target, f.T, unit)
-            + AVERTED * float(1.0 - model.facing(f.T, eye)[search.few].mean())
-            for f in fits
-        ]
-        fit = fits[int(np.argmin(scores))]
-    xyz, colour = model.xyz[search.many], model.colour[search.many]
-    return robust_fit(xyz, colour, target, fit.T, [2.5 * unit, 2 * unit, 2 * unit])
+    for i in np.argsort(costs, kind="stable")[:most]:
+        poses.append(_fit(search, search.few, guesses[i], WIDE).T)
+        scores.append(_score(search, poses[-1]))
+
+
+def _score(search: Search, pose: F64) -> float:
+    """What a pose costs in all, the less the better."""
+    thing, few = search.thing, search.few
+    return (
+        _cost(search, pose, 3 * thing.unit)
+        + _surprise(thing, pose, search.guesses)
+        + excess(transform(pose, thing.model.xyz[few]), search.target, thing.unit)
+        + AVERTED * (1.0 - look(thing, search.view, few, pose).facing)
+    )
+
+
+def _fit(search: Search, sample: I64, pose: F64, scales: Sequence[float]) -> Fit:
+    """Fit what the sensor should see of the thing at ``pose``; ``scales`` in units."""
+    model = search.thing.model
+    seen = sample[look(search.thing, search.view, sample, pose).seen]
+    if len(seen) < LEAST:
+        seen = sample
+    steps = [s * search.thing.unit for s in scales]
+    return robust_fit(model.xyz[seen], model.colour[seen], search.target, pose, steps)
+
+
+def _cost(search: Search, pose: F64, scale: float) -> float:
+    return cost_of(search.thing, search.view, search.target, search.few, pose, scale)
 
 
 def _costs(search: Search, poses: list[F64]) -> list[float]:
-    model, few = search.thing.model, search.few
-    scale = 4 * search.thing.unit
-    return [cost_at(model.xyz[few], model.colour[few], search.target, T, scale) for T in poses]
+    return [_cost(search, T, 4 * search.thing.unit) for T in poses]
 
 
 def _surprise(thing: Thing, pose: F64, predicted: list[F64]) -> float:
@@ -182,7 +189,7 @@ def _surprise(thing: Thing, pose: F64, predicted: list[F64]) -> float:
     centre = thing.motion.centre[None]
     at = transform(pose, centre)[0]
     off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted)
-    return SURPRISE * min(1.0, off / (3 * thing.model.radius * thing.motion.gap))
+    return SURPRISE * min(1.0, off / (3 * max(thing.model.radius, thing.unit) * thing.motion.gap))
 
 
 def _at(search: Search) -> F64:

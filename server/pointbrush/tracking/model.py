@@ -62,13 +62,15 @@ class Model:
             )
         return self._radius
 
-    def facing(self, pose: F64, eye: F64 | None) -> Mask:
-        """(M,) points whose side faces ``eye`` when the object is at ``pose``."""
+    def facing(self, pose: F64, eye: F64 | None, which: I64 | None = None) -> Mask:
+        """(M,) points, or ``which`` of them, whose side faces ``eye`` when the object is at
+        ``pose``."""
+        xyz, seen = (self.xyz, self.seen) if which is None else (self.xyz[which], self.seen[which])
         if eye is None:
-            return np.ones(len(self.xyz), np.bool_)
-        now = _towards(self.xyz, transform(np.linalg.inv(pose), eye[None])[0])
-        unknown = ~self.seen.any(axis=1)
-        return np.asarray((np.einsum("ij,ij->i", now, self.seen) > FACING) | unknown)
+            return np.ones(len(xyz), np.bool_)
+        now = _towards(xyz, transform(np.linalg.inv(pose), eye[None])[0])
+        unknown = ~seen.any(axis=1)
+        return np.asarray((np.einsum("ij,ij->i", now, seen) > FACING) | unknown)
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool

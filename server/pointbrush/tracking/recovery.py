@@ -17,6 +17,8 @@ TURNS = [
     for axis in np.eye(3)
     for sign in (1.0, -1.0)
 ]
+SLIDES = (-0.6, -0.3, 0.3, 0.6)
+"""Steps along the longest direction, in radii."""
 LIKE = 0.12
 """Colour difference, in the units of ``View.colour``, up to which colours are alike."""
 
@@ -40,6 +42,17 @@ def proposals(model: Model, target: Target, pose: F64) -> list[F64]:
             result += [
                 _move(pose, middle, centre, _turn(axis, sign * along)) for sign in (1.0, -1.0)
             ]
+    return result
+
+
+def nudges(model: Model, pose: F64) -> list[F64]:
+    """Poses (4, 4) beside ``pose``: turned a little about each axis, and slid along the longest."""
+    world = transform(pose, model.xyz)
+    middle = world.mean(axis=0)
+    axis, _ = _axis(world)
+    result = [_move(pose, middle, middle, R) for R in TURNS]
+    for step in SLIDES:
+        result.append(_move(pose, middle, middle + step * model.radius * axis, np.eye(3)))
     return result
 
 

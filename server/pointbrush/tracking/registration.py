@@ -139,18 +139,12 @@ def robust_fit(source: F64, colour: F32, target: Target, T: F64, scales: Sequenc
     return Fit(T, cost)
 
 
-def cost_at(source: F64, colour: F32, target: Target, T: F64, scale: float) -> float:
-    """The cost of a pose as it is, in units of ``scale``."""
-    distance, _ = target.nearest(transform(T, source), colour, 3.0 * scale)
-    return float(np.mean((distance / (3.0 * scale)) ** 2))
-
-
-def excess(source: F64, target: Target, T: F64, unit: float) -> float:
-    """How much of the target lies just beside the moved source, 0..0.3.
+def excess(moved: F64, target: Target, unit: float) -> float:
+    """How much of the target lies just beside the ``moved`` source, 0..0.3.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    tree = cKDTree(transform(T, source), balanced_tree=False, compact_nodes=False)
+    tree = cKDTree(moved, balanced_tree=False, compact_nodes=False)
     gap, _ = tree.query(target.xyz, distance_upper_bound=6 * unit)
     on = int(np.count_nonzero(np.asarray(gap) < 3 * unit))
     beside = int(np.count_nonzero(np.isfinite(np.asarray(gap)))) - on

@@ -14,7 +14,7 @@ from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.view import View
 
 MOST_RIVALS = 1000
-BENT, BENT_LARGE, LARGE = 0.2, 0.05, 40.0
+BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
 LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
