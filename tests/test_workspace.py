@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import uuid
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -335,3 +336,20 @@ def test_a_removed_recording_is_gone_with_its_labels(workspace: Workspace) -> No
     with pytest.raises(NotFoundError):
         workspace.palette(SEQUENCE)
     assert list(workspace.library.folder.iterdir()) == []
+
+
+def test_labels_of_files_are_there_after_a_kill_between_import_and_labels(tmp_path: Path) -> None:
+    settings = settings_in(tmp_path)
+    folder = settings.workspace / "sequences" / "marked"
+    label = np.repeat(np.array([0, 7], np.uint16), [WALL, 600])
+    marked = (PointFrame(frame.xyz, label=label) for frame in frames())
+    import_frames(marked, folder, sequence_id="marked", name="marked", fps=30)
+    for _ in range(2):
+        with closing(Workspace(settings)) as workspace:
+            assert [entry.name for entry in workspace.palette("marked")] == ["label 7"]
+            assert len(workspace.edits("marked", None, 10)) == 1
+            np.testing.assert_array_equal(workspace.annotation("marked", 3)[0], label)
+    with closing(Workspace(settings)) as workspace:
+        workspace.undo("marked", "import")
+    with closing(Workspace(settings)) as workspace:
+        assert workspace.palette("marked") == []

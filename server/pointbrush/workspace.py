@@ -58,6 +58,9 @@ class Workspace:
         )
         for manifest in self.sequences():
             self.store.register(manifest.id, manifest.points)
+            if "label" in manifest.fields and self.store.revision(manifest.id) == 0:
+                # A server that was killed as an import ended left these out.
+                importing.import_source_labels(self.store, self.recording(manifest.id))
 
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""

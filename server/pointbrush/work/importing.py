@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +14,11 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
+from pointbrush.formats.palette import SourceLabel
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import Channel
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Label, LabelStore, Write
+from pointbrush.labels.palette import default_color
 from pointbrush.samples import generate
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 
@@ -130,7 +133,10 @@ def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFra
 
 
 def import_source_labels(store: LabelStore, recording: Sequence) -> None:
-    """Make the labels that came with the files a first edit, with a palette for them."""
+    """Make the labels that came with the files a first edit, with a palette for them.
+
+    Its id follows from the recording's, so that whoever comes back to it does nothing twice.
+    """
     sequence = recording.manifest.id
     writes: dict[int, Write] = {}
     found: set[int] = set()
@@ -141,28 +147,26 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         numbers = np.flatnonzero(label)
         found.update(np.unique(label[numbers]).tolist())
         writes[index] = Write(numbers, label=np.asarray(label[numbers]), provenance=IMPORTED)
-    known: set[int] = {label.id for label in store.palette(sequence)}
+    if not writes:
+        return
     sources = [Path(source) for source in recording.manifest.source.split(", ")]
     named = {label.id: label for label in source_palette(sources)}
-    for label_id in sorted(found - known):
-        given = named.get(label_id)
-        store.create_label(
-            sequence,
-            "import",
-            id=label_id,
-            name=given.name if given else f"label {label_id}",
-            category=given.category if given else "",
-            color=given.color if given else None,
-        )
-    if writes:
-        store.apply(
-            sequence,
-            edit_id=None,
-            author="import",
-            kind="import",
-            writes=writes,
-            summary=f"labels that came with the files, {len(writes)} frames",
-        )
+    store.apply(
+        sequence,
+        edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
+        author="import",
+        kind="import",
+        writes=writes,
+        summary=f"labels that came with the files, {len(writes)} frames",
+        labels=[label_of(label_id, named.get(label_id)) for label_id in sorted(found)],
+    )
+
+
+def label_of(label_id: int, given: SourceLabel | None) -> Label:
+    """A palette entry for a label that came with the files."""
+    name = given.name if given else f"label {label_id}"
+    color = given.color if given else None
+    return Label(label_id, name, given.category if given else "", color or default_color(label_id))
 
 
 def result(recording: Sequence) -> dict[str, Any]:
