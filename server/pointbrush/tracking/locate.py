@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -33,8 +34,8 @@ DOUBT = 0.3
 """Cost of the best prediction above which other places are tried."""
 AVERTED = 0.3
 """What a pose costs that turns all of the model away from the side it was seen from."""
-SURPRISE = 0.3
-"""What a pose far from any prediction costs."""
+SURPRISE, TURNED = 0.6, 0.6
+"""What a pose far from any prediction costs, and one turned half round against them."""
 
 
 @dataclass(eq=False)
@@ -58,6 +59,11 @@ class Search:
     many: I64
     target: Target
     costs: list[float] = field(default_factory=list)
+
+    @cached_property
+    def facing(self) -> float:
+        """Share of the model that faces the sensor, where it is predicted."""
+        return look(self.thing, self.view, self.few, self.guesses[0]).facing
 
     @property
     def best(self) -> F64:
@@ -162,7 +168,7 @@ def _score(search: Search, pose: F64) -> float:
         _cost(search, pose, 3 * thing.unit)
         + _surprise(thing, pose, search.guesses)
         + excess(transform(pose, thing.model.xyz[few]), search.target, thing.unit)
-        + AVERTED * (1.0 - look(thing, search.view, few, pose).facing)
+        + AVERTED * max(0.0, search.facing - look(thing, search.view, few, pose).facing)
     )
 
 
@@ -185,11 +191,15 @@ def _costs(search: Search, poses: list[F64]) -> list[float]:
 
 
 def _surprise(thing: Thing, pose: F64, predicted: list[F64]) -> float:
-    """How far from all predictions, 0 to SURPRISE."""
+    """How far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
     centre = thing.motion.centre[None]
     at = transform(pose, centre)[0]
-    off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted)
-    return SURPRISE * min(1.0, off / (3 * max(thing.model.radius, thing.unit) * thing.motion.gap))
+    reach = 3 * max(thing.model.radius, thing.unit) * thing.motion.gap
+    off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted) / reach
+    if thing.motion.fresh:
+        return SURPRISE * min(1.0, off)
+    turn = max(float(np.einsum("ij,ij", p[:3, :3], pose[:3, :3])) for p in predicted)
+    return SURPRISE * min(1.0, off) + TURNED * (3.0 - turn) / (4.0 * thing.motion.gap)
 
 
 def _at(search: Search) -> F64:
