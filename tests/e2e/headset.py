@@ -59,6 +59,10 @@ def runtime(device: str) -> str:
   const device = {device};
   device.installRuntime({{ forceInstall: true }});
   window.device = device;
+  // The emulated session always says no, whatever its device has.
+  Object.defineProperty(XRSession.prototype, 'isSystemKeyboardSupported', {{
+    get: () => device.isSystemKeyboardSupported,
+  }});
   {SPY}
 }})();"""
 

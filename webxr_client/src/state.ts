@@ -5,8 +5,16 @@
  *
  * Read with `.value` in components (they re-render), with `.peek()` in render loops.
  */
-import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
+import { computed, Signal, signal, untracked, type ReadonlySignal } from '@preact/signals';
 import type { Job, Label, SequenceInfo } from './protocol/messages';
+
+// The library's own `peek` makes a closure at each call: too much for a loop of 90 pictures a second.
+let peeked: Signal;
+const readPeeked = (): unknown => peeked.value;
+Signal.prototype.peek = function <T>(this: Signal<T>): T {
+  peeked = this as Signal;
+  return untracked(readPeeked) as T;
+};
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 

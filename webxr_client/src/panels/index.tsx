@@ -11,14 +11,19 @@ import { Timeline } from './timeline';
 import { Toolbar } from './toolbar';
 import { Tooltip } from './tooltip';
 
+/** Nobody looks at these from inside a headset, and they would be drawn anew for every frame. */
+function AtTheDesk({ panel: Panel }: { panel: () => ComponentChild }) {
+  return state.xr.value.session === 'running' ? null : <Panel />;
+}
+
 /** Fill the places of the page; the result empties them again. */
 export function mountPanels(): () => void {
   const page = document;
   const places: [string, ComponentChild][] = [
     ['toolbar', <Toolbar />],
-    ['palette', <Palette />],
+    ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
-    ['timeline', <Timeline />],
+    ['timeline', <AtTheDesk panel={Timeline} />],
     ['panels', [<Tooltip />, <Help />]],
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);

@@ -3,7 +3,7 @@
  * before each picture and allocates nothing unless something happens.
  */
 import { effect } from '@preact/signals';
-import { Quaternion, Vector3 } from 'three';
+import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { notify, state } from '../state';
@@ -45,7 +45,6 @@ export class Cockpit {
   private readonly feelings: Feelings;
   private readonly pulse: Pulse;
   private readonly undo: (() => void)[] = [];
-  private readonly headTurn = new Quaternion();
   private readonly panels: readonly Panel[];
   private readonly farPanels: readonly Panel[];
   private standing = false;
@@ -195,15 +194,8 @@ export class Cockpit {
 
   private tellOthers(now: number): void {
     const { camera, world } = this.engine.viewer;
-    camera.getWorldQuaternion(this.headTurn);
-    this.presence.update(
-      now,
-      this.rig,
-      this.controllers.both,
-      this.painter.tip,
-      this.headTurn,
-      world.matrixWorld,
-    );
+    const { rig, painter, controllers } = this;
+    this.presence.update(now, rig, controllers.both, painter.tip, camera, world);
   }
 
   // ── the world ──────────────────────────────────────────────────────────────────────────────

@@ -1,5 +1,5 @@
-/** Tells the others where one is, a few times a second. */
-import { Matrix4, Quaternion, Vector3 } from 'three';
+/** Tells the others where one is, a few times a second.  The message is made once and sent again. */
+import { Matrix4, Quaternion, Vector3, type Object3D } from 'three';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
 import { state } from '../state';
@@ -8,11 +8,29 @@ import type { Rig } from './rig';
 
 const PERIOD_MS = 100;
 
+type Pose = [number, number, number, number, number, number, number];
+type Message = Required<ClientPresence>;
+
+const nowhere = (): Pose => [0, 0, 0, 0, 0, 0, 1];
+
 export class Presence {
   private last = 0;
   private readonly roomFromScene = new Matrix4();
+  private readonly turnFromScene = new Quaternion();
   private readonly at = new Vector3();
   private readonly way = new Quaternion();
+  private readonly head = nowhere();
+  private readonly hands: readonly [Pose, Pose] = [nowhere(), nowhere()];
+  private readonly brush: [number, number, number] = [0, 0, 0];
+  private readonly message: Message = {
+    type: 'presence',
+    frame: 0,
+    label: 0,
+    head: this.head,
+    hands: [null, null],
+    brush: this.brush,
+    radius: 0,
+  };
 
   constructor(private readonly link: Link) {}
 
@@ -21,42 +39,40 @@ export class Presence {
     rig: Rig,
     hands: readonly Hand[],
     tip: Vector3,
-    headTurn: Quaternion,
-    world: Matrix4,
+    eyes: Object3D,
+    world: Object3D,
   ): void {
     if (now - this.last < PERIOD_MS || state.sequence.peek() === null) return;
     this.last = now;
-    this.roomFromScene.copy(world).invert();
-    this.send({
-      head: this.pose(rig.head, headTurn),
-      hands: hands.map((hand) => (hand.tracked ? this.pose(hand.place, hand.turn) : null)),
-      brush: this.at.copy(tip).applyMatrix4(this.roomFromScene).toArray(),
-      radius: state.brush.peek().radius,
-    });
+    this.roomFromScene.copy(world.matrixWorld).invert();
+    world.getWorldQuaternion(this.turnFromScene).invert();
+    const { message } = this;
+    eyes.getWorldQuaternion(this.way);
+    this.write(this.head, rig.head, this.way);
+    for (let i = 0; i < 2; i++) {
+      const hand = hands[i]!;
+      const pose = this.hands[i as 0 | 1];
+      if (hand.tracked) this.write(pose, hand.place, hand.turn);
+      message.hands[i] = hand.tracked ? pose : null;
+    }
+    this.at.copy(tip).applyMatrix4(this.roomFromScene).toArray(this.brush);
+    message.radius = state.brush.peek().radius;
+    this.send(message);
   }
 
-  private pose(
-    place: Vector3,
-    turn: Quaternion,
-  ): [number, number, number, number, number, number, number] {
-    const { x, y, z } = this.at.copy(place).applyMatrix4(this.roomFromScene);
-    this.way.setFromRotationMatrix(ROTATION.extractRotation(this.roomFromScene)).multiply(turn);
-    return [x, y, z, this.way.x, this.way.y, this.way.z, this.way.w];
+  private write(pose: Pose, place: Vector3, turn: Quaternion): void {
+    this.at.copy(place).applyMatrix4(this.roomFromScene).toArray(pose);
+    this.way.copy(turn).premultiply(this.turnFromScene).toArray(pose, 3);
   }
 
   /** One has left the room. */
   gone(): void {
-    this.send({ head: null, hands: [], brush: null, radius: 0 });
+    this.send({ ...this.message, head: null, hands: [], brush: null, radius: 0 });
   }
 
-  private send(where: Pick<ClientPresence, 'head' | 'hands' | 'brush' | 'radius'>): void {
-    this.link.send({
-      type: 'presence',
-      frame: state.frame.peek(),
-      label: state.activeLabel.peek(),
-      ...where,
-    });
+  private send(message: Message): void {
+    message.frame = state.frame.peek();
+    message.label = state.activeLabel.peek();
+    this.link.send(message);
   }
 }
-
-const ROTATION = new Matrix4();
