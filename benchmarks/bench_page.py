@@ -4,8 +4,8 @@ python benchmarks/bench_page.py [apply|viser|play]...
 
 ``apply``: frames decoded in the worker and uploaded to the GPU whole, as fast as they come.
 ``viser``: the same frames replayed by viser at several rates, the best of which counts; also
-counted as they are uploaded.  In both pages the draw calls themselves do nothing: this machine's
-GPU is a program, which would measure only itself.
+counted as they are uploaded.  In both pages the calls that draw or clear do nothing: this
+machine's GPU is a program, which would measure only itself.
 ``play``: what the page's own thread spends on a picture of the playing recording, drawn.
 """
 
@@ -32,9 +32,8 @@ COMPLETE = f"{READY} && __pointbrush.shown().drawn === __pointbrush.shown().tota
 PREPARE = """
 window.uploads = 0;
 const gl = WebGL2RenderingContext.prototype;
-for (const draw of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced']) {
-  gl[draw] = () => {};
-}
+const drawing = ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'];
+for (const draw of [...drawing, 'clear']) gl[draw] = () => {};
 const sizeOf = (data, count) =>
   count ? count * (data.BYTES_PER_ELEMENT ?? 1) : (data?.byteLength ?? 0);
 for (const name of ['bufferData', 'bufferSubData']) {

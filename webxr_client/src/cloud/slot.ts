@@ -3,6 +3,7 @@ import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial } from 'three';
 import { DELETED, lowerBound, pointsWithin, type CloudFrame } from './frame';
 import { PointBuffers } from './gpu';
+import { STRIDE } from '../net/segment';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 
 export class Slot {
@@ -50,10 +51,17 @@ export class Slot {
   }
 
   private uploadPoints(frame: CloudFrame): void {
-    for (const piece of frame.pieces) {
-      if (piece.first < this.uploaded || piece.first + piece.count > this.capacity) continue;
-      this.buffers.writeVertices(piece.first, piece.bytes);
-      this.uploaded = piece.first + piece.count;
+    const { pieces } = frame;
+    for (let i = 0; i < pieces.length; i++) {
+      const { first, bytes } = pieces[i]!;
+      if (first < this.uploaded) continue;
+      // What came in one message lies together, and goes over in one piece.
+      let { count } = pieces[i]!;
+      while (pieces[i + 1]?.bytes.buffer === bytes.buffer) count += pieces[++i]!.count;
+      if (first + count > this.capacity) break;
+      const whole = new Uint8Array(bytes.buffer, bytes.byteOffset, count * STRIDE);
+      this.buffers.writeVertices(first, whole);
+      this.uploaded = first + count;
     }
     this.cut(frame);
     this.pointsVersion = frame.pointsVersion;

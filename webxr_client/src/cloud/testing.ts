@@ -1,5 +1,5 @@
 /** Frames for tests: points as the worker would hand them over. */
-import { stampChunk } from '../net/density';
+import { finishChunk } from '../net/density';
 import { STRIDE, type Segment, type SegmentChunk } from '../net/segment';
 import { CloudFrame } from './frame';
 
@@ -21,8 +21,8 @@ export function segmentOf(
     part.forEach((point, i) => words.set(point, (start + i) * 6));
     const origin: Vector = [0, 0, 0];
     const scale: Vector = [SCALE, SCALE, SCALE];
-    const view = new Uint16Array(vertices, start * STRIDE, part.length * 6);
-    stampChunk(view, part.length, origin, scale, level);
+    const view = new Uint32Array(vertices, start * STRIDE, part.length * 3);
+    finishChunk(view, part.length, origin, scale, level, false);
     const corner = (pick: (...values: number[]) => number): Vector =>
       [0, 1, 2].map((k) => pick(...part.map((point) => point[k]!)) * SCALE) as Vector;
     const [lo, hi] = [corner(Math.min), corner(Math.max)];

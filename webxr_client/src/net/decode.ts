@@ -1,7 +1,7 @@
 /** A frame message → vertices that the GPU takes as they are. */
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import type { Frame } from '../protocol/messages';
-import { stampChunk } from './density';
+import { finishChunk } from './density';
 import type { BufferPool } from './pool';
 import { MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
 
@@ -24,9 +24,9 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     const target = new Uint8Array(vertices, start * STRIDE, count * STRIDE);
     const source = message.data.subarray(offset, offset + nbytes);
     MeshoptDecoder.decodeVertexBuffer(target, count, STRIDE, source);
-    if (count && target[FLAGS]! & RELATIVE) addGreen(target);
-    const words = new Uint16Array(vertices, start * STRIDE, count * 6);
-    stampChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS);
+    const relative = count > 0 && (target[FLAGS]! & RELATIVE) !== 0;
+    const words = new Uint32Array(vertices, start * STRIDE, count * 3);
+    finishChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS, relative);
     chunks.push({ ...chunk, start });
     start += count;
   }
@@ -41,13 +41,4 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     nbytes: message.data.byteLength,
     decodeMs: performance.now() - started,
   };
-}
-
-/** Red and blue that came as differences to green, as they were. */
-function addGreen(vertices: Uint8Array): void {
-  for (let i = 6; i < vertices.length; i += STRIDE) {
-    const green = vertices[i + 1]!;
-    vertices[i] = vertices[i]! + green;
-    vertices[i + 2] = vertices[i + 2]! + green;
-  }
 }

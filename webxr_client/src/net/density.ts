@@ -3,7 +3,9 @@ import { sizeCode, SIZE_CODES } from './segment';
 
 /** Points whose common extent gives the local spacing; every eighth is looked at. */
 const RUN = 64;
-const STRIDE_WORDS = 8 * 6;
+const EVERY = 8;
+/** Words of 32 bits in a vertex. */
+const WORDS = 3;
 const RUNS = 65536 / RUN;
 const spacings = new Float32Array(RUNS);
 const distances = new Float32Array(RUNS);
@@ -22,30 +24,47 @@ const STEP_EXCESS = 1.15;
 export type Vector = readonly [number, number, number];
 
 /**
- * Stamp each vertex with its chunk and size code.
+ * Make decoded vertices ready to draw: each gets its chunk and size code, and red and blue that came
+ * as differences to green (`relative`) their own values.
  *
  * Neighbours in Morton order are neighbours in space, so a run of them covers a patch of surface
  * whose area says how far its points lie apart.  A run across an edge measures the gap instead;
  * it is put right by the rule that most runs follow: spacing grows with the distance from the
  * sensor (cameras, lidars), or is the same everywhere (merged scans).
- * `vertices` is a view of the chunk's points, 6 uint16 each.
+ * `vertices` is a view of the chunk's points, 3 uint32 each: x y, z r g, b i and the stamp.
  */
-export function stampChunk(
-  vertices: Uint16Array,
+export function finishChunk(
+  vertices: Uint32Array,
   count: number,
   origin: Vector,
   scale: Vector,
   chunk: number,
+  relative: boolean,
 ): void {
   const runs = Math.min(RUNS, Math.ceil(count / RUN));
-  for (let run = 0; run < runs; run++) measure(vertices, run, count, origin, scale);
+  measure(vertices, runs, count, origin, scale);
   const rule = findRule(runs);
   for (let run = 0; run < runs; run++) {
     const usual = rule.grows ? rule.factor * distances[run]! : rule.factor;
     const found = Math.min(rule.most * usual, Math.max(rule.least * usual, spacings[run]!));
-    const stamp = chunk * SIZE_CODES + sizeCode(rule.share * found);
-    const stop = Math.min(count, (run + 1) * RUN) * 6;
-    for (let i = run * RUN * 6 + 5; i < stop; i += 6) vertices[i] = stamp;
+    const stamp = (chunk * SIZE_CODES + sizeCode(rule.share * found)) << 16;
+    const stop = Math.min(count, (run + 1) * RUN) * WORDS;
+    if (relative) stampRelative(vertices, run * RUN * WORDS, stop, stamp);
+    else {
+      for (let i = run * RUN * WORDS + 2; i < stop; i += WORDS) {
+        vertices[i] = (vertices[i]! & 0xffff) | stamp;
+      }
+    }
+  }
+}
+
+function stampRelative(vertices: Uint32Array, start: number, stop: number, stamp: number): void {
+  for (let i = start; i < stop; i += WORDS) {
+    const zrg = vertices[i + 1]!;
+    const bi = vertices[i + 2]!;
+    const green = zrg >>> 24;
+    vertices[i + 1] = (zrg & 0xff00ffff) | ((((zrg >>> 16) + green) & 255) << 16);
+    vertices[i + 2] = (bi & 0xff00) | ((bi + green) & 255) | stamp;
   }
 }
 
@@ -90,55 +109,78 @@ function middle(runs: number, perDistance: boolean): { median: number; spread: n
   return { median, spread };
 }
 
-/** Spacing of one run, and its distance from the sensor. */
+/** Spacing of each run, and its distance from the sensor. */
 function measure(
-  vertices: Uint16Array,
-  run: number,
+  vertices: Uint32Array,
+  runs: number,
   count: number,
   origin: Vector,
   scale: Vector,
 ): void {
-  const first = run * RUN;
-  const n = Math.min(count - first, RUN);
-  const stop = (first + n) * 6;
-  let loX = 65535, loY = 65535, loZ = 65535, hiX = 0, hiY = 0, hiZ = 0; // prettier-ignore
-  for (let i = first * 6; i < stop; i += STRIDE_WORDS) {
-    const x = vertices[i]!;
-    const y = vertices[i + 1]!;
-    const z = vertices[i + 2]!;
-    if (x < loX) loX = x;
-    if (x > hiX) hiX = x;
-    if (y < loY) loY = y;
-    if (y > hiY) hiY = y;
-    if (z < loZ) loZ = z;
-    if (z > hiZ) hiZ = z;
+  const [ox, oy, oz] = origin;
+  const [sx, sy, sz] = scale;
+  for (let run = 0; run < runs; run++) {
+    const first = run * RUN;
+    const n = Math.min(count - first, RUN);
+    const stop = (first + n) * WORDS;
+    let loX = 65535, loY = 65535, loZ = 65535, hiX = 0, hiY = 0, hiZ = 0; // prettier-ignore
+    for (let i = first * WORDS; i < stop; i += EVERY * WORDS) {
+      const xy = vertices[i]!;
+      const x = xy & 0xffff;
+      const y = xy >>> 16;
+      const z = vertices[i + 1]! & 0xffff;
+      loX = Math.min(loX, x);
+      hiX = Math.max(hiX, x);
+      loY = Math.min(loY, y);
+      hiY = Math.max(hiY, y);
+      loZ = Math.min(loZ, z);
+      hiZ = Math.max(hiZ, z);
+    }
+    const patch = spacing((hiX - loX) * sx, (hiY - loY) * sy, (hiZ - loZ) * sz, n);
+    const near = n > 2 * STEPS ? STEP_EXCESS * nearStep(vertices, first, sx, sy, sz) : patch;
+    spacings[run] = Math.min(patch, Math.max(near, 0.3 * patch));
+    const x = ox + ((loX + hiX) / 2) * sx;
+    const y = oy + ((loY + hiY) / 2) * sy;
+    const z = oz + ((loZ + hiZ) / 2) * sz;
+    distances[run] = Math.max(1e-6, Math.sqrt(x * x + y * y + z * z));
   }
-  const patch = spacing((hiX - loX) * scale[0], (hiY - loY) * scale[1], (hiZ - loZ) * scale[2], n);
-  const near = n > 2 * STEPS ? STEP_EXCESS * nearStep(vertices, first, scale) : patch;
-  spacings[run] = Math.min(patch, Math.max(near, 0.3 * patch));
-  const x = origin[0] + ((loX + hiX) / 2) * scale[0];
-  const y = origin[1] + ((loY + hiY) / 2) * scale[1];
-  const z = origin[2] + ((loZ + hiZ) / 2) * scale[2];
-  distances[run] = Math.max(1e-6, Math.sqrt(x * x + y * y + z * z));
 }
 
 /**
  * The second shortest step between neighbours of a run, metres.  On a lidar's rings it is the
  * distance along the ring, where the patch's area would count the gaps between the rings.
  */
-function nearStep(vertices: Uint16Array, first: number, scale: Vector): number {
+function nearStep(
+  vertices: Uint32Array,
+  first: number,
+  sx: number,
+  sy: number,
+  sz: number,
+): number {
   let shortest = Infinity;
   let second = Infinity;
-  const stop = (first + 4 + STEPS) * 6;
-  for (let i = (first + 4) * 6; i < stop; i += 6) {
-    const x = (vertices[i]! - vertices[i + 6]!) * scale[0];
-    const y = (vertices[i + 1]! - vertices[i + 7]!) * scale[1];
-    const z = (vertices[i + 2]! - vertices[i + 8]!) * scale[2];
+  let at = (first + 4) * WORDS;
+  let xy = vertices[at]!;
+  let x0 = xy & 0xffff;
+  let y0 = xy >>> 16;
+  let z0 = vertices[at + 1]! & 0xffff;
+  for (let i = 0; i < STEPS; i++) {
+    at += WORDS;
+    xy = vertices[at]!;
+    const x1 = xy & 0xffff;
+    const y1 = xy >>> 16;
+    const z1 = vertices[at + 1]! & 0xffff;
+    const x = (x1 - x0) * sx;
+    const y = (y1 - y0) * sy;
+    const z = (z1 - z0) * sz;
     const step = x * x + y * y + z * z;
     if (step < shortest) {
       second = shortest;
       shortest = step;
     } else if (step < second) second = step;
+    x0 = x1;
+    y0 = y1;
+    z0 = z1;
   }
   return Math.sqrt(second);
 }

@@ -2,7 +2,10 @@
 import type { ClientMessage, Open } from '../protocol/messages';
 import type { FromWorker, Pace, ToWorker } from './wire';
 
+const MOST_FREE = 4;
+
 export class Link {
+  private readonly free: ArrayBuffer[] = [];
   private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), {
     type: 'module',
     name: 'pointbrush-net',
@@ -32,15 +35,20 @@ export class Link {
   }
 
   applied(pace: Pace, buffers: ArrayBuffer[]): void {
-    this.post({ t: 'applied', pace, buffers }, buffers);
+    const all = this.free.splice(0).concat(buffers);
+    this.post({ t: 'applied', pace, buffers: all }, all);
   }
 
   pace(pace: Pace): void {
     this.post({ t: 'pace', pace });
   }
 
+  /** Give buffers back; a few of them wait for the next message that goes anyway. */
   recycle(buffers: ArrayBuffer[]): void {
-    if (buffers.length > 0) this.post({ t: 'recycle', buffers }, buffers);
+    this.free.push(...buffers);
+    if (this.free.length <= MOST_FREE) return;
+    const all = this.free.splice(0);
+    this.post({ t: 'recycle', buffers: all }, all);
   }
 
   private post(message: ToWorker, transfer: Transferable[] = []): void {
