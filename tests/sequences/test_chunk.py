@@ -107,12 +107,12 @@ def test_colours_come_back_whether_they_are_alike_or_not(related: bool) -> None:
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.integers(0, 900), st.integers(1, 7))
+@given(st.integers(0, 2**32 - 1), st.integers(0, 900), st.integers(1, 7), st.integers(1, 9))
 def test_a_short_way_meets_every_point_once_and_stays_in_its_block(
-    seed: int, count: int, fields: int
+    seed: int, count: int, fields: int, runs: int
 ) -> None:
     values = np.random.default_rng(seed).integers(-(2**15), 2**16, (count, fields))
-    way = short_path(values)
+    way = short_path(values, runs)
     assert np.array_equal(np.sort(way), np.arange(count))
     parts = -(-count // 256)
     for part in range(parts):

@@ -6,6 +6,7 @@ import io
 import json
 import os
 from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ from pointbrush.sequences.files import write_all, write_file
 from pointbrush.sequences.segment import Segment
 
 _COPY = 1 << 24
+_DIRTY = 1 << 28
+"""Bytes written after which the disk is set to work while the next segments are encoded."""
 
 
 class Column:
@@ -58,6 +61,10 @@ class Column:
         wider.path = self.path
         return wider
 
+    def sync(self) -> None:
+        """Bring to the disk what was written so far."""
+        os.fdatasync(self._file.fileno())
+
     def close(self) -> None:
         """Make the file durable."""
         if not self._file.closed:
@@ -90,12 +97,16 @@ class LargeWriter:
         self._above: dict[int, int] = {}
         self._wire = (temporary / "wire").open("w+b")
         self._wire_bytes = 0
+        self._dirty = 0
+        self._syncer = ThreadPoolExecutor(1, "sync")
+        self._syncing: Future[None] | None = None
         self.error = 0.0
 
     def __enter__(self) -> LargeWriter:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._syncer.shutdown(wait=True)
         self._wire.close()
         for column in self._columns.values():
             column.close()
@@ -120,7 +131,27 @@ class LargeWriter:
             )
         )
         self._wire_bytes += len(segment.wire)
+        self._sync_behind(sum(part.nbytes for part in segment.columns.values()))
         return len(self._segments) - 1
+
+    def _sync_behind(self, written: int) -> None:
+        """Let the disk write meanwhile, so that little is left to wait for at the end."""
+        self._dirty += written
+        if self._dirty < _DIRTY or not (self._syncing is None or self._syncing.done()):
+            return
+        columns, self._dirty = list(self._columns.values()), 0
+
+        def sync() -> None:
+            for column in columns:
+                column.sync()
+
+        self._wait_for_disk()
+        self._syncing = self._syncer.submit(sync)
+
+    def _wait_for_disk(self) -> None:
+        """Raises what the last writing to the disk raised."""
+        if self._syncing is not None:
+            self._syncing.result()
 
     def attach(self, segments: list[int], above: int) -> None:
         """Hang the first nodes of ``segments`` under the first node of segment ``above``."""
@@ -131,6 +162,7 @@ class LargeWriter:
         if column is None:
             column = Column(self._folder / f"{name}.npy", self._rows, part)
         elif column.dtype.itemsize < part.dtype.itemsize:
+            self._wait_for_disk()
             column = column.widened(part.dtype)
         self._columns[name] = column
         return column

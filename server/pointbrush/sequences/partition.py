@@ -62,11 +62,10 @@ def group(rows: NDArray[Any], local: NDArray[np.float32], exponent: int) -> Grou
         if float(size[0]) * float(size[1]) * float(size[2]) < 2**16:
             break
         exponent += 1
-    dense = np.zeros(len(local), np.int64)
+    dense = np.zeros(len(local), np.uint16)
     for axis in range(3):
-        cell = np.floor(local[:, axis] / np.float32(edge)).astype(np.int64)
-        dense = dense * size[axis] + (cell - low[axis])
-    dense = dense.astype(np.uint16)
+        cell = np.floor(local[:, axis] / np.float32(edge)) - np.float32(low[axis])
+        dense = dense * np.uint16(size[axis]) + cell.astype(np.uint16)
     order = np.argsort(dense, kind="stable")  # a radix sort for 16 bits
     counts = np.bincount(dense)
     present = np.flatnonzero(counts)

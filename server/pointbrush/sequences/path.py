@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from pointbrush.sequences.blocks import BLOCK_POINTS
 
-_RUNS_PER_BLOCK = 2
 _FAR = 3900
 """Differences count up to this, so that seven fields together are nearer than a used point."""
 _USED = 32767
@@ -22,12 +21,15 @@ _TOO_FAR_SHIFT = 7
 """A value that needs more than four bits costs 128 besides its difference (found by trial)."""
 
 
-def short_path(values: NDArray[np.integer]) -> NDArray[np.int64]:
-    """Numbers (N,) that put points with ``values`` (N, F ≤ 7), in Morton order, on a short way."""
+def short_path(values: NDArray[np.integer], runs_per_block: int) -> NDArray[np.int64]:
+    """Numbers (N,) that put points with ``values`` (N, F ≤ 7), in Morton order, on a short way.
+
+    The time is inversely proportional to ``runs_per_block``; longer runs have shorter ways.
+    """
     count = len(values)
     if count == 0:
         return np.empty(0, np.int64)
-    runs = _RUNS_PER_BLOCK * -(-count // BLOCK_POINTS)
+    runs = runs_per_block * -(-count // BLOCK_POINTS)
     first = np.arange(runs + 1, dtype=np.int64) * count // runs
     lengths = np.diff(first)[:, None]
     place = np.arange(lengths.max())

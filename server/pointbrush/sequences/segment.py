@@ -95,7 +95,7 @@ def _encode(
     offset, error = 0, 0.0
     for number, node in enumerate(nodes):
         run = slice(first[number], first[number + 1])
-        chunk = encode_chunk(xyz[run], colors[run], grid)
+        chunk = encode_chunk(xyz[run], colors[run], grid, hurry=True)
         if chunk.order is not None:
             rows[run], xyz[run] = gather(rows[run], chunk.order), xyz[run][chunk.order]
         chunks[number] = chunk.row
