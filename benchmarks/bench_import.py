@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -94,7 +95,7 @@ def import_scan(path: Path, target: Path) -> None:
             used = [int(line.split()[1]) for line in status.splitlines() if line.startswith(kinds)]
             peak = max(peak, sum(used))
 
-    watcher = threading.Thread(target=watch)
+    watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
     marks: dict[str, float] = {}
     start = time.perf_counter()
@@ -124,6 +125,7 @@ def large(points: int, folder: Path) -> None:
     start = time.perf_counter()
     if not path.exists():
         write_scan(path, points)
+    shutil.rmtree(target, ignore_errors=True)
     print(f"scan of {points:,} points, LAS {path.stat().st_size / 1e9:.2f} GB", end=" ")
     print(f"(made in {time.perf_counter() - start:.0f} s)")
     child = subprocess.run(
