@@ -197,7 +197,7 @@ def _surprise(thing: Thing, pose: F64, predicted: list[F64]) -> float:
     reach = 3 * max(thing.model.radius, thing.unit) * thing.motion.gap
     off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted) / reach
     if thing.motion.fresh:
-        return SURPRISE * min(1.0, off)
+        return 0.5 * SURPRISE * min(1.0, off)
     turn = max(float(np.einsum("ij,ij", p[:3, :3], pose[:3, :3])) for p in predicted)
     return SURPRISE * min(1.0, off) + TURNED * (3.0 - turn) / (4.0 * thing.motion.gap)
 

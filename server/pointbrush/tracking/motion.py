@@ -10,6 +10,8 @@ from pointbrush.tracking.interface import F64
 from pointbrush.tracking.registration import transform
 
 MEMORY = 4
+PRIOR = 0.2
+"""How firmly the pivot leans on the centre."""
 
 
 @dataclass(eq=False)
@@ -77,9 +79,30 @@ class Motion:
             falling = falling + gain
             even = even + falling
         guesses = [(turned, step), (last[:3, :3], step), (last[:3, :3], np.zeros(3))]
+        result = [self._pose(R, self._at(-1) + t) for R, t in guesses]
         if len(self.poses) > 2:
-            guesses.insert(0, (turned, even))
-        return [self._pose(R, self._at(-1) + t) for R, t in guesses]
+            result.insert(0, self._pose(turned, self._at(-1) + even))
+            result.insert(0, self._swung(turned))
+        return result
+
+    def _swung(self, turned: F64) -> F64:
+        """Turned about the point of the object that has moved the most evenly.
+
+        In the air that is its centre of mass, in a hand it is near the grip.  Least squares over
+        the second differences of the last poses, leaning on the centre by PRIOR.
+        """
+        centre = self.centre
+        rows, sides = [PRIOR * np.eye(3)], [np.zeros(3)]
+        for a, b, c in zip(self.poses, self.poses[1:], self.poses[2:], strict=False):
+            bend = a - 2 * b + c
+            rows.append(bend[:3, :3])
+            sides.append(-(bend[:3, :3] @ centre + bend[:3, 3]))
+        offset, *_ = np.linalg.lstsq(np.vstack(rows), np.concatenate(sides), rcond=None)
+        pivot = centre + offset
+        now, before = (transform(T, pivot[None])[0] for T in (self.poses[-1], self.poses[-2]))
+        T = self._pose(turned, np.zeros(3))
+        T[:3, 3] = now + self.gap * (now - before) - T[:3, :3] @ pivot
+        return T
 
     def _pose(self, R: F64, at: F64) -> F64:
         T = np.eye(4)
