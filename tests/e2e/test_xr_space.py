@@ -173,10 +173,19 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     headset.paint([truth(0, PERSON)], release=False)
     headset.ask("(device.controllers.right.connected = false)")
     headset.until("hs.headset.cockpit.hands.right.source === null")
+    said = "(hs.headset.cockpit.hud.sign.mesh.visible && hs.headset.cockpit.hud.sign.text)"
+    headset.until(f"{said} === 'The right controller is away'")
     headset.settled()
     assert painted(server, 0) > 5
     headset.ask("(device.controllers.right.connected = true)")
     headset.until("hs.headset.cockpit.hands.right.source !== null")
+    headset.until(f"{said} === false", 15)
+    headset.trigger(0)
+    count = painted(server, 0)
+    x, y, z = truth(0, PERSON)
+    headset.paint([[x, y + 0.15, z]])
+    headset.settled()
+    assert painted(server, 0) > count
 
 
 def test_a_lost_session_is_told_and_can_be_entered_again(
@@ -201,8 +210,11 @@ def test_a_lost_server_does_not_stop_the_painting(
     headset.until("pb.state.connection.value.state === 'offline'")
     headset.paint([truth(0, PERSON)])
     headset.until("pb.state.pending.value > 0 && pb.labels()[1] > 5")
+    said = "hs.headset.cockpit.hud.sign.text"
+    headset.until(f"{said}.startsWith('The server is away') && {said}.includes('waiting')")
     server.start()
     headset.until("pb.state.connection.value.state === 'online'")
+    headset.until("!hs.headset.cockpit.hud.text.startsWith('The server')")
     headset.settled()
     assert painted(server, 0) > 5
     headset.complaints.clear()

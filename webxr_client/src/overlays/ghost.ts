@@ -5,8 +5,8 @@ import { colorOf, isShown } from './shown';
 
 const MOST = 20_000;
 /** Metres. */
-const DOT = 0.007;
-const OPACITY = 0.4;
+const DOT = 0.012;
+const OPACITY = 0.5;
 
 export class Ghost {
   /** Points on screen. */

@@ -8,7 +8,7 @@ export const REACH = 45;
 export const PLACES = 2 * REACH + 1;
 const DOTS = 4096;
 /** Metres. */
-const DOT = 0.014;
+const DOT = 0.02;
 /** Missing frames that the line still bridges. */
 const BRIDGE = 3;
 

@@ -1,10 +1,13 @@
 /** The second row: how the tool takes points, and how the recording is shown. */
+import { signal } from '@preact/signals';
+import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { patch, RADIUS_MAX, RADIUS_MIN, state, type BrushShape, type ColorMode } from '../state';
-import { Check, Slider } from './controls';
+import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
 import type { IconName } from './icons';
+import { Popover } from './popover';
 
 interface ShapeEntry {
   shape: BrushShape;
@@ -112,6 +115,52 @@ function BrushOptions() {
   );
 }
 
+const overlaysOpen = signal(false);
+
+/** Boxes, trails and the ghost: what is drawn over the recording. */
+function OverlayOptions() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  const view = state.view.value;
+  return (
+    <>
+      <Button
+        buttonRef={anchor}
+        icon="view"
+        tip="Drawn over the recording: boxes, trails"
+        expanded={overlaysOpen.value}
+        onClick={() => (overlaysOpen.value = !overlaysOpen.value)}
+      />
+      {overlaysOpen.value && (
+        <Popover
+          anchor={anchor}
+          label="Drawn over the recording"
+          onClose={() => (overlaysOpen.value = false)}
+          class="overlays"
+        >
+          <Check
+            label="Boxes"
+            tip="A box round each labelled object"
+            checked={view.boxes}
+            onChange={(boxes) => actions.setView({ boxes })}
+          />
+          <Check
+            label="Trails"
+            tip="The ways of the objects through the frames near this one"
+            checked={view.trails}
+            onChange={(trails) => actions.setView({ trails })}
+          />
+          <Check
+            label="Ghost of the frame before"
+            tip="Where the objects were a frame before, faintly"
+            checked={view.ghost}
+            onChange={(ghost) => actions.setView({ ghost })}
+          />
+        </Popover>
+      )}
+    </>
+  );
+}
+
 function ViewOptions() {
   const view = state.view.value;
   const fields = state.sequence.value?.fields ?? [];
@@ -153,6 +202,7 @@ function ViewOptions() {
         shown={`${view.pointSize.toFixed(1)}×`}
         onInput={(pointSize) => actions.setView({ pointSize })}
       />
+      <OverlayOptions />
       <Check
         label="Depth shading"
         tip="Darken edges in depth, so that shapes stand out"

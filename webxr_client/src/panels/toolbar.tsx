@@ -2,7 +2,7 @@
 import { useRef } from 'preact/hooks';
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
-import { canEdit, state, trackingJob, type Tool } from '../state';
+import { canEdit, notify, state, trackingJob, type Tool } from '../state';
 import { Button } from './controls';
 import { ExportMenu } from './export-menu';
 import { helpOpen } from './help';
@@ -183,8 +183,12 @@ function ExportButton() {
 }
 
 function VrButton() {
-  const { supported, session, passthrough } = state.xr.value;
-  if (!supported) return null;
+  const { supported, session, passthrough, detail } = state.xr.value;
+  if (supported === null) return null;
+  if (!supported) {
+    const why = (): void => notify('info', 'No headset here', detail);
+    return <Button icon="headset" tip={`No headset here. ${detail}`} onClick={why} />;
+  }
   if (session === 'running') {
     return (
       <Button icon="exit" label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />

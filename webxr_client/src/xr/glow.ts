@@ -10,7 +10,7 @@ export interface Patch {
 }
 
 /** Text below stays legible: more light would wash it out. */
-const BRIGHTEST = 0.3;
+const BRIGHTEST = 0.14;
 
 export class Glow {
   readonly group = new Group();

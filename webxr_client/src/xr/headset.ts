@@ -14,6 +14,10 @@ const BEST_RATE = 90;
 const DEFAULT_RATE = 72;
 const FOVEATION = 0.5;
 
+const NO_WEBXR = 'This browser has no WebXR. Open this page in the headset’s own browser.';
+const NOT_SECURE = 'Browsers allow WebXR over HTTPS only: serve with --tls, or open localhost.';
+const NO_HEADSET = 'No headset was found. Connect one, or open this page in the headset’s browser.';
+
 export class Headset {
   cockpit: Cockpit | null = null;
   private leaving = false;
@@ -27,7 +31,8 @@ export class Headset {
     });
     const { xr } = navigator;
     if (!xr) {
-      patch(state.xr, { supported: false });
+      const detail = isSecureContext ? NO_WEBXR : NOT_SECURE;
+      patch(state.xr, { supported: false, detail });
       return;
     }
     xr.addEventListener('devicechange', () => void this.look(xr));
@@ -41,7 +46,9 @@ export class Headset {
       asks('immersive-vr'),
       asks('immersive-ar'),
     ]);
-    patch(state.xr, { supported, passthrough });
+    const detail = supported ? '' : NO_HEADSET;
+    const idle = state.xr.peek().session === 'none';
+    patch(state.xr, { supported, passthrough, ...(idle ? { detail } : {}) });
   }
 
   async enter(mode: Mode = 'immersive-vr'): Promise<void> {

@@ -13,7 +13,7 @@ import { FONT, INK, type Ui } from './ui';
 import { watch } from './watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
-const LANES = 4;
+const LANES = 7;
 const GUTTER_EMS = 7.5;
 const READOUT_EMS = 14.6;
 /** Between two drawings for what may show later; a picture of its own is a costly one. */

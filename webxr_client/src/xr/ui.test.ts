@@ -9,7 +9,9 @@ describe('panels in the room', () => {
       expect(contrast(INK.quiet, back)).toBeGreaterThan(4.5);
     }
     expect(contrast(INK.accent, INK.on)).toBeGreaterThan(4.5);
-    expect(contrast(INK.bad, INK.back)).toBeGreaterThan(4.5);
+    for (const color of [INK.bad, INK.good, INK.warn]) {
+      expect(contrast(color, INK.back)).toBeGreaterThan(4.5);
+    }
     for (const color of LABEL_COLORS) expect(contrast(color, INK.raised)).toBeGreaterThan(3);
   });
 });

@@ -1,6 +1,7 @@
 /** The palette's first page: every label, to choose, lock, hide or see alone. */
 import { actions } from '../../actions';
 import type { Label } from '../../protocol/messages';
+import { unsure } from '../../engine/review';
 import { state } from '../../state';
 import { INK, type Ui } from '../ui';
 
@@ -75,6 +76,9 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
       if (state.tool.peek() === 'pick') actions.setTool('paint');
     },
   );
+  if (unsure.peek().includes(label.id)) {
+    ui.icon('warning', x + w - tools - em * 1.9, y + (h - em * 1.3) / 2, em * 1.3, INK.warn);
+  }
   const left = x + w - tools + em * 0.15;
   const size = em * 1.45;
   const lock = { icon: label.locked ? 'lock' : 'unlock', on: label.locked } as const;

@@ -1,0 +1,64 @@
+"""At the desk: what it says without a headset, the ground tool, what is drawn over the recording."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable
+
+import numpy as np
+
+from tests.e2e.desk import Desk
+from tests.e2e.server import LiveServer
+
+SEQUENCE = "juggling"
+PERSON = 7
+
+
+def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk: Desk) -> None:
+    assert desk.page.get_by_role("button", name="Enter VR").count() == 0
+    desk.page.get_by_role("button", name="No headset here").click()
+    desk.page.get_by_text("Connect one, or open this page").first.wait_for()
+    desk.ask(
+        """(() => {
+          navigator.xr.isSessionSupported = async (mode) => mode === 'immersive-vr';
+          navigator.xr.dispatchEvent(new Event('devicechange'));
+        })()"""
+    )
+    desk.page.get_by_role("button", name="Enter VR").wait_for()
+
+
+def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
+    server: LiveServer, desk: Desk, truth: Callable[[int, int], list[float]]
+) -> None:
+    server.create_label(SEQUENCE, "floor", "#4cc38a")
+    desk.until("pb.state.activeLabel.value === 1")
+    desk.page.get_by_role("radio", name="Ground").click()
+    desk.ask("(pb.state.brush.value = { ...pb.state.brush.value, radius: 0.08 })")
+    points = server.points(SEQUENCE, 0)
+    # The lowest of what stands in the middle of the picture is floor.
+    seen = np.abs(points[:, 0] / points[:, 2]) < 0.2
+    below = points[seen & (points[:, 1] / points[:, 2] > 0.42 * 0.95)]
+    place = below[np.argmax(below[:, 1])] if len(below) else points[np.argmin(points[:, 1])]
+    desk.paint([place.tolist()])
+    desk.settled()
+    label = server.annotation(SEQUENCE, 0)
+    assert (label == 1).sum() > 300
+    off = points[label == 1] - points[label == 1].mean(axis=0)
+    spread = np.linalg.svd(off, compute_uv=False)
+    assert spread[2] < 0.05 * spread[1]
+    overlays = "window.__pointbrushHeadset.overlays()"
+    assert desk.ask(f"{overlays}.boxes") == 0
+    desk.page.get_by_role("button", name="Drawn over the recording").click()
+    desk.page.get_by_label("Boxes").check()
+    desk.until(f"{overlays}.boxes === 1")
+    desk.screenshot("overlays-at-the-desk")
+    stroke = {
+        "id": str(uuid.uuid4()),
+        "label": 1,
+        "shape": "sphere",
+        "radius": 0.1,
+        "samples": [{"origin": truth(1, PERSON)}],
+    }
+    server.request("POST", f"sequences/{SEQUENCE}/frames/1/strokes", json=stroke)
+    desk.press("ArrowRight")
+    desk.until(f"{overlays}.trails === 2 && {overlays}.ghost > 300")

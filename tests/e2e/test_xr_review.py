@@ -1,0 +1,241 @@
+"""In the headset: what is drawn over the recording, ground, doubt, new names, what is felt."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Iterator
+from io import BytesIO
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+from tests.e2e.headset import PAINTING, Headset, wear
+from tests.e2e.server import LiveServer
+
+SEQUENCE = "juggling"
+PERSON = 7
+Truth = Callable[[int, int], list[float]]
+
+
+@pytest.fixture
+def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
+    """Inside the recording, with one label."""
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    worn = wear(browser, server.page_url)
+    worn.ready()
+    worn.until("pb.state.activeLabel.value === 1")
+    worn.enter()
+    yield worn
+    worn.context.close()
+    assert worn.complaints == []
+
+
+def painted(server: LiveServer, frame: int) -> int:
+    return int((server.annotation(SEQUENCE, frame) == 1).sum())
+
+
+def paint_over_rest(server: LiveServer, frame: int, center: list[float], radius: float) -> None:
+    """A ball of the first label, painted by somebody else's program."""
+    stroke = {
+        "id": str(uuid.uuid4()),
+        "label": 1,
+        "tool": "paint",
+        "shape": "sphere",
+        "radius": radius,
+        "samples": [{"origin": center}],
+    }
+    server.request("POST", f"sequences/{SEQUENCE}/frames/{frame}/strokes", json=stroke)
+
+
+# ── boxes, trails, ghost ─────────────────────────────────────────────────────────────────────
+
+
+def test_boxes_trails_and_ghost_are_drawn_and_switched_in_the_palette(
+    headset: Headset, server: LiveServer, truth: Truth
+) -> None:
+    for frame in range(3):
+        paint_over_rest(server, frame, truth(frame, PERSON), 0.1)
+        headset.flick_to_frame(frame)
+    # Three frames with the label near the playhead: a dot for each, and where it was before.
+    headset.until("hs.overlays().trails === 3 && hs.overlays().ghost > 20")
+    ghost = headset.ask("hs.overlays().ghost")
+    assert ghost == int((server.annotation(SEQUENCE, 1) == 1).sum())
+    assert headset.ask("hs.overlays().boxes") == 0
+    headset.click("palette", "View")
+    headset.click("palette", "Boxes")
+    headset.until("hs.overlays().boxes === 1")
+    # The box holds the label's points: its middle is theirs, to a hand's breadth.
+    xyz = server.points(SEQUENCE, 2)[server.annotation(SEQUENCE, 2) == 1]
+    middle = headset.ask(f"hs.place({((xyz.min(0) + xyz.max(0)) / 2).tolist()})")
+    box = headset.ask(
+        """(() => {
+          let box = null;
+          pb.engine.viewer.world.traverse((o) => { if (o.isInstancedMesh) box = o; });
+          const { array } = box.instanceMatrix, sum = [0, 0, 0];
+          for (let i = 0; i < box.count; i++)
+            for (let k = 0; k < 3; k++) sum[k] += array[16 * i + 12 + k] / box.count;
+          const at = hs.headset.cockpit.rig.head.clone().set(...sum);
+          return hs.headset.cockpit.rig.group.worldToLocal(box.localToWorld(at)).toArray();
+        })()"""
+    )
+    assert np.linalg.norm(np.subtract(box, middle)) < 0.1
+    for name, what in (("Boxes", "boxes"), ("Trails", "trails"), ("Ghost", "ghost")):
+        headset.click("palette", name)
+        headset.until(f"hs.overlays().{what} === 0")
+    # What is hidden has neither box nor trail.
+    headset.click("palette", "Boxes")
+    headset.until("hs.overlays().boxes === 1")
+    headset.click("palette", "Labels")
+    headset.click("palette", "eye")
+    headset.until("hs.overlays().boxes === 0")
+
+
+# ── ground ───────────────────────────────────────────────────────────────────────────────────
+
+
+def test_the_ground_under_the_ray_is_deleted_and_comes_back(
+    headset: Headset, server: LiveServer
+) -> None:
+    headset.click("palette", "Tools")
+    headset.click("palette", "Delete")
+    headset.click("palette", "Ground")
+    headset.set_radius(0.08)
+    points = server.points(SEQUENCE, 0)
+    headset.move("right", [0.5, 1.3, -0.2], [0.6, 0.0, -0.9])
+    headset.frames(4)
+    headset.trigger(1)
+    headset.trigger(0)
+    headset.settled()
+    gone = server.annotation(SEQUENCE, 0, "deleted").astype(bool)
+    assert gone.sum() > 500
+    # All that went lies in one plane, and it is the floor: its height in the room is zero.
+    off = points[gone] - points[gone].mean(axis=0)
+    spread = np.linalg.svd(off, compute_uv=False) / np.sqrt(gone.sum())
+    assert spread[2] < 0.05 * spread[1]
+    height = headset.ask(f"hs.place({points[gone].mean(axis=0).tolist()})[1]")
+    assert abs(height) < 0.05
+    headset.button("b-button")
+    headset.until("!(-1 in pb.labels())")
+
+
+# ── doubt ────────────────────────────────────────────────────────────────────────────────────
+
+
+def pretend_doubt(headset: Headset, frame: int) -> None:
+    """The page believes that tracking was unsure in a frame: what a run would have written."""
+    headset.ask(
+        f"""(() => {{
+          const table = pb.state.timeline.value, row = table.rows.get(1);
+          row.points[{frame}] = 50; row.painted[{frame}] = 0;
+          row.confidence[{frame}] = 0.2; row.state[{frame}] = 2;
+          pb.state.timeline.value = {{ rows: new Map(table.rows) }};
+        }})()"""
+    )
+
+
+def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
+    headset: Headset, server: LiveServer, truth: Truth
+) -> None:
+    paint_over_rest(server, 0, truth(0, PERSON), 0.1)
+    headset.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
+    assert headset.ask("hs.doubt().pulse") == 0
+    for frame in (2, 4):
+        pretend_doubt(headset, frame)
+    for frame in (2, 4, 2):
+        headset.button("thumbstick", "left")
+        headset.until(f"pb.state.frame.value === {frame} && hs.doubt().unsure[0] === 1")
+    headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.palette.glow.group.visible")
+    headset.until("hs.doubt().pulse < 0.4")
+    headset.flick_to_frame(3)
+    headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")
+
+
+def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
+    headset: Headset, server: LiveServer, truth: Truth
+) -> None:
+    # Points strewn all over the room are no object: nobody can be sure where they went.
+    values = np.zeros(len(server.points(SEQUENCE, 0)), np.uint16)
+    values[np.random.default_rng(0).choice(len(values), 60, replace=False)] = 1
+    buffer = BytesIO()
+    np.save(buffer, values)
+    path = f"sequences/{SEQUENCE}/frames/0/annotation"
+    server.request("PUT", path, content=buffer.getvalue())
+    headset.until("pb.state.timeline.value.rows.get(1)?.points[0] === 60")
+    headset.click("timeline", "To end")
+    headset.until("hs.doubt().halted !== null && pb.state.frame.value === 1", 60)
+    assert headset.ask("hs.doubt().halted") == {"at": 1, "stop": 5, "labels": [1]}
+    assert headset.ask("hs.doubt().unsure") == [1]
+    # The run went no further than where it was unsure.
+    headset.until("pb.state.timeline.value.rows.get(1).points[1] > 0")
+    assert painted(server, 2) == 0
+    headset.paint([truth(1, PERSON)])
+    headset.settled()
+    headset.until("hs.doubt().unsure.length === 0")
+    headset.click("timeline", "Continue to 5")
+    headset.until("hs.doubt().halted?.at === 2 && pb.state.frame.value === 2", 60)
+    headset.until("hs.doubt().unsure.length === 1")
+    tracked = painted(server, 2)
+    headset.click("timeline", "Accept")
+    headset.until("hs.doubt().halted?.at !== 2")
+    # A person has vouched for these points: they count as painted.
+    provenance = server.annotation(SEQUENCE, 2, "provenance")
+    assert (provenance[server.annotation(SEQUENCE, 2) == 1] == 1).all()
+    assert painted(server, 2) == tracked > 0
+    # And the run has gone on by itself.
+    headset.until("pb.state.timeline.value.rows.get(1).points[3] > 0", 60)
+
+
+# ── names ────────────────────────────────────────────────────────────────────────────────────
+
+
+def test_a_label_is_named_with_the_headsets_keyboard(headset: Headset, server: LiveServer) -> None:
+    headset.click("palette", "New")
+    headset.click("palette", "Type a name")
+    headset.page.locator("input[aria-label='Name of the new label']").wait_for(state="attached")
+    headset.page.keyboard.type("café on the left")
+    headset.page.keyboard.press("Enter")
+    headset.until("pb.state.palette.value.some((label) => label.name === 'café on the left')")
+    rows = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
+    assert rows[-1]["name"] == "café on the left"
+    assert headset.ask("pb.state.activeLabel.value") == rows[-1]["id"]
+    assert headset.page.locator("input[aria-label='Name of the new label']").count() == 0
+    # Letting go without a word makes nothing.
+    headset.click("palette", "New")
+    headset.click("palette", "Type a name")
+    headset.page.keyboard.press("Escape")
+    headset.frames()
+    assert len(server.request("GET", f"sequences/{SEQUENCE}/labels").json()) == len(rows)
+
+
+# ── what is felt ─────────────────────────────────────────────────────────────────────────────
+
+
+def felt(headset: Headset) -> list[float]:
+    return [p["strength"] for p in headset.pulses() if p["milliseconds"] == PAINTING]
+
+
+def test_only_what_changes_is_felt_and_a_lock_is_a_bump(
+    headset: Headset, server: LiveServer, truth: Truth
+) -> None:
+    center = truth(0, PERSON)
+    headset.pulses()
+    headset.set_radius(0.02)
+    headset.paint([center])
+    headset.settled()
+    headset.until(f"window.pulses.some((pulse) => pulse.milliseconds === {PAINTING})")
+    few = max(felt(headset))
+    headset.set_radius(0.15)
+    headset.paint([center])
+    headset.settled()
+    headset.until(f"window.pulses.some((pulse) => pulse.milliseconds === {PAINTING})")
+    # More points, a stronger pulse.
+    assert max(felt(headset)) > few
+    # Points that have the label already are touched, and nothing is felt.
+    headset.paint([center])
+    headset.settled()
+    headset.frames()
+    assert felt(headset) == []
+    headset.click("palette", "unlock")
+    headset.until("pb.state.palette.value[0].locked")
+    headset.until("window.pulses.some((pulse) => pulse.strength === 1)")
