@@ -1,4 +1,4 @@
-"""At the desk: what it says without a headset, the ground tool, what is drawn over the recording."""
+"""At the desk: what it says without a headset, the ground tool, boxes and trails."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     desk.page.get_by_role("radio", name="Ground").click()
     desk.ask("(pb.state.brush.value = { ...pb.state.brush.value, radius: 0.08 })")
     points = server.points(SEQUENCE, 0)
-    # The lowest of what stands in the middle of the picture is floor.
-    seen = np.abs(points[:, 0] / points[:, 2]) < 0.2
-    below = points[seen & (points[:, 1] / points[:, 2] > 0.42 * 0.95)]
-    place = below[np.argmax(below[:, 1])] if len(below) else points[np.argmin(points[:, 1])]
+    # A point of the floor before the people, in the middle of the picture.
+    up = np.array(desk.ask("pb.engine.viewer.room.matrix.elements")).reshape(4, 4).T[1]
+    floor = points[np.abs(points @ up[:3] + up[3]) < 0.02]
+    place = floor[np.argmin(np.linalg.norm(floor[:, [0, 2]] - [0.0, 2.6], axis=1))]
     desk.paint([place.tolist()])
     desk.settled()
     label = server.annotation(SEQUENCE, 0)
@@ -49,7 +49,7 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     overlays = "window.__pointbrushHeadset.overlays()"
     assert desk.ask(f"{overlays}.boxes") == 0
     desk.page.get_by_role("button", name="Drawn over the recording").click()
-    desk.page.get_by_label("Boxes").check()
+    desk.page.get_by_role("checkbox", name="Boxes").check()
     desk.until(f"{overlays}.boxes === 1")
     desk.screenshot("overlays-at-the-desk")
     stroke = {
