@@ -55,7 +55,8 @@ WIDE = 5.0
 DOUBTFUL = 0.4
 """Cost over which a fit says nothing about the motion."""
 WAS = 7
-EXPL, NEARR, CUT = 0.2, 0, 0.05
+EXPL, CUT = 0.2, 0.05
+EXPLOPEN = 0.7
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -300,9 +301,10 @@ class Run:
         """Whether a closed blob is one object: nothing of it is another's, or came with a hand."""
         if taken[new].any():
             return False
-        if not len(new) or not cut_off(view, new, 3 * thing.unit, CUT):
+        if not len(new):
             return True
-        return float(self._was_there(thing, view, new).mean()) < EXPL
+        most = EXPL if cut_off(view, new, 3 * thing.unit, CUT) else EXPLOPEN
+        return float(self._was_there(thing, view, new).mean()) < most
 
     def _was_there(self, thing: Thing, view: View, rest: I64) -> Mask:
         xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
