@@ -22,7 +22,8 @@ from plyfile import PlyData
 from pointbrush.formats import read
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.ply import write_ply
+from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.table import Table
 from pointbrush.formats.text import write_csv
 
 KINECT = Path(__file__).parent.parent.parent / "shared" / "realdata" / "pcl_kinect3"
@@ -36,11 +37,12 @@ def write_files(folder: Path, count: int) -> None:
     columns = {axis: xyz[:, i] for i, axis in enumerate("xyz")}
     colors = {c: rng.integers(0, 256, count, dtype=np.uint8) for c in ("red", "green", "blue")}
     with (folder / "a.ply").open("wb") as file:
-        write_ply(file, columns | colors)
+        write_ply(file, Table.of(columns | colors))
     with (folder / "a.pcd").open("wb") as file:
-        write_pcd(file, columns)
+        write_pcd(file, Table.of(columns))
     with (folder / "a.csv").open("wb") as file:
-        write_csv(file, {k: v[: count // 10] for k, v in (columns | colors).items()})
+        tenth = {k: v[: count // 10] for k, v in (columns | colors).items()}
+        write_csv(file, Table.of(tenth))
     np.savez(folder / "a.npz", xyz=xyz, rgb=np.stack(list(colors.values()), axis=1))
     (folder / "a.bin").write_bytes(np.hstack([xyz, rng.random((count, 1))]).astype("<f4").tobytes())
     las = laspy.LasData(laspy.LasHeader(version="1.2", point_format=3))

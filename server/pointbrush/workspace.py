@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -21,7 +21,6 @@ from pointbrush.errors import (
     NotFoundError,
 )
 from pointbrush.formats import EXPORTS, export, source_name
-from pointbrush.frame import PointFrame
 from pointbrush.jobs import ENDED, Job, JobRunner, Work
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
 from pointbrush.sequences import Manifest, verify
@@ -183,9 +182,11 @@ class Workspace:
 
     # ── points and annotations ───────────────────────────────────────────────────────────
 
-    def points(self, sequence: str, frame: int) -> PointFrame:
-        """One frame as it was in its file: source order and coordinates, exact."""
-        return exporting.source_frame(self.recording(sequence), frame)
+    def points(
+        self, sequence: str, frame: int, names: Collection[str] = exporting.SENT
+    ) -> Iterator[dict[str, NDArray[Any]]]:
+        """Columns of a frame as in its file, source order and coordinates: consecutive blocks."""
+        return exporting.source_columns(self.recording(sequence), frame, names)
 
     def values(
         self, sequence: str, frame: int, first: int = 0, count: int | None = None

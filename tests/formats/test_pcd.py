@@ -16,6 +16,7 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import read
 from pointbrush.formats.lzf import lzf_decompress
 from pointbrush.formats.pcd import write_pcd
+from pointbrush.formats.table import Table
 
 COLOR = 0xFF102030
 
@@ -185,7 +186,7 @@ def test_written_files_read_back(tmp_path):
     columns = {axis: xyz[:, i] for i, axis in enumerate("xyz")}
     columns |= {"rgba": np.full(50, COLOR, np.uint32), "label": label}
     out = io.BytesIO()
-    write_pcd(out, columns)
+    write_pcd(out, Table.of(columns))
     (tmp_path / "a.pcd").write_bytes(out.getvalue())
     frame = one(tmp_path / "a.pcd")
     assert frame.xyz.tobytes() == xyz.tobytes()

@@ -14,7 +14,8 @@ from plyfile import PlyData, PlyElement
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import read
-from pointbrush.formats.ply import write_ply
+from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.table import Table
 
 CUBE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 
@@ -137,7 +138,7 @@ def test_bad_files_say_what_was_expected(tmp_path, case):
 
 def test_every_truncation_of_a_binary_file_raises(tmp_path):
     out = io.BytesIO()
-    write_ply(out, {axis: np.arange(5, dtype=np.float32) for axis in "xyz"})
+    write_ply(out, Table.of({axis: np.arange(5, dtype=np.float32) for axis in "xyz"}))
     for size in range(len(out.getvalue())):
         (tmp_path / "a.ply").write_bytes(out.getvalue()[:size])
         with pytest.raises(BadInputError):
@@ -169,7 +170,7 @@ def test_what_is_written_reads_back_bit_for_bit(tmp_path_factory, data, dtype, c
     columns["label"] = label
     path = tmp_path_factory.mktemp("ply") / "a.ply"
     with path.open("wb") as file:
-        write_ply(file, columns)
+        write_ply(file, Table.of(columns))
     frame = one(path)
     assert frame.xyz.dtype == dtype
     assert frame.xyz.tobytes() == xyz.tobytes()

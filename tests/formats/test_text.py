@@ -12,6 +12,7 @@ from hypothesis.extra import numpy as hnp
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import read
+from pointbrush.formats.table import Table
 from pointbrush.formats.text import write_csv
 
 
@@ -91,7 +92,7 @@ def test_binary_data_is_not_text(tmp_path):
 def test_csv_reads_back_bit_for_bit(tmp_path_factory, xyz):
     out = io.BytesIO()
     columns = {axis: xyz[:, i] for i, axis in enumerate("xyz")}
-    write_csv(out, columns | {"label": np.arange(len(xyz), dtype=np.uint16)})
+    write_csv(out, Table.of(columns | {"label": np.arange(len(xyz), dtype=np.uint16)}))
     path = tmp_path_factory.mktemp("csv") / "a.csv"
     path.write_bytes(out.getvalue())
     (frame,) = read(path)

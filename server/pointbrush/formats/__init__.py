@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from pointbrush.formats.exports import EXPORTS, Export, LabeledFrame, export
+from pointbrush.formats.exports import (
+    EXPORTS,
+    BlockedFrame,
+    Export,
+    ExportFrame,
+    LabeledFrame,
+    export,
+    sizes_of,
+)
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_palette
 from pointbrush.formats.registry import FORMATS, Format, format_names
@@ -11,7 +19,9 @@ from pointbrush.formats.source import Source, open_source, read, source_name
 __all__ = [
     "EXPORTS",
     "FORMATS",
+    "BlockedFrame",
     "Export",
+    "ExportFrame",
     "Format",
     "LabeledFrame",
     "Limits",
@@ -22,6 +32,7 @@ __all__ = [
     "format_names",
     "open_source",
     "read",
+    "sizes_of",
     "source_name",
     "source_palette",
 ]

@@ -6,8 +6,9 @@ import lzma
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.columns import frame_from_columns, plain_columns
 from pointbrush.formats.options import Extras, ReadOptions, require_count
+from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -26,6 +28,7 @@ LABELS = ("label", "labels", "semantic", "semantic_label")
 INSTANCES = ("instance", "instances", "instance_id", "instance_label")
 # A table of points is not wider: other arrays are.
 MAX_WIDTH = 16
+_NPY_ROWS = 1 << 20
 READ_ERRORS = (
     *(ValueError, EOFError, OSError, KeyError, RuntimeError, OverflowError),
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError),
@@ -231,6 +234,25 @@ def _extras(name: str, arrays: Mapping[str, Array]) -> Extras:
     )
 
 
-def write_npz(out: BinaryIO, arrays: Mapping[str, Array]) -> None:
-    """Write arrays as a compressed .npz."""
-    np.savez_compressed(out, **arrays)  # type: ignore[arg-type]
+def write_npz(out: BinaryIO, arrays: Mapping[str, Table | Array]) -> None:
+    """Write arrays, and tables of one column, as a compressed .npz."""
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                if isinstance(values, Table):
+                    write_column(cast(BinaryIO, member), values)
+                else:
+                    np.lib.format.write_array(member, values, allow_pickle=False)
+
+
+def write_column(out: BinaryIO, table: Table) -> None:
+    """Write a table of one column, whose rows may be arrays, as .npy."""
+    blocks = (np.ascontiguousarray(*columns.values()) for columns in table.blocks())
+    first = next(blocks)
+    descr = np.lib.format.dtype_to_descr(first.dtype)
+    shape = (table.count, *first.shape[1:])
+    header = {"descr": descr, "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(out, header)
+    for block in chain([first], blocks):
+        for start in range(0, len(block), _NPY_ROWS):
+            out.write(block[start : start + _NPY_ROWS].tobytes())

@@ -6,7 +6,7 @@ Points with a NaN coordinate are missing pixels of an organised cloud and are le
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -19,6 +19,7 @@ from pointbrush.formats.columns import frame_from_columns, unpack_rgb
 from pointbrush.formats.lzf import lzf_decompress
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
+from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -236,23 +237,20 @@ def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Arr
     return columns
 
 
-def write_pcd(out: BinaryIO, columns: Mapping[str, Array]) -> None:
-    """Write columns of equal length as a binary PCD 0.7."""
-    count = len(next(iter(columns.values())))
-    dtype = np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
-    rows = np.empty(count, dtype)
-    for name, values in columns.items():
-        rows[name] = values
-    kinds = [values.dtype for values in columns.values()]
+def write_pcd(out: BinaryIO, table: Table) -> None:
+    """Write a table as a binary PCD 0.7."""
+    types, blocks = table.rows()
+    kinds = types.values()
     lines = [
         "# .PCD v0.7 - Point Cloud Data file format",
         "VERSION 0.7",
-        f"FIELDS {' '.join(columns)}",
+        f"FIELDS {' '.join(types)}",
         f"SIZE {' '.join(str(kind.itemsize) for kind in kinds)}",
         f"TYPE {' '.join(kind.kind.upper() for kind in kinds)}",
         f"COUNT {' '.join('1' for _ in kinds)}",
-        *(f"WIDTH {count}", "HEIGHT 1", "VIEWPOINT 0 0 0 1 0 0 0", f"POINTS {count}"),
+        *(f"WIDTH {table.count}", "HEIGHT 1", "VIEWPOINT 0 0 0 1 0 0 0", f"POINTS {table.count}"),
         *("DATA binary", ""),
     ]
     out.write("\n".join(lines).encode("ascii"))
-    out.write(rows.tobytes())
+    for rows in blocks:
+        out.write(rows.tobytes())

@@ -5,10 +5,10 @@ The vertices become the points; faces and other elements are passed over.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -285,21 +285,3 @@ def _typed(name: str, prop: Property, values: NDArray[np.float64]) -> Array:
             f"{bad[0]}"
         )
     return values.astype(kind)
-
-
-# ── writing ──────────────────────────────────────────────────────────────────────────────────
-
-
-def write_ply(out: BinaryIO, columns: Mapping[str, Array], comments: tuple[str, ...] = ()) -> None:
-    """Write columns of equal length as the vertices of a binary little-endian PLY."""
-    dtype = np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
-    count = len(next(iter(columns.values())))
-    lines = ["ply", "format binary_little_endian 1.0"]
-    lines += [f"comment {comment}" for comment in comments]
-    lines.append(f"element vertex {count}")
-    lines += [f"property {NAMES[values.dtype.str[1:]]} {name}" for name, values in columns.items()]
-    rows = np.empty(count, dtype)
-    for name, values in columns.items():
-        rows[name] = values
-    out.write("\n".join([*lines, "end_header", ""]).encode("ascii"))
-    out.write(rows.tobytes())

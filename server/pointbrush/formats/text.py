@@ -18,11 +18,13 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns, plain_columns, roles
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
+from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
 SEPARATORS = (",", ";", "\t")
 MAX_COLUMNS = 1024
+_CSV_ROWS = 65536
 
 
 def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
@@ -146,12 +148,15 @@ def _named(
     return plain_columns(table, intensity_first=is_pts)
 
 
-def write_csv(out: BinaryIO, columns: Mapping[str, Array]) -> None:
-    """Write columns of equal length as CSV with a header; coordinates read back bit for bit."""
-    texts = [_texts(values) for values in columns.values()]
+def write_csv(out: BinaryIO, table: Table) -> None:
+    """Write a table as CSV with a header; coordinates read back bit for bit."""
+    types, blocks = table.opened()
     writer = io.TextIOWrapper(out, encoding="ascii", newline="\n", write_through=True)
-    writer.write(",".join(columns) + "\n")
-    writer.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
+    writer.write(",".join(types) + "\n")
+    for columns in blocks:
+        for first in range(0, len(next(iter(columns.values()))), _CSV_ROWS):
+            texts = [_texts(values[first : first + _CSV_ROWS]) for values in columns.values()]
+            writer.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
     writer.detach()
 
 

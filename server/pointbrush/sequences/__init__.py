@@ -5,6 +5,7 @@ from pointbrush.sequences.check import verify
 from pointbrush.sequences.files import clean_temporary
 from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
 from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
+from pointbrush.sequences.source_order import source_blocks
 from pointbrush.sequences.store import Chunk, Sequence, StoredFrame, open_sequence
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "import_large",
     "open_sequence",
     "read_manifest",
+    "source_blocks",
     "update_manifest",
     "verify",
 ]

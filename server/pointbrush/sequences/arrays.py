@@ -93,6 +93,17 @@ def read_range(path: Path, start: int, stop: int) -> bytes:
         return file.read(stop - start)
 
 
+def read_rows(path: Path, first: int, stop: int) -> NDArray[Any]:
+    """Rows ``first`` to before ``stop`` of an ``.npy`` file, read rather than mapped."""
+    with path.open("rb") as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        row = shape[1:]
+        width = int(np.prod(row, dtype=np.int64))
+        file.seek(first * width * dtype.itemsize, 1)
+        return np.fromfile(file, dtype, (stop - first) * width).reshape(-1, *row)
+
+
 def _open_npy(path: Path) -> NDArray[Any]:
     # A view of the base class: the memmap subclass makes each slice several times slower.
     mapped: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +17,7 @@ from scipy.spatial import cKDTree
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
-from pointbrush.sequences.arrays import map_file, open_arrays, read_range
+from pointbrush.sequences.arrays import map_file, open_arrays, read_range, read_rows
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.columns import from_local
@@ -148,6 +149,32 @@ class StoredFrame:
         """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
         exact = self._arrays.get("residual")
         return self.to_source(from_local(self.xyz, exact, self._shift, self.source_dtype))
+
+    def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
+        """Rows ``first`` to before ``stop`` of a stored array.
+
+        Of an octree's frame they are read, not mapped: passing through all of it must not make
+        all of it this process's memory.
+        """
+        if self.large:
+            return read_rows(self._path / f"{name}.npy", first, stop)
+        return self._arrays[name][first:stop]
+
+    def read_source(self, first: int, stop: int, names: Collection[str]) -> dict[str, NDArray[Any]]:
+        """Those of the columns ``names`` that the frame has, stored order, as imported.
+
+        ``xyz`` are source coordinates, bit for bit.
+        """
+        columns = {
+            name: self.read(name, first, stop)
+            for name in names
+            if name != "xyz" and name in self._arrays
+        }
+        if "xyz" in names:
+            exact = self.read("residual", first, stop) if "residual" in self._arrays else None
+            local = self.read("xyz", first, stop)
+            columns["xyz"] = from_local(local, exact, self._shift, self.source_dtype)
+        return columns
 
     @cached_property
     def blocks(self) -> Blocks:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any, cast
 
 import numpy as np
@@ -12,12 +13,13 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.frame import PointFrame
 from pointbrush.streaming.status import MalformedError
 
 MEDIA_TYPE = "application/x-npy"
 BLOCK = 1 << 18
 """Points formatted at once while an array is streamed."""
+
+Columns = Mapping[str, NDArray[Any]]
 
 
 def parse(body: bytes, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
@@ -60,48 +62,83 @@ def _header(body: bytes) -> tuple[tuple[int, ...], np.dtype[Any], int]:
     return shape, dtype, stream.tell()
 
 
-def dump(array: NDArray[Any]) -> bytes:
-    """A ``.npy`` file."""
-    stream = io.BytesIO()
-    npy_format.write_array(stream, np.ascontiguousarray(array), allow_pickle=False)
-    return stream.getvalue()
+def stream_array(array: NDArray[Any]) -> tuple[int, Iterator[bytes]]:
+    """A ``.npy`` file: its length and its pieces."""
+    header = _described(array.dtype, array.shape)
+
+    def pieces() -> Iterator[bytes]:
+        yield header
+        for first in range(0, len(array), BLOCK):
+            yield array[first : first + BLOCK].tobytes()
+
+    return len(header) + array.nbytes, pieces()
 
 
-def stream_frame(frame: PointFrame) -> tuple[int, Iterator[bytes]]:
-    """A frame as a structured ``.npy``: its length and its pieces.
+def _described(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
+    header = io.BytesIO()
+    description = {
+        "descr": npy_format.dtype_to_descr(dtype),
+        "fortran_order": False,
+        "shape": shape,
+    }
+    npy_format.write_array_header_1_0(header, cast(Any, description))
+    return header.getvalue()
+
+
+def stream_points(blocks: Iterator[Columns], count: int) -> tuple[int, Iterator[bytes]]:
+    """A frame's ``count`` points as a structured ``.npy``: its length and its pieces.
 
     Fields: ``xyz`` (3,), and ``rgb`` (3,) uint8 and ``intensity`` float32 where there are any.
     """
-    columns = columns_of(frame)
-    dtype = np.dtype([(name, array.dtype, array.shape[1:]) for name, array in columns.items()])
-    header = io.BytesIO()
-    description = {"descr": dtype.descr, "fortran_order": False, "shape": (len(frame),)}
-    npy_format.write_array_header_1_0(header, cast(Any, description))
+    first = next(blocks)
+    dtype = np.dtype([(name, array.dtype, array.shape[1:]) for name, array in first.items()])
+    header = _described(dtype, (count,))
 
     def pieces() -> Iterator[bytes]:
-        yield header.getvalue()
-        for first in range(0, len(frame), BLOCK):
-            part = np.empty(min(BLOCK, len(frame) - first), dtype)
-            for name, array in columns.items():
-                part[name] = array[first : first + BLOCK]
-            yield part.tobytes()
+        yield header
+        for columns in chain([first], blocks):
+            for start in range(0, len(columns["xyz"]), BLOCK):
+                part = np.empty(min(BLOCK, len(columns["xyz"]) - start), dtype)
+                for name, array in columns.items():
+                    part[name] = array[start : start + BLOCK]
+                yield part.tobytes()
 
-    return len(header.getvalue()) + len(frame) * dtype.itemsize, pieces()
+    return len(header) + count * dtype.itemsize, pieces()
 
 
-def write_npz(frame: PointFrame, stream: Any) -> None:
-    """A frame as ``.npz`` with one array a field, uncompressed as it is read once."""
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
-        for name, array in columns_of(frame).items():
+def stream_npz(fields: Mapping[str, Iterator[NDArray[Any]]], count: int) -> Iterator[bytes]:
+    """A ``.npz`` with an array of ``count`` rows for each field, uncompressed as it is read once.
+
+    Each field's blocks are read when its turn comes.
+    """
+    sink = _Sink()
+    with zipfile.ZipFile(cast(Any, sink), "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
+        for name, blocks in fields.items():
+            first = next(blocks)
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                npy_format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+                member.write(_described(first.dtype, (count, *first.shape[1:])))
+                for array in chain([first], blocks):
+                    for start in range(0, len(array), BLOCK):
+                        member.write(array[start : start + BLOCK].tobytes())
+                        yield sink.taken()
+    yield sink.taken()
 
 
-def columns_of(frame: PointFrame) -> dict[str, NDArray[Any]]:
-    """The arrays that leave by REST, in the source's order."""
-    columns: dict[str, NDArray[Any] | None] = {
-        "xyz": frame.xyz,
-        "rgb": frame.rgb,
-        "intensity": frame.intensity,
-    }
-    return {name: array for name, array in columns.items() if array is not None}
+class _Sink:
+    """Where an archive is written that leaves at once."""
+
+    def __init__(self) -> None:
+        self._gathered: list[bytes] = []
+
+    def write(self, data: bytes) -> int:
+        self._gathered.append(bytes(data))
+        return len(data)
+
+    def flush(self) -> None:
+        """Nothing: pieces leave when they are taken."""
+
+    def taken(self) -> bytes:
+        """What was written since the last time."""
+        data = b"".join(self._gathered)
+        self._gathered.clear()
+        return data

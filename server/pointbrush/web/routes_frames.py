@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
-from typing import IO, Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
+from numpy.typing import NDArray
 
 from pointbrush.sequences import Chunk
 from pointbrush.streaming.messages import Uuid
@@ -18,14 +18,13 @@ from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag,
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
 from pointbrush.work.layers import require_layer
+from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["frames"])
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
 HEADER_ROOM = 4096
 WIDEST = 8
 """Bytes a value of the widest type that is read, to say that the type is wrong."""
-SPOOL = 32 << 20
-BLOCK = 1 << 20
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 
@@ -49,23 +48,21 @@ def get_points(
     format: Annotated[Literal["npy", "npz"], Query()] = "npy",
 ) -> Response:
     """All points in the source's order and coordinates: structured ``.npy``, or ``.npz``."""
-    frame = workspace.points(seq, i)
+    frame = workspace.recording(seq)[i]
     if format == "npz":
-        spool = tempfile.SpooledTemporaryFile(SPOOL)  # noqa: SIM115 – closed by _drain
-        npy.write_npz(frame, spool)
-        length, pieces, kind = spool.tell(), _drain(spool), "application/zip"
-    else:
-        length, pieces = npy.stream_frame(frame)
-        kind = npy.MEDIA_TYPE
+        fields = {
+            name: _column(workspace, seq, i, name)
+            for name in ("xyz", "rgb", "intensity")
+            if getattr(frame, name) is not None
+        }
+        return StreamingResponse(npy.stream_npz(fields, frame.count), media_type="application/zip")
+    length, pieces = npy.stream_points(workspace.points(seq, i), frame.count)
     headers = {"Content-Length": str(length)}
-    return StreamingResponse(pieces, media_type=kind, headers=headers)
+    return StreamingResponse(pieces, media_type=npy.MEDIA_TYPE, headers=headers)
 
 
-def _drain(spool: IO[bytes]) -> Iterator[bytes]:
-    with spool:
-        spool.seek(0)
-        while piece := spool.read(BLOCK):
-            yield piece
+def _column(workspace: Workspace, seq: str, i: int, name: str) -> Iterator[NDArray[Any]]:
+    return (columns[name] for columns in workspace.points(seq, i, (name,)))
 
 
 @router.get(
@@ -90,7 +87,9 @@ def get_annotation(
     headers = {"ETag": etag(revision), "Cache-Control": "private, no-cache"}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
-    return Response(npy.dump(values), media_type=npy.MEDIA_TYPE, headers=headers)
+    length, pieces = npy.stream_array(values)
+    headers["Content-Length"] = str(length)
+    return StreamingResponse(pieces, media_type=npy.MEDIA_TYPE, headers=headers)
 
 
 async def annotation_body(

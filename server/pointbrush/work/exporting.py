@@ -2,51 +2,99 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import LabeledFrame
+from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame, sizes_of
 from pointbrush.frame import PointFrame
-from pointbrush.labels import LabelStore
-from pointbrush.sequences import Sequence, StoredFrame
+from pointbrush.labels import FrameValues, LabelStore
+from pointbrush.sequences import Sequence, source_blocks
+from pointbrush.work.layers import LAYERS
+
+Columns = dict[str, NDArray[Any]]
 
 
-def source_frame(recording: Sequence, index: int) -> PointFrame:
-    """A stored frame as it was in its file: source order, source coordinates, exact."""
-    stored: StoredFrame = recording[index]
-    manifest = recording.manifest
-    pose, shift = manifest.poses[index], np.asarray(manifest.shift)
+SENT = ("xyz", "rgb", "intensity")
+"""Columns of a frame's points that leave by REST."""
+
+
+def source_columns(
+    recording: Sequence, index: int, names: Collection[str] = SENT
+) -> Iterator[Columns]:
+    """Columns of a frame in source order and coordinates, exact: consecutive blocks."""
+    stored = recording[index]
+    return source_blocks(stored, lambda first, stop: stored.read_source(first, stop, names))
+
+
+def _point_frame(recording: Sequence, index: int, columns: Columns) -> PointFrame:
+    stored, manifest = recording[index], recording.manifest
     return PointFrame(
-        xyz=stored.source_xyz(),
-        rgb=None if stored.rgb is None else stored.to_source(stored.rgb),
-        intensity=None if stored.intensity is None else stored.to_source(stored.intensity),
-        instance=None if stored.instance is None else stored.to_source(stored.instance),
-        pose=None if pose is None else np.array(pose).reshape(4, 4),
-        viewpoint=None if stored.viewpoint is None else stored.viewpoint + shift,
-        timestamp=manifest.timestamps[index],
+        xyz=columns["xyz"],
+        rgb=columns.get("rgb"),
+        intensity=columns.get("intensity"),
+        instance=columns.get("instance"),
+        pose=stored.pose,
+        viewpoint=None if stored.viewpoint is None else stored.viewpoint + manifest.shift,
+        timestamp=stored.timestamp,
     )
 
 
-def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Iterator[LabeledFrame]:
-    """Each frame of ``frames`` with its annotation and tracks, one at a time."""
-    sequence = recording.manifest.id
+def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Iterator[ExportFrame]:
+    """Each frame of ``frames`` with its annotation and tracks, one at a time.
+
+    A frame that is an octree comes in blocks.
+    """
+    sequence, up = recording.manifest.id, recording.manifest.T_room_local[1, :3]
     tracks: dict[int, list[dict[str, Any]]] = {}
     for track in store.tracks(sequence):
         tracks.setdefault(int(track["frame"]), []).append(track)
     for index in frames:
-        stored = recording[index]
         values = store.values(sequence, index)
+        read = partial(_blocks, recording, index, values, tracks.get(index, []), up)
+        if not recording[index].large:
+            yield from read()
+            continue
+        yield BlockedFrame(
+            index=index,
+            count=recording[index].count,
+            kept=int(np.count_nonzero(~values.deleted)),
+            sizes=sizes_of(values.label, values.deleted),
+            read=read,
+            tracks=tracks.get(index, []),
+            up=up,
+        )
+
+
+def _blocks(
+    recording: Sequence,
+    index: int,
+    values: FrameValues,
+    tracks: list[dict[str, Any]],
+    up: NDArray[np.float64],
+) -> Iterator[LabeledFrame]:
+    """A frame with its annotation, stored order in ``values``, in blocks of source order."""
+    stored = recording[index]
+
+    def read(first: int, stop: int) -> Columns:
+        columns = stored.read_source(first, stop, (*SENT, "instance"))
+        for layer in LAYERS:
+            columns[layer] = getattr(values, layer)[first:stop]
+        return columns
+
+    for columns in source_blocks(stored, read):
         yield LabeledFrame(
             index=index,
-            points=source_frame(recording, index),
-            label=stored.to_source(values.label),
-            provenance=stored.to_source(values.provenance),
-            deleted=stored.to_source(values.deleted),
-            tracks=tracks.get(index, []),
-            up=recording.manifest.T_room_local[1, :3],
+            points=_point_frame(recording, index, columns),
+            label=columns["label"],
+            provenance=columns["provenance"],
+            deleted=columns["deleted"],
+            tracks=tracks,
+            up=up,
         )
 
 

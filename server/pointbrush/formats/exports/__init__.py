@@ -9,7 +9,14 @@ from typing import BinaryIO
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti
-from pointbrush.formats.exports.labeled import LabeledFrame, Palette, PaletteEntry
+from pointbrush.formats.exports.labeled import (
+    BlockedFrame,
+    ExportFrame,
+    LabeledFrame,
+    Palette,
+    PaletteEntry,
+    sizes_of,
+)
 from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
 
 
@@ -22,7 +29,7 @@ class Export:
 
     name: str
     title: str
-    write: Callable[[Iterable[LabeledFrame], Palette, Output], None]
+    write: Callable[[Iterable[ExportFrame], Palette, Output], None]
     endings: tuple[str, ...] = ()
 
 
@@ -43,7 +50,7 @@ EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}
 
 def export(
     format: str,
-    frames: Iterable[LabeledFrame],
+    frames: Iterable[ExportFrame],
     palette: Sequence[PaletteEntry],
     out: Path | BinaryIO,
 ) -> None:
@@ -66,4 +73,15 @@ def export(
         entry.write(frames, Palette(palette), output)
 
 
-__all__ = ["EXPORTS", "Export", "LabeledFrame", "Output", "Palette", "PaletteEntry", "export"]
+__all__ = [
+    "EXPORTS",
+    "BlockedFrame",
+    "Export",
+    "ExportFrame",
+    "LabeledFrame",
+    "Output",
+    "Palette",
+    "PaletteEntry",
+    "export",
+    "sizes_of",
+]

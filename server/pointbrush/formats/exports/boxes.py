@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.exports.fit import Box, pca_box, upright_axes, upright_box
-from pointbrush.formats.exports.labeled import LabeledFrame, Palette, category_of
+from pointbrush.formats.exports.labeled import ExportFrame, Palette, category_of
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
 
 
-def write_boxes(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
+def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``boxes.json`` and ``label_02/0000.txt`` (KITTI tracking) of every label in every frame.
 
     JSON has per box the tightest box along the principal axes (``box``) and the smallest upright
@@ -26,10 +26,8 @@ def write_boxes(frames: Iterable[LabeledFrame], palette: Palette, output: Output
     listed: list[dict[str, Any]] = []
     lines: list[str] = []
     for frame in frames:
-        alive = np.where(frame.deleted, 0, frame.label)
         tracks = {int(track["label"]): track for track in frame.tracks}
-        for label in np.unique(alive[alive > 0]).tolist():
-            xyz = frame.points.xyz[alive == label]
+        for label, xyz in sorted(_by_label(frame).items()):
             upright = upright_box(xyz, frame.up)
             entry = entries.get(label)
             category = category_of(entry) if entry else f"label {label}"
@@ -53,6 +51,16 @@ def write_boxes(frames: Iterable[LabeledFrame], palette: Palette, output: Output
     write_palette(palette, output)
 
 
+def _by_label(frame: ExportFrame) -> dict[int, NDArray[Any]]:
+    """The points (N, 3) of each label that has any."""
+    parts: dict[int, list[NDArray[Any]]] = {}
+    for block in frame.blocks():
+        alive = np.where(block.deleted, 0, block.label)
+        for label in np.unique(alive[alive > 0]).tolist():
+            parts.setdefault(label, []).append(block.points.xyz[alive == label])
+    return {label: np.concatenate(xyz) for label, xyz in parts.items()}
+
+
 def _document(box: Box) -> dict[str, Any]:
     return {
         "center": box.center.tolist(),
@@ -61,7 +69,7 @@ def _document(box: Box) -> dict[str, Any]:
     }
 
 
-def _kitti(frame: LabeledFrame, label: int, category: str, box: Box) -> str:
+def _kitti(frame: ExportFrame, label: int, category: str, box: Box) -> str:
     """frame id type truncated occluded alpha bbox4 height width length x y z rotation_y."""
     axes: NDArray[np.float64] = upright_axes(frame.up)
     forward, left, up = axes @ box.center

@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 import numpy as np
 
-from pointbrush.formats.exports.labeled import LabeledFrame, Palette, PaletteEntry, point_columns
+from pointbrush.formats.exports.labeled import ExportFrame, Palette, PaletteEntry, point_columns
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
-from pointbrush.formats.ply import write_ply
+from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.table import Columns, Table
 
 
-def write_cuts(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
+def write_cuts(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``00003_pin-1/NNNNNN.ply`` for each label and frame where it has points."""
     folders = {entry.id: _folder(entry) for entry in palette.entries}
     for frame in frames:
-        alive = np.where(frame.deleted, 0, frame.label)
-        for label in np.unique(alive[alive > 0]).tolist():
+        sizes = frame.sizes
+        for label in (np.flatnonzero(sizes[1:]) + 1).tolist():
             folder = folders.get(label, f"{label:05d}")
+            table = Table(int(sizes[label]), partial(_points, frame, palette, label))
             with output.file(f"{folder}/{frame.stem}.ply") as file:
-                write_ply(file, point_columns(frame, palette, np.flatnonzero(alive == label)))
+                write_ply(file, table)
     write_palette(palette, output)
+
+
+def _points(frame: ExportFrame, palette: Palette, label: int) -> Iterator[Columns]:
+    for block in frame.blocks():
+        mine = np.flatnonzero((block.label == label) & ~block.deleted)
+        yield point_columns(block, palette, mine)
 
 
 def _folder(entry: PaletteEntry) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -36,9 +37,19 @@ class PaletteEntry(Protocol):
         """``#rrggbb``."""
 
 
+def stem_of(index: int) -> str:
+    """File name of a frame, without ending."""
+    return f"{index:06d}"
+
+
+def sizes_of(label: NDArray[np.uint16], deleted: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Points of each label that are not deleted, by label id."""
+    return np.bincount(label[~deleted], minlength=1).astype(np.int64)
+
+
 @dataclass(frozen=True, eq=False)
 class LabeledFrame:
-    """Frame ``index`` of a sequence with its annotation; all arrays in source order.
+    """Frame ``index`` of a sequence, or a block of it, with its annotation in source order.
 
     ``label`` (N,) uint16, 0 = unlabeled; ``provenance`` (N,) uint8; ``deleted`` (N,) bool;
     ``tracks`` the frame's track states as the tracks call lists them; ``up`` (3,) points away
@@ -64,12 +75,60 @@ class LabeledFrame:
     @property
     def stem(self) -> str:
         """File name of the frame, without ending."""
-        return f"{self.index:06d}"
+        return stem_of(self.index)
+
+    @property
+    def count(self) -> int:
+        """Points of the frame."""
+        return len(self.points)
+
+    @property
+    def kept(self) -> int:
+        """Points that are not deleted."""
+        return int(np.count_nonzero(~self.deleted))
+
+    @property
+    def sizes(self) -> NDArray[np.int64]:
+        """Points of each label that are not deleted, by label id."""
+        return sizes_of(self.label, self.deleted)
+
+    def blocks(self) -> Iterator[LabeledFrame]:
+        """Itself."""
+        yield self
 
     @property
     def keep(self) -> NDArray[np.int64]:
         """Numbers of the points that are not deleted."""
         return np.flatnonzero(~self.deleted)
+
+
+@dataclass(frozen=True, eq=False)
+class BlockedFrame:
+    """A frame too large for memory: ``read`` gives its blocks, anew at each call.
+
+    ``count`` points, ``kept`` of them not deleted; ``sizes`` as ``sizes_of``.
+    """
+
+    index: int
+    count: int
+    kept: int
+    sizes: NDArray[np.int64]
+    read: Callable[[], Iterator[LabeledFrame]]
+    tracks: Sequence[Mapping[str, Any]]
+    up: NDArray[np.float64]
+
+    @property
+    def stem(self) -> str:
+        """File name of the frame, without ending."""
+        return stem_of(self.index)
+
+    def blocks(self) -> Iterator[LabeledFrame]:
+        """The points in order, in one block or more; anew at each call."""
+        return self.read()
+
+
+ExportFrame = LabeledFrame | BlockedFrame
+"""A frame on its way to files, whole or in blocks of consecutive source points."""
 
 
 class Palette:
@@ -123,6 +182,16 @@ class Palette:
 def category_of(entry: PaletteEntry) -> str:
     """The category of a label; its own name where it has none."""
     return entry.category or entry.name
+
+
+def point_table(frame: ExportFrame, palette: Palette) -> Table:
+    """The points that are not deleted, as ``point_columns``."""
+    if isinstance(frame, LabeledFrame):
+        return Table.of(point_columns(frame, palette, frame.keep))
+    return Table(
+        frame.kept,
+        lambda: (point_columns(block, palette, block.keep) for block in frame.blocks()),
+    )
 
 
 def point_columns(

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.exports.labeled import LabeledFrame, Palette, point_columns
+from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, point_table
 from pointbrush.formats.exports.output import Output
+from pointbrush.formats.exports.spools import Spools
 from pointbrush.formats.las_write import write_las
 from pointbrush.formats.npy import write_npz
 from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.ply import write_ply
+from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.table import Columns, Table
 from pointbrush.formats.text import write_csv
 
-Columns = Mapping[str, NDArray[Any]]
 PALETTE = "palette.json"
 
 
@@ -29,25 +31,29 @@ def write_palette(palette: Palette, output: Output) -> None:
 
 def _write(
     ending: str,
-    write: Callable[[BinaryIO, Columns], None],
-    frames: Iterable[LabeledFrame],
+    write: Callable[[BinaryIO, Table], None],
+    frames: Iterable[ExportFrame],
     palette: Palette,
     output: Output,
 ) -> None:
     for frame in frames:
         with output.file(f"{frame.stem}{ending}") as file:
-            write(file, point_columns(frame, palette, frame.keep))
+            write(file, point_table(frame, palette))
     write_palette(palette, output)
 
 
-def _write_pcd(out: BinaryIO, columns: Columns) -> None:
+def _write_pcd(out: BinaryIO, table: Table) -> None:
     """PCD packs colours; label, category and instance are fields of their own."""
+    write_pcd(out, Table(table.count, lambda: map(_packed, table.blocks())))
+
+
+def _packed(columns: Columns) -> Columns:
     packed = dict(columns)
     if "red" in packed:
         parts = [packed.pop(color).astype(np.uint32) for color in ("red", "green", "blue")]
         packed["rgba"] = np.uint32(0xFF000000) | parts[0] << 16 | parts[1] << 8 | parts[2]
     order = sorted(packed, key=lambda name: (name not in "xyz", name != "rgba"))
-    write_pcd(out, {name: packed[name] for name in order})
+    return {name: packed[name] for name in order}
 
 
 write_plys = partial(_write, ".ply", write_ply)
@@ -57,27 +63,36 @@ write_lass = partial(_write, ".las", partial(write_las, compress=False))
 write_lazs = partial(_write, ".laz", partial(write_las, compress=True))
 
 
-def write_npzs(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
+def write_npzs(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """Per frame: xyz, rgb, intensity, label, category, instance, provenance of the points kept.
 
     ``deleted`` is a mask over all source points: the others are the ones the arrays hold.
     """
     for frame in frames:
-        keep, points, label = frame.keep, frame.points, frame.label[frame.keep]
-        arrays: dict[str, NDArray[Any]] = {"xyz": points.xyz[keep]}
-        if points.rgb is not None:
-            arrays["rgb"] = points.rgb[keep]
-        if points.intensity is not None:
-            arrays["intensity"] = points.intensity[keep]
-        arrays["label"] = label
-        arrays["category"] = palette.category(label)
-        arrays["instance"] = palette.instance(label)
-        arrays["provenance"] = frame.provenance[keep]
-        arrays["deleted"] = frame.deleted
-        if points.pose is not None:
-            arrays["pose"] = points.pose
-        if points.timestamp is not None:
-            arrays["timestamp"] = np.array(points.timestamp, np.float64)
-        with output.file(f"{frame.stem}.npz") as file:
-            write_npz(file, arrays)
+        with ExitStack() as stack:
+            columns = Spools(stack)
+            for block in frame.blocks():
+                columns.add(_arrays(block, palette))
+            arrays: dict[str, Table | NDArray[Any]] = dict(columns.tables())
+            if block.points.pose is not None:
+                arrays["pose"] = block.points.pose
+            if block.points.timestamp is not None:
+                arrays["timestamp"] = np.array(block.points.timestamp, np.float64)
+            with output.file(f"{frame.stem}.npz") as file:
+                write_npz(file, arrays)
     write_palette(palette, output)
+
+
+def _arrays(block: LabeledFrame, palette: Palette) -> dict[str, NDArray[Any]]:
+    keep, points, label = block.keep, block.points, block.label[block.keep]
+    arrays: dict[str, NDArray[Any]] = {"xyz": points.xyz[keep]}
+    if points.rgb is not None:
+        arrays["rgb"] = points.rgb[keep]
+    if points.intensity is not None:
+        arrays["intensity"] = points.intensity[keep]
+    arrays["label"] = label
+    arrays["category"] = palette.category(label)
+    arrays["instance"] = palette.instance(label)
+    arrays["provenance"] = block.provenance[keep]
+    arrays["deleted"] = block.deleted
+    return arrays

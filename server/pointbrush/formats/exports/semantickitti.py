@@ -14,7 +14,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.exports.labeled import LabeledFrame, Palette
+from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.kitti import pack_label
@@ -24,25 +24,24 @@ ROOT = "sequences/00"
 FAR = 8192.0
 
 
-def write_semantickitti(frames: Iterable[LabeledFrame], palette: Palette, output: Output) -> None:
+def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``sequences/00/velodyne/NNNNNN.bin`` and ``labels/NNNNNN.label``, palette at the top."""
     poses: list[NDArray[np.float64] | None] = []
     times: list[float | None] = []
     shift: NDArray[np.float64] | None = None
     for frame in frames:
-        keep, label = frame.keep, frame.label[frame.keep]
-        if shift is None and len(keep):
-            shift = _shift(frame.points.xyz)
-        records = np.zeros((len(keep), 4), "<f4")
-        records[:, :3] = frame.points.xyz[keep] - (0.0 if shift is None else shift)
-        if frame.points.intensity is not None:
-            records[:, 3] = frame.points.intensity[keep]
-        with output.file(f"{ROOT}/velodyne/{frame.stem}.bin") as file:
-            file.write(records.tobytes())
-        with output.file(f"{ROOT}/labels/{frame.stem}.label") as file:
-            file.write(pack_label(palette.category(label), label).tobytes())
-        poses.append(_shifted(frame.points.pose, shift))
-        times.append(frame.points.timestamp)
+        if shift is None and frame.kept:
+            shift = _shift(frame)
+        with (
+            output.file(f"{ROOT}/velodyne/{frame.stem}.bin") as points,
+            output.file(f"{ROOT}/labels/{frame.stem}.label") as labels,
+        ):
+            for block in frame.blocks():
+                label = block.label[block.keep]
+                points.write(_records(block, shift).tobytes())
+                labels.write(pack_label(palette.category(label), label).tobytes())
+        poses.append(_shifted(block.points.pose, shift))
+        times.append(block.points.timestamp)
     _write_lines(
         "poses.txt", [None if pose is None else pose[:3].ravel() for pose in poses], output
     )
@@ -54,11 +53,26 @@ def write_semantickitti(frames: Iterable[LabeledFrame], palette: Palette, output
     write_palette(palette, output)
 
 
-def _shift(xyz: NDArray[np.float32] | NDArray[np.float64]) -> NDArray[np.float64]:
+def _records(block: LabeledFrame, shift: NDArray[np.float64] | None) -> NDArray[np.float32]:
+    """x y z intensity (N, 4) of the points kept."""
+    keep = block.keep
+    records = np.zeros((len(keep), 4), "<f4")
+    records[:, :3] = block.points.xyz[keep] - (0.0 if shift is None else shift)
+    if block.points.intensity is not None:
+        records[:, 3] = block.points.intensity[keep]
+    return records
+
+
+def _shift(frame: ExportFrame) -> NDArray[np.float64]:
     """Whole metres to subtract from all frames: (3,), zero unless points are far away."""
-    if xyz.dtype == np.float32 or float(np.abs(xyz).max()) < FAR:
-        return np.zeros(3)
-    return np.asarray(np.floor(xyz.mean(axis=0)), np.float64)
+    farthest, total = 0.0, np.zeros(3)
+    for block in frame.blocks():
+        xyz = block.points.xyz
+        if xyz.dtype == np.float32:
+            return np.zeros(3)
+        farthest = max(farthest, float(np.abs(xyz).max(initial=0.0)))
+        total += xyz.sum(axis=0)
+    return np.zeros(3) if farthest < FAR else np.floor(total / frame.count)
 
 
 def _shifted(
