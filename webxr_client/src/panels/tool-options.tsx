@@ -125,7 +125,7 @@ function OverlayOptions() {
     <>
       <Button
         buttonRef={anchor}
-        icon="view"
+        icon="layers"
         tip="Drawn over the recording: boxes, trails"
         expanded={overlaysOpen.value}
         onClick={() => (overlaysOpen.value = !overlaysOpen.value)}

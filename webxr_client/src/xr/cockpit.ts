@@ -27,6 +27,9 @@ import { layLow, standBefore } from './standing';
 import { Lessons } from './tips';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 
+/** Metres from the floor to the eyes of somebody who stands. */
+const EYES = 1.6;
+
 export class Cockpit {
   readonly rig = new Rig();
   readonly controllers: Controllers;
@@ -53,8 +56,8 @@ export class Cockpit {
   constructor(
     private readonly engine: Engine,
     session: XRSession,
-    /** Added where the headset does not know the floor. */
-    private readonly height: number,
+    /** Whether the headset knows where the floor is. */
+    private readonly floor: boolean,
     readonly mode: XRSessionMode,
   ) {
     const { viewer } = engine;
@@ -90,7 +93,6 @@ export class Cockpit {
   private assemble(): void {
     const { viewer } = this.engine;
     const { group } = this.rig;
-    group.position.y = this.height;
     viewer.scene.add(group);
     group.add(viewer.camera, this.timeline.mesh, this.hud.group);
     for (const body of this.controllers.bodies) body.addTo(viewer.scene, group);
@@ -116,11 +118,14 @@ export class Cockpit {
     const tick = (now: number, frame: XRFrame | undefined): void => this.update(now, frame);
     ticks.add(tick);
     undo.push(() => ticks.delete(tick));
-    let side = xrSettings.peek().hand;
+    let { hand: side, seated } = xrSettings.peek();
     undo.push(
       effect(() => {
-        if (xrSettings.value.hand === side) return;
-        side = xrSettings.value.hand;
+        const { value } = xrSettings;
+        if (value.seated !== seated) this.settle(value.seated);
+        seated = value.seated;
+        if (value.hand === side) return;
+        side = value.hand;
         this.painter.finish();
         this.holdPalette();
       }),
@@ -155,11 +160,18 @@ export class Cockpit {
     this.hud.update(this.rig, seconds, now);
   }
 
+  /** Who sits, or has no floor, looks from where standing people do. */
+  private settle(seated: boolean): void {
+    const lifted = seated || !this.floor;
+    this.rig.liftTo(lifted ? EYES - this.rig.headInRig.y : 0);
+    layLow(this.timeline.mesh, this.rig);
+  }
+
   private stand(): void {
     const frame = this.engine.playback.frame;
     if (!frame || !standBefore(frame, this.engine.viewer.room.matrix, this.rig)) return;
     this.standing = true;
-    layLow(this.timeline.mesh, this.rig);
+    this.settle(xrSettings.peek().seated);
   }
 
   private toggleTimeline(): void {

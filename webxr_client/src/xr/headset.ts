@@ -4,7 +4,6 @@ import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
-import { xrSettings } from './settings';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 
@@ -73,15 +72,14 @@ export class Headset {
     viewer.camera.updateMatrix();
     this.desk.copy(viewer.camera.matrix);
     session.addEventListener('end', () => this.ended(), { once: true });
-    // Seated, or without a floor, the eyes' height is guessed.
-    const floor = !xrSettings.peek().seated && (await hasFloor(session));
+    const floor = await hasFloor(session);
     xr.enabled = true;
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
     await xr.setSession(session);
     xr.setFoveation(FOVEATION);
     pacing.reset(1000 / (await chooseRate(session)));
     viewer.backdrop.showSky(mode === 'immersive-vr');
-    this.cockpit = new Cockpit(this.engine, session, floor ? 0 : 1.2, mode);
+    this.cockpit = new Cockpit(this.engine, session, floor, mode);
     patch(state.xr, { session: 'running', detail: '' });
   }
 

@@ -54,6 +54,12 @@ export class Rig {
     this.refresh();
   }
 
+  /** Let the headset's own floor lie at a height of the scene. */
+  liftTo(height: number): void {
+    this.group.position.y = height;
+    this.refresh();
+  }
+
   move(by: Vector3): void {
     this.group.position.add(by);
     this.refresh();

@@ -1,4 +1,5 @@
 /** The row below the timeline: carry labels on, watch the run, judge what it is unsure of. */
+import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { halted, unsure } from '../engine/review';
 import { frameRange, ordered } from '../panels/range';
@@ -41,6 +42,13 @@ class Row {
     const { em } = this.ui;
     this.right -= wide * em;
     this.ui.button(this.right, this.top, (wide - 0.3) * em, em * 2.4, look, act);
+  }
+
+  /** Text at the left that answers. */
+  choose(text: string, act: () => void): void {
+    const { em } = this.ui;
+    const look = { text, icon: 'swap', align: 'left' } as const;
+    this.ui.button(em * 0.4, this.top, this.right - em * 0.8, em * 2.4, look, act);
   }
 
   bar(share: number): void {
@@ -113,10 +121,15 @@ function drawOffers(row: Row, frames: number): void {
   offer(row, labels, frame);
 }
 
+/** What would be tracked; pressed, the active label or all that are here. */
 function offer(row: Row, labels: readonly number[], frame: number): void {
-  if (labels.length === 0) row.say('Paint something, then track it', INK.quiet);
-  else if (labels.length === 1) row.say(`Track ${nameOf(labels[0]!)}`);
-  else row.say(`Track ${labels.length} labels of frame ${frame}`);
+  if (labels.length === 0) {
+    row.say('Paint something, then track it', INK.quiet);
+    return;
+  }
+  const what = labels.length === 1 ? nameOf(labels[0]!) : `${labels.length} labels`;
+  if (here(frame).length < 2) row.say(`Track ${what}`);
+  else row.choose(`Track ${what}`, () => (all.value = !all.peek()));
 }
 
 function track(labels: number[], start: number, stop: number): void {
@@ -129,13 +142,21 @@ function nameOf(label: number): string {
   return state.palette.peek().find((entry) => entry.id === label)?.name ?? '';
 }
 
-/** The active label if it is in the frame, else every unlocked one that is. */
+/** Track all labels of the frame rather than the active one. */
+const all = signal(false);
+
+/** The active label if it is in the frame and wanted alone, else every unlocked one that is. */
 function trackable(frame: number): number[] {
+  const present = here(frame);
+  const active = state.activeLabel.peek();
+  return present.includes(active) && !all.peek() ? [active] : present;
+}
+
+/** Unlocked labels with points in a frame. */
+function here(frame: number): number[] {
   const { rows } = state.timeline.peek();
-  const here = state.palette
+  return state.palette
     .peek()
     .filter((label) => !label.locked && (rows.get(label.id)?.points[frame] ?? 0) > 0)
     .map((label) => label.id);
-  const active = state.activeLabel.peek();
-  return here.includes(active) ? [active] : here;
 }

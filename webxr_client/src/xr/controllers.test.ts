@@ -1,0 +1,41 @@
+import { describe, expect, it } from 'vitest';
+import { Controllers } from './controllers';
+import { Rig } from './rig';
+import { Lessons } from './tips';
+
+const SQUEEZE = 'generic-trigger-squeeze-touchpad';
+const GRIPLESS = 'generic-trigger-touchpad';
+
+/** Both hands hold a controller of a profile; nothing is pressed. */
+function holding(profile: string): Controllers {
+  const session = { addEventListener: () => undefined } as unknown as XRSession;
+  const changes = { brushGone: () => undefined, say: () => undefined };
+  const controllers = new Controllers(session, new Rig(), new Lessons(), changes);
+  for (const hand of controllers.both) {
+    hand.attach({ profiles: [profile] } as unknown as XRInputSource);
+    hand.tracked = true;
+  }
+  return controllers;
+}
+
+describe('taking hold of the room', () => {
+  it('is the grip, on either hand, also while the trigger paints', () => {
+    const controllers = holding(SQUEEZE);
+    controllers.brush.squeeze.update(1);
+    controllers.other.click.update(1);
+    expect(controllers.holds(controllers.brush, true)).toBe(true);
+    expect(controllers.holds(controllers.other, false)).toBe(false);
+  });
+
+  it('is the trigger of the hand that does not paint where there is no grip', () => {
+    const controllers = holding(GRIPLESS);
+    controllers.brush.click.update(1);
+    controllers.other.click.update(1);
+    expect(controllers.holds(controllers.brush, false)).toBe(false);
+    expect(controllers.holds(controllers.other, false)).toBe(true);
+    // Both triggers make a box, and a panel is pressed with the same one.
+    expect(controllers.holds(controllers.other, true)).toBe(false);
+    controllers.bodyOf(controllers.other).on = {} as never;
+    expect(controllers.holds(controllers.other, false)).toBe(false);
+  });
+});
