@@ -28,13 +28,14 @@ def source_blocks(frame: StoredFrame, read: Reader) -> Iterator[Columns]:
 
     ``read(first, stop)`` gives columns of the points ``first`` to before ``stop``, stored order.
     """
+    most = BLOCK_POINTS if frame.large else max(frame.count, 1)
     pieces = [
         (first, min(first + PIECE_POINTS, frame.count))
         for first in range(0, max(frame.count, 1), PIECE_POINTS)
     ]
     spans: dict[int, tuple[int, int]] = {}
-    for start in range(0, max(frame.count, 1), BLOCK_POINTS):
-        size = min(BLOCK_POINTS, frame.count - start)
+    for start in range(0, max(frame.count, 1), most):
+        size = min(most, frame.count - start)
         block: Columns = {}
         for first, stop in pieces:
             low, high = spans.get(first, (start, start))

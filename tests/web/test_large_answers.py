@@ -1,0 +1,132 @@
+"""What leaves of a frame larger than memory: the same bytes, gathered in blocks."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import laspy
+import numpy as np
+import pytest
+
+from pointbrush.formats import EXPORTS
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import import_frames, importer, source_order
+from tests.serving import Served, serving, settings_in
+
+POINTS = 24_000
+
+
+def scan() -> PointFrame:
+    """Seeded, far from the origin and in no order: exact coordinates need their residuals."""
+    rng = np.random.default_rng(4)
+    xyz = np.round(rng.uniform(0, 40, (POINTS, 3)), 3) + [448_000.0, 5_411_000.0, 300.0]
+    return PointFrame(
+        xyz,
+        rng.integers(0, 256, (POINTS, 3), np.uint8),
+        intensity=rng.integers(0, 4096, POINTS).astype(np.float32),
+    )
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """The same frame as ``whole`` and, an octree in blocks of 5,000 points, as ``large``."""
+    settings = settings_in(tmp_path_factory.mktemp("large"))
+    folder = settings.workspace / "sequences"
+    about: dict[str, Any] = {"name": "scan", "fps": 1.0}
+    import_frames([scan()], folder / "whole", sequence_id="whole", **about)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(importer, "LARGE_POINTS", 8_000)
+        patch.setattr(source_order, "BLOCK_POINTS", 5_000)
+        patch.setattr(source_order, "PIECE_POINTS", 3_500)
+        import_frames([scan()], folder / "large", sequence_id="large", **about)
+        with serving(settings) as running:
+            annotate(running)
+            yield running
+
+
+def annotate(served: Served) -> None:
+    rng = np.random.default_rng(5)
+    label = rng.integers(0, 4, POINTS).astype(np.uint16)
+    deleted = rng.random(POINTS) < 0.1
+    workspace = served.workspace
+    for sequence in ("whole", "large"):
+        for name in ("pin 1", "pin 2", "floor"):
+            workspace.create_label(sequence, "somebody", name=name)
+        workspace.put_annotation(sequence, 0, label, author="somebody")
+        workspace.put_annotation(sequence, 0, deleted, author="somebody", layer="deleted")
+
+
+def get(served: Served, path: str) -> bytes:
+    response = httpx.get(f"{served.url}/api/v1{path}", headers=served.headers, timeout=60)
+    assert response.status_code == 200, response.text
+    return response.content
+
+
+def test_the_large_one_is_large(both: Served) -> None:
+    assert both.workspace.recording("large")[0].large
+    assert not both.workspace.recording("whole")[0].large
+    assert len(list(both.workspace.points("large", 0))) == 5
+
+
+@pytest.mark.parametrize("format", ["npy", "npz"])
+def test_points_have_the_same_bytes(both: Served, format: str) -> None:
+    answers = [
+        get(both, f"/sequences/{sequence}/frames/0/points?format={format}")
+        for sequence in ("whole", "large")
+    ]
+    if format == "npy":
+        assert answers[0] == answers[1]
+    read = [np.load(io.BytesIO(answer)) for answer in answers]
+    for name in ("xyz", "rgb", "intensity"):
+        assert read[1][name].tobytes() == read[0][name].tobytes()
+        assert read[1][name].tobytes() == getattr(scan(), name).tobytes()
+
+
+@pytest.mark.parametrize("layer", ["label", "provenance", "deleted"])
+def test_annotations_have_the_same_bytes(both: Served, layer: str) -> None:
+    path = f"/sequences/{{}}/frames/0/annotation?layer={layer}"
+    assert get(both, path.format("whole")) == get(both, path.format("large"))
+
+
+@pytest.mark.parametrize("format", sorted(EXPORTS))
+def test_exports_have_the_same_files(both: Served, format: str) -> None:
+    whole, large = (
+        zipfile.ZipFile(io.BytesIO(get(both, f"/sequences/{sequence}/export?format={format}")))
+        for sequence in ("whole", "large")
+    )
+    assert large.namelist() == whole.namelist()
+    for name in whole.namelist():
+        if name.endswith(".npz"):
+            arrays = [np.load(io.BytesIO(archive.read(name))) for archive in (whole, large)]
+            assert arrays[1].files == arrays[0].files
+            for field in arrays[0].files:
+                assert arrays[1][field].tobytes() == arrays[0][field].tobytes()
+        elif name.endswith((".las", ".laz")):
+            # laspy states the least and greatest label of each block's first point only.
+            files = [laspy.read(io.BytesIO(archive.read(name))) for archive in (whole, large)]
+            assert files[1].points.array.tobytes() == files[0].points.array.tobytes()
+            for field in ("scales", "offsets", "mins", "maxs", "point_count"):
+                assert np.array_equal(
+                    getattr(files[1].header, field), getattr(files[0].header, field)
+                )
+        else:
+            assert large.read(name) == whole.read(name), name
+
+
+def test_a_range_that_is_not_there_is_refused_before_anything_is_sent(both: Served) -> None:
+    url = f"{both.url}/api/v1/sequences/large/export?format=las&frames=4:9"
+    assert httpx.get(url, headers=both.headers).status_code == 422
+
+
+def test_blocks_hold_every_point_once(both: Served, tmp_path: Path) -> None:
+    frame = both.workspace.recording("large")[0]
+    blocks = source_order.source_blocks(
+        frame, lambda first, stop: {"number": frame.read("source_index", first, stop)}
+    )
+    numbers = np.concatenate([block["number"] for block in blocks])
+    assert np.array_equal(numbers, np.arange(POINTS))
