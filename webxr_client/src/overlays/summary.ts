@@ -1,6 +1,6 @@
 /** Where each label is in a frame: the middle of its points, and an upright box round them. */
 import { Matrix4 } from 'three';
-import { DELETED, lowerBound, type CloudFrame } from '../cloud/frame';
+import { DELETED, lowerBound, type CloudFrame, type Piece } from '../cloud/frame';
 
 /** Numbers kept for each label. */
 const FIELDS = 9;
@@ -27,19 +27,33 @@ export class Summary {
   }
 }
 
-/** Sums per label while a frame is looked at; grown once, used for every frame. */
-class Sums {
+/** What is used while a frame is looked at; grown when needed, and used for every frame. */
+class Scratch {
+  /** Label → position in the summary, −1 while it was not met. */
   readonly slots = new Int16Array(65536).fill(-1);
   readonly moments = new Float64Array(7 * MOST);
   readonly bounds = new Float64Array(6 * MOST);
+  /** Labels as shown, in stored order. */
   shown = new Uint16Array(0);
+  /** Places in the room of the points that have a label, and the position of that. */
+  places = new Float32Array(0);
+  owners = new Uint16Array(0);
+  points = 0;
+
+  reserve(points: number): void {
+    this.points = 0;
+    if (this.shown.length >= points) return;
+    this.shown = new Uint16Array(points);
+    this.places = new Float32Array(3 * points);
+    this.owners = new Uint16Array(points);
+  }
 }
 
 export class Summaries {
   /** Counts the summaries made anew. */
   version = 0;
   private readonly known = new WeakMap<CloudFrame, Summary>();
-  private readonly sums = new Sums();
+  private readonly scratch = new Scratch();
   private readonly affine = new Float64Array(12);
 
   /** The summary of a frame as its labels are shown now (or were, a moment ago). */
@@ -69,93 +83,89 @@ export class Summaries {
     out.labels.length = 0;
     out.count.length = 0;
     if (frame.overlays.size === 0 && frame.pieces.every((piece) => !piece.labels)) return;
-    this.gather(frame);
-    this.addUp(frame, room, out);
-    turn(this.sums, out);
-    this.bound(frame, room, out);
-    finish(this.sums, out);
-    for (const label of out.labels) this.sums.slots[label] = -1;
+    const { scratch } = this;
+    scratch.reserve(frame.loaded);
+    gather(frame, scratch.shown);
+    for (const piece of frame.pieces) this.addUp(piece, room, out);
+    turn(scratch, out);
+    bound(scratch, out);
+    finish(scratch, out);
+    for (const label of out.labels) scratch.slots[label] = -1;
   }
 
-  /** The labels as shown, in stored order. */
-  private gather(frame: CloudFrame): void {
-    const { sums } = this;
-    if (sums.shown.length < frame.loaded) sums.shown = new Uint16Array(frame.loaded);
-    const { shown } = sums;
-    for (const { labels, first, count } of frame.pieces) {
-      if (labels) shown.set(labels, first);
-      else shown.fill(0, first, first + count);
-    }
-    for (const { indices, values } of frame.overlays.values()) {
-      const single = values.length === 1;
-      const stop = lowerBound(indices, frame.loaded);
-      for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
-    }
-  }
-
-  private addUp(frame: CloudFrame, room: Matrix4, out: Summary): void {
-    const { affine: m } = this;
-    const { shown, slots, moments } = this.sums;
-    for (const { first, count, words, origin, scale } of frame.pieces) {
-      place(room, origin, scale, m);
-      for (let i = 0, w = 0; i < count; i++, w += 6) {
-        const label = shown[first + i]!;
-        if (label === 0 || label === DELETED) continue;
-        let slot = slots[label]!;
-        if (slot < 0) {
-          if (out.labels.length >= MOST) continue;
-          slot = slots[label] = out.labels.push(label) - 1;
-          moments.fill(0, 7 * slot, 7 * slot + 7);
-        }
-        const a = words[w]!;
-        const b = words[w + 1]!;
-        const c = words[w + 2]!;
-        const x = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
-        const z = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
-        const at = 7 * slot;
-        moments[at]! += 1;
-        moments[at + 1]! += x;
-        moments[at + 2]! += m[4]! * a + m[5]! * b + m[6]! * c + m[7]!;
-        moments[at + 3]! += z;
-        moments[at + 4]! += x * x;
-        moments[at + 5]! += z * z;
-        moments[at + 6]! += x * z;
+  private addUp({ first, count, words, origin, scale }: Piece, room: Matrix4, out: Summary): void {
+    const { affine: m, scratch } = this;
+    const { shown, slots, moments, places, owners } = scratch;
+    place(room, origin, scale, m);
+    let n = scratch.points;
+    for (let i = 0; i < count; i++) {
+      const label = shown[first + i]!;
+      if (label === 0 || label === DELETED) continue;
+      let slot = slots[label]!;
+      if (slot < 0) {
+        if (out.labels.length >= MOST) continue;
+        slot = slots[label] = out.labels.push(label) - 1;
+        moments.fill(0, 7 * slot, 7 * slot + 7);
       }
+      const a = words[6 * i]!;
+      const b = words[6 * i + 1]!;
+      const c = words[6 * i + 2]!;
+      const x = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
+      const y = m[4]! * a + m[5]! * b + m[6]! * c + m[7]!;
+      const z = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
+      const at = 7 * slot;
+      moments[at]! += 1;
+      moments[at + 1]! += x;
+      moments[at + 2]! += y;
+      moments[at + 3]! += z;
+      moments[at + 4]! += x * x;
+      moments[at + 5]! += z * z;
+      moments[at + 6]! += x * z;
+      places[3 * n] = x;
+      places[3 * n + 1] = y;
+      places[3 * n + 2] = z;
+      owners[n] = slot;
+      n += 1;
     }
+    scratch.points = n;
   }
+}
 
-  /** Extents along each label's own axes. */
-  private bound(frame: CloudFrame, room: Matrix4, out: Summary): void {
-    const { affine: m } = this;
-    const { shown, slots, bounds } = this.sums;
-    for (let at = 0; at < 6 * out.labels.length; at += 2) {
-      bounds[at] = Infinity;
-      bounds[at + 1] = -Infinity;
-    }
-    for (const { first, count, words, origin, scale } of frame.pieces) {
-      place(room, origin, scale, m);
-      for (let i = 0, w = 0; i < count; i++, w += 6) {
-        const slot = slots[shown[first + i]!]!;
-        if (slot < 0) continue;
-        const a = words[w]!;
-        const b = words[w + 1]!;
-        const c = words[w + 2]!;
-        const x = m[0]! * a + m[1]! * b + m[2]! * c + m[3]!;
-        const y = m[4]! * a + m[5]! * b + m[6]! * c + m[7]!;
-        const z = m[8]! * a + m[9]! * b + m[10]! * c + m[11]!;
-        const cos = out.values[FIELDS * slot]!;
-        const sin = out.values[FIELDS * slot + 1]!;
-        const u = cos * x - sin * z;
-        const v = sin * x + cos * z;
-        const at = 6 * slot;
-        if (u < bounds[at]!) bounds[at] = u;
-        if (u > bounds[at + 1]!) bounds[at + 1] = u;
-        if (y < bounds[at + 2]!) bounds[at + 2] = y;
-        if (y > bounds[at + 3]!) bounds[at + 3] = y;
-        if (v < bounds[at + 4]!) bounds[at + 4] = v;
-        if (v > bounds[at + 5]!) bounds[at + 5] = v;
-      }
-    }
+/** The labels of a frame as shown, in stored order. */
+function gather(frame: CloudFrame, shown: Uint16Array): void {
+  for (const { labels, first, count } of frame.pieces) {
+    if (labels) shown.set(labels, first);
+    else shown.fill(0, first, first + count);
+  }
+  for (const { indices, values } of frame.overlays.values()) {
+    const single = values.length === 1;
+    const stop = lowerBound(indices, frame.loaded);
+    for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
+  }
+}
+
+/** Extents along each label's own axes. */
+function bound({ bounds, places, owners, points }: Scratch, out: Summary): void {
+  for (let at = 0; at < 6 * out.labels.length; at += 2) {
+    bounds[at] = Infinity;
+    bounds[at + 1] = -Infinity;
+  }
+  for (let i = 0; i < points; i++) {
+    const slot = owners[i]!;
+    const x = places[3 * i]!;
+    const y = places[3 * i + 1]!;
+    const z = places[3 * i + 2]!;
+    const cos = out.values[FIELDS * slot]!;
+    const sin = out.values[FIELDS * slot + 1]!;
+    const u = cos * x - sin * z;
+    const v = sin * x + cos * z;
+    const at = 6 * slot;
+    if (u < bounds[at]!) bounds[at] = u;
+    if (u > bounds[at + 1]!) bounds[at + 1] = u;
+    if (y < bounds[at + 2]!) bounds[at + 2] = y;
+    if (y > bounds[at + 3]!) bounds[at + 3] = y;
+    if (v < bounds[at + 4]!) bounds[at + 4] = v;
+    if (v > bounds[at + 5]!) bounds[at + 5] = v;
   }
 }
 
@@ -181,7 +191,7 @@ function place(
 }
 
 /** The long way of each label's points on the floor; noted as cosine and sine for `bound`. */
-function turn({ moments }: Sums, out: Summary): void {
+function turn({ moments }: Scratch, out: Summary): void {
   for (let slot = 0; slot < out.labels.length; slot++) {
     const at = 7 * slot;
     const n = moments[at]!;
@@ -197,7 +207,7 @@ function turn({ moments }: Sums, out: Summary): void {
   }
 }
 
-function finish({ moments, bounds }: Sums, out: Summary): void {
+function finish({ moments, bounds }: Scratch, out: Summary): void {
   for (let slot = 0; slot < out.labels.length; slot++) {
     const n = moments[7 * slot]!;
     out.count.push(n);
