@@ -30,8 +30,8 @@ FEWEST, LEAST = 5, 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 """Scales of the fits, in units, from a prediction and from anywhere."""
 TRIES = 6
-DOUBT = 0.3
-"""Cost of the best prediction above which other places are tried."""
+DOUBT, DOUBT_LARGE = 0.3, 0.6
+"""Cost of the best prediction above which other places are tried; what bends never fits well."""
 AVERTED = 0.3
 """What a pose costs that turns all of the model away from the side it was seen from."""
 SURPRISE, TURNED = 0.6, 0.6
@@ -138,11 +138,13 @@ def register(search: Search) -> Fit:
     order = np.argsort(search.costs, kind="stable")
     poses = [_fit(search, search.few, search.guesses[i], NARROW).T for i in order[:2]]
     scores = [_score(search, T) for T in poses]
-    if motion.gap > 1 or motion.fresh or min(scores) > DOUBT:
+    doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
+    if motion.gap > 1 or motion.fresh or min(scores) > doubt:
         others = proposals(search.thing.model, search.target, search.guesses[0])
         _try(search, others + search.guesses, TRIES, poses, scores)
-        best = poses[int(np.argmin(scores))]
-        _try(search, nudges(search.thing.model, best), TRIES // 2, poses, scores)
+        if motion.fresh or min(scores) > doubt:
+            best = poses[int(np.argmin(scores))]
+            _try(search, nudges(search.thing.model, best), TRIES // 2, poses, scores)
     best = poses[int(np.argmin(scores))]
     return _fit(search, search.many, best, (2.5, 2.0, 2.0))
 
@@ -152,8 +154,10 @@ def _try(
 ) -> None:
     """Fit the likeliest of the guesses, and add them with their scores."""
     known = search.guesses
+    thing, some = search.thing, search.few
     costs = [
-        _cost(search, T, 6 * search.thing.unit) + _surprise(search.thing, T, known)
+        cost_of(thing, search.view, search.target, some, T, 6 * thing.unit)
+        + _surprise(thing, T, known)
         for T in guesses
     ]
     for i in np.argsort(costs, kind="stable")[:most]:
