@@ -18,6 +18,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import laspy
 import numpy as np
@@ -78,25 +79,38 @@ def write_scan(path: Path, points: int) -> None:
             writer.write_points(rows)
 
 
+class Watch:
+    """The greatest memory of this process while it lasts, bytes: of its own, and with files."""
+
+    def __init__(self) -> None:
+        self.own = self.all = 0
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def _run(self) -> None:
+        while not self._done.wait(0.05):
+            lines = Path("/proc/self/status").read_text().splitlines()
+            used = {
+                line.split(":")[0]: int(line.split()[1]) << 10 for line in lines if "kB" in line
+            }
+            self.own = max(self.own, used["RssAnon"] + used["RssShmem"])
+            self.all = max(self.all, used["VmRSS"])
+
+    def __enter__(self) -> Watch:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._done.set()
+        self._thread.join()
+
+
 def import_scan(path: Path, target: Path) -> None:
     """The child's part: import and print the figures."""
     from pointbrush.formats.las import read_chunks
     from pointbrush.formats.las_header import read_header
     from pointbrush.formats.options import ReadOptions
 
-    peak = 0
-    done = threading.Event()
-
-    def watch() -> None:
-        nonlocal peak
-        while not done.wait(0.05):
-            status = Path("/proc/self/status").read_text()
-            kinds = ("RssAnon:", "RssShmem:")
-            used = [int(line.split()[1]) for line in status.splitlines() if line.startswith(kinds)]
-            peak = max(peak, sum(used))
-
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
     marks: dict[str, float] = {}
     start = time.perf_counter()
 
@@ -104,43 +118,90 @@ def import_scan(path: Path, target: Path) -> None:
         marks[message.split()[0]] = time.perf_counter() - start
 
     total = read_header(path, ReadOptions().limits).count
-    import_large(
-        read_chunks(path, CHUNK),
-        target,
-        sequence_id="scan",
-        name="scan",
-        total_points=total,
-        progress=mark,
-    )
+    with Watch() as watch:
+        import_large(
+            read_chunks(path, CHUNK),
+            target,
+            sequence_id=target.name,
+            name="scan",
+            total_points=total,
+            progress=mark,
+        )
     seconds = time.perf_counter() - start
     used = sum(os.times()[:2])
-    done.set()
-    watcher.join()
-    print(json.dumps({"seconds": seconds, "cpu": used, "peak": peak * 1024, "marks": marks}))
+    print(json.dumps({"seconds": seconds, "cpu": used, "peak": watch.own, "marks": marks}))
+
+
+def answer(folder: Path, kind: str) -> None:
+    """A child's part: read a scan as REST gives it, or export it; print the figures."""
+    from pointbrush.settings import Settings
+    from pointbrush.web import npy
+    from pointbrush.workspace import Workspace
+
+    class Sink:
+        """Counts what a client would get."""
+
+        size = 0
+
+        def write(self, data: bytes) -> int:
+            self.size += len(data)
+            return len(data)
+
+        def flush(self) -> None:
+            """Nothing is kept."""
+
+    workspace = Workspace(Settings(workspace=folder))
+    (scan,) = [path.name for path in (folder / "sequences").iterdir()]
+    start, out, first = time.perf_counter(), Sink(), 0.0
+    with Watch() as watch:
+        if kind == "points":
+            count = workspace.recording(scan)[0].count
+            for piece in npy.stream_points(workspace.points(scan, 0), count)[1]:
+                out.write(piece)
+                first = first or time.perf_counter() - start
+        else:
+            workspace.export(scan, kind, out)  # type: ignore[arg-type]
+    seconds = time.perf_counter() - start
+    workspace.close()
+    print(json.dumps({"seconds": seconds, "first": first, "peak": watch.all, "size": out.size}))
+
+
+def answers(folder: Path) -> None:
+    """What it costs to send a whole scan in its source's order."""
+    for kind in ("points", "ply", "las"):
+        figures = run_child("--answer", str(folder), kind)
+        print(
+            f"  {kind:7} {figures['size'] / 1e6:7.0f} MB in {figures['seconds']:6.1f} s,", end=" "
+        )
+        print(f"resident memory at most {figures['peak'] / 2**30:.2f} GiB, files included")
+
+
+def run_child(*arguments: str) -> dict[str, Any]:
+    """The figures that a process of its own prints last."""
+    child = subprocess.run(
+        [sys.executable, __file__, *arguments], stdout=subprocess.PIPE, text=True, check=True
+    )
+    figures: dict[str, Any] = json.loads(child.stdout.splitlines()[-1])
+    return figures
 
 
 def large(points: int, folder: Path) -> None:
     """Make, import and probe a scan."""
-    path, target = folder / f"scan-{points}.las", folder / f"scan-{points}"
+    path, target = folder / f"scan-{points}.las", folder / "workspace/sequences/scan"
     start = time.perf_counter()
     if not path.exists():
         write_scan(path, points)
     shutil.rmtree(target, ignore_errors=True)
     print(f"scan of {points:,} points, LAS {path.stat().st_size / 1e9:.2f} GB", end=" ")
     print(f"(made in {time.perf_counter() - start:.0f} s)")
-    child = subprocess.run(
-        [sys.executable, __file__, "--import", str(path), str(target)],
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    figures = json.loads(child.stdout)
+    figures = run_child("--import", str(path), str(target))
     seconds = figures["seconds"]
     print(f"  import {seconds:8.1f} s  {points / seconds / 1e6:6.2f} M points/s,", end=" ")
     print(f"{figures['cpu']:.1f} s of processor time")
     print(f"  peak memory {figures['peak'] / 2**30:.2f} GiB (without the page cache)")
     print("  until", {name: round(value, 1) for name, value in figures["marks"].items()})
     probe(target)
+    answers(folder / "workspace")
 
 
 def probe(target: Path) -> None:
@@ -217,9 +278,13 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=5_000_000)
     parser.add_argument("--keep", type=Path, help="folder for the scan, kept afterwards")
     parser.add_argument("--import", nargs=2, type=Path, dest="child", help=argparse.SUPPRESS)
+    parser.add_argument("--answer", nargs=2, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.child:
         import_scan(*given.child)
+        return
+    if given.answer:
+        answer(Path(given.answer[0]), given.answer[1])
         return
     small()
     if given.keep:

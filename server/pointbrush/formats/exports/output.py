@@ -12,6 +12,9 @@ from typing import BinaryIO, Protocol, cast
 
 from pointbrush.errors import BadInputError, UnavailableError
 
+LEVEL = 1
+"""Of deflate: noise gains nothing from more, and takes several times as long."""
+
 
 class Output(Protocol):
     """Takes files by relative name."""
@@ -43,6 +46,8 @@ class _Zip:
         info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
         info.compress_type = zipfile.ZIP_STORED if packed else zipfile.ZIP_DEFLATED
         info.external_attr = 0o644 << 16
+        # An entry described by hand ignores the archive's level; there is no public name for it.
+        info._compresslevel = LEVEL  # type: ignore[attr-defined]
         # Spooled first: writers like LAS seek, entries of an archive do not.
         with tempfile.SpooledTemporaryFile(1 << 25) as spool:
             yield cast(BinaryIO, spool)
@@ -80,7 +85,7 @@ def stream_output(stream: BinaryIO) -> AbstractContextManager[Output]:
 
     @contextmanager
     def opened() -> Iterator[Output]:
-        with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        with zipfile.ZipFile(stream, "w") as archive:
             yield _Zip(archive)
 
     return opened()
@@ -106,9 +111,7 @@ def single_output(target: Path) -> Iterator[Output]:
         raise BadInputError(f"out: expected a file, {target} is a folder")
     with _scratch(target) as scratch:
         if target.suffix.lower() == ".zip":
-            with (
-                zipfile.ZipFile(scratch / target.name, "w", compresslevel=1) as archive,
-            ):
+            with zipfile.ZipFile(scratch / target.name, "w") as archive:
                 yield _Zip(archive)
             names = [target.name]
         else:
