@@ -52,6 +52,8 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
+SOUND, REGAINED = 0.25, 0.6
+"""Cost under which a fit teaches the model; with this share of inliers it ends an occlusion."""
 DOUBTFUL = 0.4
 """Cost over which a fit says nothing about the motion."""
 WAS = 7
@@ -344,7 +346,10 @@ class Run:
         pose = None if place is None else place.pose
         verdict = judge(thing, view, pose, None if place is None else place.world, found)
         pose = thing.motion.poses[-1] if place is None else place.pose
-        if place is None or found is None or not verdict.found:
+        back = thing.missing == 0 or (
+            place is not None and place.cost < SOUND and verdict.inliers > REGAINED
+        )
+        if place is None or found is None or not verdict.found or not back:
             thing.missing += 1
             thing.motion.gap += 1
             lost = thing.missing > PATIENCE
@@ -362,7 +367,8 @@ class Run:
         if not place.whole and not thing.bends:
             new = found.gap >= 0.9 * thing.model.spacing
             kept = found.pick(~new | self._alone(thing, view, place, found.indices))
-        learn(thing, view, place, kept, grown, verdict)
+        if place.cost < SOUND or thing.bends or thing.large:
+            learn(thing, view, place, kept, grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
         track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
         return track, points
