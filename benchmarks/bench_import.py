@@ -1,6 +1,7 @@
 """Import: a frame of the sample recording step by step, and a large scan from LAS into the octree.
 
 python benchmarks/bench_import.py [--points 5000000] [--keep FOLDER]
+python benchmarks/bench_import.py --bytes FILE...
 
 The scan is synthetic and seeded; it is written as LAS (26 bytes a point) and imported by a process
 of its own, whose memory is watched.  ``--points 100000000`` is the size of docs/benchmarks.md.
@@ -23,11 +24,13 @@ from typing import Any
 import laspy
 import numpy as np
 
+from pointbrush.formats import open_source
 from pointbrush.samples import generate
 from pointbrush.sequences import import_large, open_sequence
 from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_vertices
+from pointbrush.sequences.grid import GridChooser
 from pointbrush.sequences.kdtree import build, pack, unpack
 from pointbrush.sequences.order import morton_order, progressive
 from pointbrush.sequences.quantise import ROOM_STEP
@@ -265,10 +268,21 @@ def small() -> None:
         print(f"  {name:24} {1e3 * min(times):7.1f} ms")
 
 
+def sizes(paths: list[Path]) -> None:
+    """Bytes a point of the first frame of each file or folder, and its greatest error."""
+    for path in paths:
+        with open_source([path]) as source:
+            frame = next(iter(source.frames))
+        encoded = encode_frame(frame, GridChooser()([frame]))
+        print(f"{path.name:36} {len(frame):8,} points", end=" ")
+        print(f"{len(encoded.wire) / len(frame):5.2f} bytes,", end=" ")
+        print(f"{decimated(encoded):5.2f} first, {1e3 * encoded.error:.2f} mm")
+
+
 def decimated(encoded) -> float:  # type: ignore[no-untyped-def]
     """Bytes a point of the levels that hold a quarter of the points."""
     chunks = encoded.arrays["chunks"]
-    part = chunks[chunks["level"] <= chunks["level"].max() - 2]
+    part = chunks[chunks["level"] <= max(chunks["level"].max() - 2, 0)]
     return float(part["nbytes"].sum() / part["count"].sum())
 
 
@@ -279,7 +293,11 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, help="folder for the scan, kept afterwards")
     parser.add_argument("--import", nargs=2, type=Path, dest="child", help=argparse.SUPPRESS)
     parser.add_argument("--answer", nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--bytes", nargs="+", type=Path, help="only the bytes a point of these")
     given = parser.parse_args()
+    if given.bytes:
+        sizes(given.bytes)
+        return
     if given.child:
         import_scan(*given.child)
         return
