@@ -28,12 +28,16 @@ SECONDS = 5.0
 ROUNDS = 3
 READY = "!!window.__pointbrush && __pointbrush.shown().total > 0"
 COMPLETE = f"{READY} && __pointbrush.shown().drawn === __pointbrush.shown().total"
-# Runs before either page's own scripts: no drawing, and the bytes of points that go to the GPU.
-PREPARE = """
-window.uploads = 0;
+# Both run before either page's own scripts: no drawing, the bytes of points that go to the GPU.
+UNDRAWN = """
 const gl = WebGL2RenderingContext.prototype;
 const drawing = ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'];
 for (const draw of [...drawing, 'clear']) gl[draw] = () => {};
+"""
+PREPARE = (
+    UNDRAWN
+    + """
+window.uploads = 0;
 const sizeOf = (data, count) =>
   count ? count * (data.BYTES_PER_ELEMENT ?? 1) : (data?.byteLength ?? 0);
 for (const name of ['bufferData', 'bufferSubData']) {
@@ -45,6 +49,7 @@ for (const name of ['bufferData', 'bufferSubData']) {
   };
 }
 """
+)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,31 +16,19 @@ from typing import Any
 import httpx
 from websockets.sync.client import ClientConnection, connect
 
-EXECUTABLE = "/usr/bin/chromium"
-FLAGS = [
-    "--headless=new",
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-extensions",
-    "--no-first-run",
-    "--disable-domain-reliability",
-    "--disable-dev-shm-usage",
-    "--disable-renderer-backgrounding",
-    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
-]
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT))
+
+from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 
 
 class Tab:
     """One page."""
 
-    def __init__(self, socket: ClientConnection) -> None:
+    def __init__(self, socket: ClientConnection, process: int) -> None:
         self._socket, self._number = socket, 0
+        self.process = process
+        """The browser's, which is a group of its own."""
         self.call("Page.enable")
         self.call("Runtime.enable")
 
@@ -91,6 +80,7 @@ def tab(width: int = 1280, height: int = 720) -> Iterator[Tab]:
     process = subprocess.Popen(
         [
             EXECUTABLE,
+            "--headless=new",
             *FLAGS,
             f"--window-size={width},{height}",
             f"--user-data-dir={profile}",
@@ -99,6 +89,7 @@ def tab(width: int = 1280, height: int = 720) -> Iterator[Tab]:
         ],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
     try:
         port_file = profile / "DevToolsActivePort"
@@ -110,7 +101,7 @@ def tab(width: int = 1280, height: int = 720) -> Iterator[Tab]:
         pages = httpx.get(f"http://127.0.0.1:{port}/json/list").json()
         address = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
         with connect(address, max_size=None) as socket:
-            yield Tab(socket)
+            yield Tab(socket, process.pid)
     finally:
         process.terminate()
         process.wait(20)

@@ -12,7 +12,8 @@ from playwright.sync_api import Browser, sync_playwright
 
 from pointbrush.formats import read
 from pointbrush.sequences import import_frames
-from tests.e2e.desk import CHROMIUM, FLAGS, Desk, launch
+from tests.e2e.chromium import EXECUTABLE, FLAGS
+from tests.e2e.desk import Desk, launch
 from tests.e2e.server import LiveServer
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
@@ -54,10 +55,10 @@ def server(template: Path, tmp_path: Path) -> Iterator[LiveServer]:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    if not Path(CHROMIUM).exists():
-        pytest.skip(f"no browser at {CHROMIUM}")
+    if not Path(EXECUTABLE).exists():
+        pytest.skip(f"no browser at {EXECUTABLE}")
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
         yield chromium
         chromium.close()
 

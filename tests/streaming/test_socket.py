@@ -73,6 +73,25 @@ def test_opening_shows_the_frame_coarse_to_complete(served: Served) -> None:
     run(scenario)
 
 
+def test_a_cap_on_points_holds_until_the_page_lifts_it(served: Served) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token, auto_credit=False) as client:
+            await client.send(type="credit", frames=0, points=1)
+            await client.open("wall", frame=2)
+            await client.drain(0.3)
+            capped = client.frames[2]
+            assert not capped.final
+            first = sum(chunk["count"] for chunk in capped.chunks)
+            assert first < capped.total
+            # A credit for no frame says only how the page keeps up.
+            await client.send(type="credit", frames=0)
+            while not client.frames[2].final:
+                await client.receive()
+            assert sum(chunk["count"] for chunk in client.frames[2].chunks) == capped.total
+
+    run(scenario)
+
+
 def test_positions_are_within_the_manifests_error(served: Served) -> None:
     async def scenario() -> Viewer:
         async with viewer(served.url, served.token, keep_data=True) as client:

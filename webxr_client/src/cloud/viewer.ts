@@ -28,6 +28,8 @@ export class Viewer {
   readonly backdrop = new Backdrop();
   readonly palette = new PaletteTexture();
   readonly uniforms = new PointUniforms(this.palette.texture);
+  /** Counts what asked for a picture. */
+  changes = 0;
   /** Called before each picture, in order. */
   readonly ticks = new Set<Tick>();
   /** CPU milliseconds: our own work before a picture, and three's to issue it. */
@@ -72,9 +74,10 @@ export class Viewer {
     this.renderer.setAnimationLoop((now, frame) => this.tick(now, frame));
   }
 
-  /** Draw again at the next opportunity. */
+  /** Draw again at the next opportunity: something changed. */
   invalidate(): void {
     this.dirty = true;
+    this.changes += 1;
   }
 
   private get gl(): WebGL2RenderingContext {
@@ -196,18 +199,13 @@ export class Viewer {
     if (this.drawn === before) return;
     // The next picture takes another time: it says nothing of the one before.
     this.lastDrawn = 0;
-    this.invalidate();
+    this.dirty = true;
   }
 
   /** Height of what one eye sees, in pixels. */
   get viewHeight(): number {
     const { xr } = this.renderer;
     return xr.isPresenting ? xr.getCamera().cameras[0].viewport.w : this.size.y;
-  }
-
-  /** Nothing moved since the last picture. */
-  get still(): boolean {
-    return !this.dirty && !this.renderer.xr.isPresenting;
   }
 
   /** Bring a frame to the GPU ahead of time. */

@@ -15,6 +15,8 @@ class Display {
     /** Drawn only whole levels, which double. */
     readonly levels = false,
     readonly refresh = TARGET,
+    /** Milliseconds of a picture that points have no part in. */
+    readonly rest = 0,
   ) {}
 
   run(seconds: number): void {
@@ -26,7 +28,8 @@ class Display {
         while (level > this.drawn) level /= 2;
         this.drawn = level;
       }
-      const interval = Math.ceil(this.drawn / this.rate / this.refresh) * this.refresh;
+      const interval =
+        Math.ceil((this.rest + this.drawn / this.rate) / this.refresh) * this.refresh;
       this.now += interval;
       this.budget.note(interval, TARGET, this.drawn, this.now);
     }
@@ -86,6 +89,13 @@ describe('the budget of points', () => {
     display.rate = 10_000;
     display.run(5);
     expect(display.drawn).toBeLessThan(500_000);
+  });
+
+  it('keeps points whose share of a slow picture is small', () => {
+    const display = new Display(1_000_000 / 700, 1_000_000, false, 1, 300);
+    display.run(60);
+    expect(display.drawn).toBeGreaterThan(150_000);
+    expect(display.drawn).toBeLessThan(700_000);
   });
 
   it('never draws nothing', () => {

@@ -8,17 +8,19 @@ const LATE = 1.3;
 /** Pictures that are looked at together, or as many as come in this time. */
 const WINDOW = 8;
 const WINDOW_MS = 600;
-/** After a change the GPU's queue still holds pictures from before. */
+/** After a change the GPU's queue still holds pictures from before: so many, or for so long. */
 const SETTLING = 3;
+const SETTLING_MS = 250;
 const LEAST_CUT = 0.8;
 const MOST_CUT = 0.4;
 const GROW = 1.3;
 /** Milliseconds in time before more points are tried; doubled when that was too many. */
 const PATIENCE_MS = 1000;
 const LONGEST_PATIENCE_MS = 30_000;
-/** Cuts that made no picture faster by this part, one after another: points are not to blame. */
-const USELESS_CUTS = 3;
+/** A cut that makes pictures faster by no more than this part was of no use. */
 const FASTER = 0.92;
+/** Where what is not points takes most of the time, points may take half as much again. */
+const SHARE_OF_REST = 1.5;
 /** Fewer would show nothing. */
 export const FEWEST_POINTS = 10_000;
 
@@ -33,63 +35,72 @@ export class PointBudget {
   private patience = PATIENCE_MS;
   /** More points are being tried since then. */
   private triedAt = -1;
-  /** What pictures took when points were last cut, and how often that changed nothing. */
-  private cutMean = Infinity;
-  private useless = 0;
-  /** The time of a picture that no number of points explains (a display at 30 Hz). */
+  /** What pictures took, and how many points they had, when points were last cut. */
+  private cutMean = 0;
+  private cutDrawn = 0;
+  /** The best that can be hoped for: a display at 30 Hz, a slow machine. */
   private floor = 0;
 
-  /** A picture of `drawn` points took `interval` of the `target` milliseconds; true on a change. */
-  note(interval: number, target: number, drawn: number, now: number): boolean {
-    if (this.settling > 0) {
+  /** A picture of `drawn` points took `interval` of the `target` milliseconds. */
+  note(interval: number, target: number, drawn: number, now: number): void {
+    if (this.since < 0) this.since = now;
+    if (this.settling > 0 && now - this.since < SETTLING_MS) {
       this.settling -= 1;
-      this.begin(now);
-      return false;
+      return;
     }
-    if (this.pictures === 0 && this.since < 0) this.since = now;
+    this.settling = 0;
     this.pictures += 1;
     this.sum += interval;
     if (interval > LATE * Math.max(target, this.floor)) this.late += 1;
-    if (this.pictures < WINDOW && this.sum < WINDOW_MS) return false;
+    if (this.pictures < WINDOW && this.sum < WINDOW_MS) return;
     const mean = this.sum / this.pictures;
     const slow = this.late > this.pictures / 2;
     this.pictures = this.late = this.sum = 0;
-    if (mean < 0.8 * this.floor) this.floor = 0;
-    if (slow) return this.cut(mean, target, drawn, now);
-    return now - this.since >= this.patience && this.grow(drawn, now);
+    if (mean < 0.8 * this.floor) this.floor = mean;
+    if (slow) this.cut(mean, target, drawn, now);
+    else if (now - this.since >= this.patience) this.grow(drawn, now);
   }
 
-  private cut(mean: number, target: number, drawn: number, now: number): boolean {
-    this.useless = mean > FASTER * this.cutMean ? this.useless + 1 : 0;
-    if (this.useless === USELESS_CUTS) {
-      this.reset();
-      this.floor = mean;
-      return true;
-    }
+  private cut(mean: number, target: number, drawn: number, now: number): void {
+    if (this.learnFloor(mean, target, drawn, now)) return;
     this.cutMean = mean;
+    this.cutDrawn = drawn;
+    const goal = Math.max(target, this.floor);
     // What was just tried was too much: it is not tried again so soon.
     if (this.triedAt >= 0 && now - this.triedAt < 2 * PATIENCE_MS) {
       this.patience = Math.min(LONGEST_PATIENCE_MS, 2 * this.patience);
     }
     this.triedAt = -1;
-    const before = this.points;
-    const factor = Math.min(LEAST_CUT, Math.max(MOST_CUT, target / mean));
-    this.points = Math.max(FEWEST_POINTS, factor * Math.min(before, drawn));
+    const factor = Math.min(LEAST_CUT, Math.max(MOST_CUT, goal / mean));
+    this.points = Math.max(FEWEST_POINTS, factor * Math.min(this.points, drawn));
     this.change(now);
-    return this.points !== before;
   }
 
-  private grow(drawn: number, now: number): boolean {
+  /** What the last cut says of the time that is not the points'; true when it was of no use. */
+  private learnFloor(mean: number, target: number, drawn: number, now: number): boolean {
+    if (drawn >= this.cutDrawn) return false;
+    if (mean > FASTER * this.cutMean) {
+      this.points = this.cutDrawn;
+      this.cutDrawn = 0;
+      this.floor = mean;
+      this.change(now);
+      return true;
+    }
+    const perPoint = (this.cutMean - mean) / (this.cutDrawn - drawn);
+    const rest = mean - perPoint * drawn;
+    if (rest > 0.8 * target) this.floor = SHARE_OF_REST * rest;
+    return false;
+  }
+
+  private grow(drawn: number, now: number): void {
     this.begin(now);
-    this.cutMean = Infinity;
-    this.useless = 0;
-    if (this.points === Infinity) return false;
+    this.cutDrawn = 0;
+    if (this.points === Infinity) return;
     // A limit far above what there is to draw is none.
     this.points = this.points > 4 * drawn ? Infinity : this.points * GROW;
     this.triedAt = now;
     if (this.points === Infinity) this.patience = PATIENCE_MS;
     this.change(now);
-    return true;
   }
 
   private change(now: number): void {
@@ -108,8 +119,7 @@ export class PointBudget {
     this.patience = PATIENCE_MS;
     this.settling = 0;
     this.since = this.triedAt = -1;
-    this.cutMean = Infinity;
-    this.useless = this.floor = 0;
+    this.cutDrawn = this.floor = 0;
     this.pictures = this.late = this.sum = 0;
   }
 }

@@ -1,6 +1,6 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
 import { effect } from '@preact/signals';
-import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
+import { bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import type { CloudFrame } from '../cloud/frame';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
@@ -9,17 +9,17 @@ import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
 import { DeskPresence } from '../desktop/presence';
 import { Link } from '../net/link';
-import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
-import type { Brush, SequenceInfo, ServerPresence } from '../protocol/messages';
-import { dismiss, isActive, notify, state } from '../state';
+import type { Brush } from '../protocol/messages';
+import { dismiss, state } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
-import { labelActions, takeLabels, takeTimeline } from './labels';
+import { Inbox } from './inbox';
+import { labelActions } from './labels';
 import { Pacing } from './pacing';
 import { Playback } from './playback';
-import { noteJob, recordingActions } from './recordings';
-import { reviewActions, runAsked, runEnded, unsure } from './review';
+import { recordingActions } from './recordings';
+import { reviewActions, runAsked, unsure } from './review';
 import { timeActions } from './time';
 
 export class Engine {
@@ -34,12 +34,10 @@ export class Engine {
   private readonly detail: Detail;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
-  /** Frames that show what a tracking run has found but not committed. */
-  private readonly provisional = new Set<CloudFrame>();
 
   constructor(canvas: HTMLCanvasElement) {
     this.viewer = new Viewer(canvas);
-    this.link = new Link((message) => this.receive(message));
+    this.link = new Link((message) => inbox.receive(message));
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
     this.strokes = new Strokes({
@@ -54,6 +52,12 @@ export class Engine {
     this.pointer = new DeskPointer({ viewer, camera, strokes, frame });
     this.presence = new DeskPresence(this.link);
     this.detail = new Detail(this.viewer, this.playback, this.link);
+    const { playback, link } = this;
+    const opened = (): void => {
+      this.pacing.reset();
+      this.unframed = true;
+    };
+    const inbox = new Inbox({ viewer, playback, strokes, link, opened });
     this.bind();
     this.follow();
     listenToKeys(this.camera);
@@ -103,136 +107,6 @@ export class Engine {
       brushInputs();
       this.pointer.refresh();
     });
-  }
-
-  // ── what the worker brings ─────────────────────────────────────────────────────────────────
-
-  private receive(message: FromWorker): void {
-    switch (message.t) {
-      case 'segment':
-        this.playback.segment(message.segment);
-        return;
-      case 'labels':
-        this.takeLabelUpdate(message.update);
-        return;
-      case 'link': {
-        const retryAt = message.retryMs === null ? null : performance.now() + message.retryMs;
-        state.connection.value = { state: message.state, detail: message.detail, retryAt };
-        return;
-      }
-      case 'pending':
-        state.pending.value = message.count;
-        return;
-      case 'message':
-        this.takeMessage(message.message);
-    }
-  }
-
-  private takeLabelUpdate(update: LabelUpdate): void {
-    if (update.sequence !== state.sequence.peek()?.id) return;
-    if (update.provisional) {
-      const frame = this.playback.store.get(update.frame);
-      if (!frame) return;
-      frame.mergeOverlay('provisional', update.lengths, update.values);
-      this.provisional.add(frame);
-      this.viewer.invalidate();
-      return;
-    }
-    this.playback.labels(update);
-    if (update.edit !== null) this.strokes.drop(update.edit);
-  }
-
-  private takeMessage(message: PlainMessage): void {
-    switch (message.type) {
-      case 'welcome': {
-        const { viewer, author, role, version } = message;
-        state.me.value = { viewer, author, role, serverVersion: version };
-        void this.welcomed();
-        return;
-      }
-      case 'sequence':
-        this.takeSequence(message);
-        return;
-      case 'labels':
-        if (message.sequence === state.sequence.peek()?.id) takeLabels(message);
-        return;
-      case 'timeline': {
-        const info = state.sequence.peek();
-        if (info?.id === message.sequence) takeTimeline(message, info.frames);
-        return;
-      }
-      case 'stroke_result':
-        this.strokes.onResult(message);
-        return;
-      case 'job':
-        this.takeJob(message);
-        return;
-      case 'presence':
-        takePresence(message);
-        return;
-      case 'error':
-        if (message.about !== null) this.strokes.drop(message.about);
-        // A recording that is not there (any more) does not stay "opening" for ever.
-        else if (state.opening.peek() !== null) this.closeSequence();
-        // Nothing to undo is an answer, not a fault.
-        notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
-    }
-  }
-
-  private async welcomed(): Promise<void> {
-    await actions.refreshSequences();
-    if (state.sequence.peek()) return;
-    const list = state.sequences.peek() ?? [];
-    const wanted = new URLSearchParams(location.search).get('sequence');
-    const first = list.find((entry) => entry.id === wanted) ?? (list.length === 1 ? list[0] : null);
-    if (first) this.openSequence(first.id);
-  }
-
-  private takeSequence(info: SequenceInfo): void {
-    const before = state.sequence.peek();
-    const again = before?.id === info.id && before.frames === info.frames;
-    state.sequence.value = info;
-    state.opening.value = null;
-    if (again) {
-      // The link came back: what is here stays, and time goes on where it was.
-      if (state.playing.peek()) this.playback.restart();
-      else this.link.send({ type: 'seek', frame: state.frame.peek() });
-      return;
-    }
-    this.playback.open(info);
-    this.pacing.reset();
-    this.unframed = true;
-    state.frame.value = info.frame;
-  }
-
-  private takeJob(job: Extract<PlainMessage, { type: 'job' }>): void {
-    const known = state.jobs.peek().find((other) => other.id === job.id);
-    noteJob(job);
-    if (isActive(job) || (known && !isActive(known))) return;
-    if (job.kind === 'tracking') {
-      this.dropProvisional();
-      runEnded();
-    }
-    if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
-    if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`);
-    if (job.state === 'done') void this.jobDone(job);
-  }
-
-  private async jobDone(job: Extract<PlainMessage, { type: 'job' }>): Promise<void> {
-    if (job.kind === 'tracking') notify('success', 'Tracked', job.message);
-    if (job.kind !== 'import') return;
-    const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
-    await actions.refreshSequences();
-    const fresh = (state.sequences.peek() ?? []).find((entry) => !before.has(entry.id));
-    notify('success', 'Imported', fresh?.name ?? job.message);
-    const id = job.sequence ?? fresh?.id;
-    if (id && !state.sequence.peek()) this.openSequence(id);
-  }
-
-  private dropProvisional(): void {
-    for (const frame of this.provisional) frame.dropOverlay('provisional');
-    this.provisional.clear();
-    this.viewer.invalidate();
   }
 
   // ── actions ────────────────────────────────────────────────────────────────────────────────
@@ -315,9 +189,4 @@ export class Engine {
 function brushInputs(): readonly unknown[] {
   const { tool, brush, activeLabel, palette, shown } = state;
   return [tool.value, brush.value, activeLabel.value, palette.value, shown.value];
-}
-
-function takePresence(message: ServerPresence): void {
-  const others = state.people.peek().filter((person) => person.viewer !== message.viewer);
-  state.people.value = message.left ? others : [...others, message];
 }

@@ -17,6 +17,7 @@ export class Pacing {
   adaptive = true;
   private readonly budget = new PointBudget();
   private seen = 0;
+  private changes = 0;
   private movedAt = 0;
 
   constructor(
@@ -47,7 +48,9 @@ export class Pacing {
       this.budget.note(last, this.targetMs, viewer.drawn, now);
     }
     this.seen = total;
-    if (!viewer.still || state.playing.peek()) this.movedAt = now;
+    const moved = viewer.changes !== this.changes || state.playing.peek();
+    this.changes = viewer.changes;
+    if (moved || viewer.renderer.xr.isPresenting) this.movedAt = now;
     const points = Math.round(this.points);
     this.playback.pointBudget = points === Infinity ? null : points;
     viewer.setLimit(now - this.movedAt > REST_MS ? Infinity : points);

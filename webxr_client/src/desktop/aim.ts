@@ -1,0 +1,90 @@
+/** Where the mouse points: rays into the recording, and what they meet. */
+import { Matrix4, Vector3 } from 'three';
+import type { CloudFrame } from '../cloud/frame';
+import { firstHit, type Hit } from '../cloud/pick';
+import type { Viewer } from '../cloud/viewer';
+import type { SequenceInfo } from '../protocol/messages';
+import type { PointerSample } from '../tools/sample';
+
+export class Aim {
+  /** Pixels of the canvas. */
+  x = 0;
+  y = 0;
+  inside = false;
+  /** Since the brush was drawn last. */
+  moved = false;
+  private readonly canvas: HTMLCanvasElement;
+  private readonly toLocal = new Matrix4();
+  private readonly scratch = new Vector3();
+
+  constructor(
+    private readonly viewer: Viewer,
+    /** The frame on screen. */
+    readonly frame: () => CloudFrame | null,
+  ) {
+    this.canvas = viewer.canvas;
+  }
+
+  place(event: MouseEvent): void {
+    this.x = event.offsetX;
+    this.y = event.offsetY;
+    this.inside = true;
+    this.moved = true;
+  }
+
+  /** The ray through a place on the canvas, in local coordinates. */
+  ray(x = this.x, y = this.y): PointerSample {
+    const { camera, room } = this.viewer;
+    camera.updateMatrixWorld();
+    const far = this.scratch
+      .set((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2, 0.5)
+      .unproject(camera);
+    this.toLocal.copy(room.matrixWorld).invert();
+    const eye = new Vector3().copy(camera.position).applyMatrix4(this.toLocal);
+    const direction = far.applyMatrix4(this.toLocal).sub(eye).normalize();
+    return {
+      origin: [eye.x, eye.y, eye.z],
+      direction: [direction.x, direction.y, direction.z],
+    };
+  }
+
+  /** What lies under the cursor, within `radius` of its ray. */
+  hit(radius: number): Hit | null {
+    const frame = this.frame();
+    if (!frame || !this.inside) return null;
+    const { origin, direction } = this.ray();
+    return firstHit(frame, origin, direction, radius);
+  }
+
+  roomPosition(hit: Hit): Vector3 {
+    return new Vector3(...hit.position).applyMatrix4(this.viewer.room.matrixWorld);
+  }
+
+  /** The place under the cursor that is as far away as `pivot`, room coordinates. */
+  ahead(pivot: Vector3): Vector3 {
+    const { origin, direction } = this.ray();
+    const distance = Math.max(1, this.viewer.camera.position.distanceTo(pivot));
+    return new Vector3(...direction)
+      .multiplyScalar(distance)
+      .add(new Vector3(...origin))
+      .applyMatrix4(this.viewer.room.matrixWorld);
+  }
+
+  /** Metres that a pixel takes at a distance. */
+  pixelAt(distance: number): number {
+    const half = Math.tan((this.viewer.camera.fov * Math.PI) / 360) * distance;
+    return half / (this.canvas.clientHeight / 2);
+  }
+
+  /** Row-major `clip_from_source` of what is on screen. */
+  clipFromSource(info: SequenceInfo): number[] {
+    const { camera, room } = this.viewer;
+    const [x, y, z] = info.shift;
+    return new Matrix4()
+      .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+      .multiply(room.matrixWorld)
+      .multiply(new Matrix4().makeTranslation(-x, -y, -z))
+      .transpose()
+      .toArray();
+  }
+}

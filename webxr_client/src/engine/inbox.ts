@@ -1,0 +1,161 @@
+/** What the worker brings, and where it goes: the cache, the store, strokes, notices. */
+import { actions } from '../actions';
+import type { CloudFrame } from '../cloud/frame';
+import type { Viewer } from '../cloud/viewer';
+import type { Link } from '../net/link';
+import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
+import type { SequenceInfo, ServerPresence } from '../protocol/messages';
+import { isActive, notify, state } from '../state';
+import type { Strokes } from '../tools/strokes';
+import { takeLabels, takeTimeline } from './labels';
+import type { Playback } from './playback';
+import { noteJob } from './recordings';
+import { runEnded } from './review';
+
+export interface InboxDeps {
+  readonly viewer: Viewer;
+  readonly playback: Playback;
+  readonly strokes: Strokes;
+  readonly link: Link;
+  /** A recording was opened that was not open before. */
+  readonly opened: () => void;
+}
+
+export class Inbox {
+  /** Frames that show what a tracking run has found but not committed. */
+  private readonly provisional = new Set<CloudFrame>();
+
+  constructor(private readonly deps: InboxDeps) {}
+
+  receive(message: FromWorker): void {
+    switch (message.t) {
+      case 'segment':
+        this.deps.playback.segment(message.segment);
+        return;
+      case 'labels':
+        this.takeLabelUpdate(message.update);
+        return;
+      case 'link': {
+        const retryAt = message.retryMs === null ? null : performance.now() + message.retryMs;
+        state.connection.value = { state: message.state, detail: message.detail, retryAt };
+        return;
+      }
+      case 'pending':
+        state.pending.value = message.count;
+        return;
+      case 'message':
+        this.takeMessage(message.message);
+    }
+  }
+
+  private takeLabelUpdate(update: LabelUpdate): void {
+    if (update.sequence !== state.sequence.peek()?.id) return;
+    if (update.provisional) {
+      const frame = this.deps.playback.store.get(update.frame);
+      if (!frame) return;
+      frame.mergeOverlay('provisional', update.lengths, update.values);
+      this.provisional.add(frame);
+      this.deps.viewer.invalidate();
+      return;
+    }
+    this.deps.playback.labels(update);
+    if (update.edit !== null) this.deps.strokes.drop(update.edit);
+  }
+
+  private takeMessage(message: PlainMessage): void {
+    switch (message.type) {
+      case 'welcome': {
+        const { viewer, author, role, version } = message;
+        state.me.value = { viewer, author, role, serverVersion: version };
+        void this.welcomed();
+        return;
+      }
+      case 'sequence':
+        this.takeSequence(message);
+        return;
+      case 'labels':
+        if (message.sequence === state.sequence.peek()?.id) takeLabels(message);
+        return;
+      case 'timeline': {
+        const info = state.sequence.peek();
+        if (info?.id === message.sequence) takeTimeline(message, info.frames);
+        return;
+      }
+      case 'stroke_result':
+        this.deps.strokes.onResult(message);
+        return;
+      case 'job':
+        this.takeJob(message);
+        return;
+      case 'presence':
+        takePresence(message);
+        return;
+      case 'error':
+        if (message.about !== null) this.deps.strokes.drop(message.about);
+        // A recording that is not there (any more) does not stay "opening" for ever.
+        else if (state.opening.peek() !== null) actions.closeSequence();
+        // Nothing to undo is an answer, not a fault.
+        notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
+    }
+  }
+
+  private async welcomed(): Promise<void> {
+    await actions.refreshSequences();
+    if (state.sequence.peek()) return;
+    const list = state.sequences.peek() ?? [];
+    const wanted = new URLSearchParams(location.search).get('sequence');
+    const first = list.find((entry) => entry.id === wanted) ?? (list.length === 1 ? list[0] : null);
+    if (first) actions.openSequence(first.id);
+  }
+
+  private takeSequence(info: SequenceInfo): void {
+    const before = state.sequence.peek();
+    const again = before?.id === info.id && before.frames === info.frames;
+    state.sequence.value = info;
+    state.opening.value = null;
+    if (again) {
+      // The link came back: what is here stays, and time goes on where it was.
+      if (state.playing.peek()) this.deps.playback.restart();
+      else this.deps.link.send({ type: 'seek', frame: state.frame.peek() });
+      return;
+    }
+    this.deps.playback.open(info);
+    this.deps.opened();
+    state.frame.value = info.frame;
+  }
+
+  private takeJob(job: Extract<PlainMessage, { type: 'job' }>): void {
+    const known = state.jobs.peek().find((other) => other.id === job.id);
+    noteJob(job);
+    if (isActive(job) || (known && !isActive(known))) return;
+    if (job.kind === 'tracking') {
+      this.dropProvisional();
+      runEnded();
+    }
+    if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
+    if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`);
+    if (job.state === 'done') void this.jobDone(job);
+  }
+
+  private async jobDone(job: Extract<PlainMessage, { type: 'job' }>): Promise<void> {
+    if (job.kind === 'tracking') notify('success', 'Tracked', job.message);
+    if (job.kind !== 'import') return;
+    const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
+    await actions.refreshSequences();
+    const fresh = (state.sequences.peek() ?? []).find((entry) => !before.has(entry.id));
+    notify('success', 'Imported', fresh?.name ?? job.message);
+    const id = job.sequence ?? fresh?.id;
+    if (id && !state.sequence.peek()) actions.openSequence(id);
+  }
+
+  private dropProvisional(): void {
+    for (const frame of this.provisional) frame.dropOverlay('provisional');
+    this.provisional.clear();
+    this.deps.viewer.invalidate();
+  }
+}
+
+function takePresence(message: ServerPresence): void {
+  const others = state.people.peek().filter((person) => person.viewer !== message.viewer);
+  state.people.value = message.left ? others : [...others, message];
+}
