@@ -18,12 +18,10 @@ from pointbrush.formats.registry import Format, format_by_name, format_named, fo
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
-    find_time_file,
     natural_key,
     rate_of,
-    read_times,
     stated_rate,
-    times_in_names,
+    times_of,
 )
 
 # Text and binary files that lie beside frames without being frames.
@@ -172,7 +170,7 @@ def list_files(
         files[0].name,
         *SIDECARS,
     }
-    times = _times(files, folder) if whole else None
+    times = times_of(files, folder) if whole else None
     poses = _kitti_poses(entry, files, folder) if whole else None
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
     frames = [
@@ -190,13 +188,6 @@ def list_files(
         return Listing(entry.name, frames, None, topics[0].fps, sum(t.count for t in topics))
     times = sorted(times) if times else None
     return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), len(files))
-
-
-def _times(files: Sequence[Path], folder: Path) -> list[float] | None:
-    time_file = find_time_file(folder)
-    if time_file is not None:
-        return read_times(time_file, [path.name for path in files])
-    return times_in_names(files)
 
 
 def _kitti_poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pose] | None:

@@ -6,13 +6,13 @@ import struct
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from mmap import ACCESS_READ, mmap
+from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
-from pointbrush.formats.recording import Topic, choose_topic, unpack_chunk
+from pointbrush.formats.recording import Topic, choose_topic, map_recording, unpack_chunk
 from pointbrush.frame import PointFrame
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -58,7 +58,7 @@ def read_mcap(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     Raises BadInputError for a file without such messages, cut off or damaged.
     """
     topic = survey_mcap(path).name
-    with _mapped(path) as data:
+    with map_recording(path, MAGIC, "an MCAP file") as data:
         known = _Channels(path.name)
         for channel, time, message in _messages(path.name, data, known):
             if known.clouds().get(channel) == topic:
@@ -71,7 +71,7 @@ def survey_mcap(path: Path) -> Topic:
 
     Raises BadInputError when no topic has point clouds.
     """
-    with _mapped(path) as data:
+    with map_recording(path, MAGIC, "an MCAP file") as data:
         known = _Channels(path.name)
         counts: Counter[int] = Counter()
         start = end = 0.0
@@ -96,18 +96,6 @@ def survey_mcap(path: Path) -> Topic:
         clouds[topic] += counts[number]
     topic = choose_topic(path.name, clouds, {topic for topic, _, _ in known.channels.values()})
     return Topic(topic, clouds[topic], start, end)
-
-
-def _mapped(path: Path) -> mmap:
-    with path.open("rb") as file:
-        if path.stat().st_size == 0:
-            raise BadInputError(f"{path.name}: expected MCAP, got an empty file (0 bytes)")
-        data = mmap(file.fileno(), 0, access=ACCESS_READ)
-    if data[: len(MAGIC)] != MAGIC:
-        start = data[: len(MAGIC)]
-        data.close()
-        raise BadInputError(f"{path.name}: expected an MCAP file, got {start!r}")
-    return data
 
 
 def _summary_start(name: str, data: mmap) -> int:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import bz2
 from collections.abc import Mapping
 from dataclasses import dataclass
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.lz4 import lz4_decompress
@@ -30,6 +32,19 @@ class Topic:
         # Recorded sensors run at whole rates; the first and last message blur it a little.
         near = abs(rate - round(rate)) < 0.03 * rate and round(rate) > 0
         return float(round(rate)) if near else round(rate, 3)
+
+
+def map_recording(path: Path, magic: bytes, kind: str) -> mmap:
+    """A file of this ``kind`` as memory; raises BadInputError when it does not begin so."""
+    with path.open("rb") as file:
+        if path.stat().st_size == 0:
+            raise BadInputError(f"{path.name}: expected {kind}, got an empty file (0 bytes)")
+        data = mmap(file.fileno(), 0, access=ACCESS_READ)
+    start = data[: len(magic)]
+    if start != magic:
+        data.close()
+        raise BadInputError(f"{path.name}: expected {kind}, got {start!r}")
+    return data
 
 
 def choose_topic(name: str, clouds: Mapping[str, int], others: set[str]) -> str:

@@ -18,12 +18,10 @@ from pointbrush.formats.depth import Intrinsics, depth_frame, find_intrinsics
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.timing import (
-    find_time_file,
     natural_key,
     rate_of,
-    read_times,
     stated_rate,
-    times_in_names,
+    times_of,
 )
 from pointbrush.frame import PointFrame
 
@@ -190,19 +188,12 @@ def _paired(folder: Path) -> list[Pair]:
             f"{folder.name}: expected a colour image for each of {len(depths)} depth images, got "
             f"{len(colors)}"
         )
-    times = _times(depth_folder or folder, depths)
+    times = times_of(depths, depth_folder or folder)
     pairs = [
         Pair(depth, colors[i] if colors else None, times[i] if times else None)
         for i, depth in enumerate(depths)
     ]
     return sorted(pairs, key=lambda pair: pair.time or 0.0) if times else pairs
-
-
-def _times(folder: Path, depths: list[Path]) -> list[float] | None:
-    time_file = find_time_file(folder)
-    if time_file is not None:
-        return read_times(time_file, [path.name for path in depths])
-    return times_in_names(depths)
 
 
 def _images(folder: Path, endings: tuple[str, ...]) -> list[Path]:

@@ -6,13 +6,13 @@ import struct
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from mmap import ACCESS_READ, mmap
+from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
-from pointbrush.formats.recording import Topic, choose_topic, unpack_chunk
+from pointbrush.formats.recording import Topic, choose_topic, map_recording, unpack_chunk
 from pointbrush.frame import PointFrame
 
 MAGIC = b"#ROSBAG V2.0\n"
@@ -40,7 +40,7 @@ def read_rosbag1(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
     Raises BadInputError for a bag without such messages, cut off or damaged.
     """
-    with _mapped(path) as data:
+    with map_recording(path, MAGIC, "a bag of format 2.0") as data:
         topic = survey_rosbag1(path).name
         index = _Index()
         for number, message, time in _messages(path.name, data, index):
@@ -53,9 +53,9 @@ def survey_rosbag1(path: Path) -> Topic:
 
     Raises BadInputError when no topic has point clouds.
     """
-    with _mapped(path) as data:
+    with map_recording(path, MAGIC, "a bag of format 2.0") as data:
         index = _Index()
-        for at, operation, header, body, _ in _records(path.name, data, len(MAGIC), len(data)):
+        for at, operation, header, _ in _records(path.name, data, len(MAGIC), len(data)):
             if operation == BAG:
                 end = _u64(header, "index_pos")
                 if end == 0:
@@ -69,7 +69,6 @@ def survey_rosbag1(path: Path) -> Topic:
                     )
                 _read_index(path.name, data, end, index)
                 break
-            _ = body
     clouds: Counter[str] = Counter()
     for number, topic in index.topics.items():
         if index.types[topic] in TYPES:
@@ -79,21 +78,8 @@ def survey_rosbag1(path: Path) -> Topic:
     return Topic(topic, clouds[topic], start, stop)
 
 
-def _mapped(path: Path) -> mmap:
-    with path.open("rb") as file:
-        if path.stat().st_size == 0:
-            raise BadInputError(f"{path.name}: expected a bag, got an empty file (0 bytes)")
-        data = mmap(file.fileno(), 0, access=ACCESS_READ)
-    if data[: len(MAGIC)] != MAGIC:
-        start = data[: len(MAGIC)]
-        data.close()
-        raise BadInputError(f"{path.name}: expected a bag of format 2.0, got {start!r}")
-    return data
-
-
 def _read_index(name: str, data: mmap, start: int, index: _Index) -> None:
-    for _, operation, header, body, _ in _records(name, data, start, len(data)):
-        content = bytes(data[body[0] : body[1]])
+    for _, operation, header, content in _records(name, data, start, len(data)):
         if operation == CONNECTION:
             index.connect(header, content)
         elif operation == CHUNK_INFO:
@@ -113,32 +99,29 @@ def _scanned(name: str, data: mmap) -> _Index:
 
 def _messages(name: str, data: mmap, index: _Index) -> Iterator[tuple[int, bytes, float]]:
     """(connection, message, time) of every message, within chunks or not."""
-    for _, operation, header, body, _ in _records(name, data, len(MAGIC), len(data)):
+    for _, operation, header, content in _records(name, data, len(MAGIC), len(data)):
         if operation == CHUNK:
             compression = header.get("compression", b"none").decode("ascii", "replace")
-            content = bytes(data[body[0] : body[1]])
             chunk = unpack_chunk(name, content, compression, _u32(header, "size"))
-            records = _records(name, chunk, 0, len(chunk))
-            yield from _messages_of(records, chunk, index)
+            for _, inner, fields, part in _records(name, chunk, 0, len(chunk)):
+                yield from _message(inner, fields, part, index)
         else:
-            yield from _messages_of(iter([(0, operation, header, body, 0)]), data, index)
+            yield from _message(operation, header, content, index)
 
 
-_Record = tuple[int, int, dict[str, bytes], tuple[int, int], int]
-
-
-def _messages_of(
-    records: Iterator[_Record], data: bytes | mmap, index: _Index
+def _message(
+    operation: int, header: dict[str, bytes], content: bytes, index: _Index
 ) -> Iterator[tuple[int, bytes, float]]:
-    for _, operation, header, (start, end), _ in records:
-        if operation == CONNECTION:
-            index.connect(header, bytes(data[start:end]))
-        elif operation == MESSAGE:
-            yield _u32(header, "conn"), bytes(data[start:end]), _time(header, "time")
+    if operation == CONNECTION:
+        index.connect(header, content)
+    elif operation == MESSAGE:
+        yield _u32(header, "conn"), content, _time(header, "time")
 
 
-def _records(name: str, data: bytes | mmap, at: int, end: int) -> Iterator[_Record]:
-    """(position, operation, header, (first, last) byte of the data, next position)."""
+def _records(
+    name: str, data: bytes | mmap, at: int, end: int
+) -> Iterator[tuple[int, int, dict[str, bytes], bytes]]:
+    """(position, operation, header, data) of the records in a range."""
     while at < end:
         try:
             (length,) = struct.unpack_from("<I", data, at)
@@ -156,7 +139,7 @@ def _records(name: str, data: bytes | mmap, at: int, end: int) -> Iterator[_Reco
         operation = header.get("op", b"")
         if len(operation) != 1:
             raise BadInputError(f"{name}: expected a record at byte {at}, it is damaged")
-        yield at, operation[0], header, (start, start + size), start + size
+        yield at, operation[0], header, bytes(data[start : start + size])
         at = start + size
 
 

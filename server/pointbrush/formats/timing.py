@@ -63,6 +63,17 @@ def find_time_file(folder: Path) -> Path | None:
     return None
 
 
+def times_of(files: Sequence[Path], folder: Path) -> list[float] | None:
+    """Seconds for each of ``files`` of a folder, by its timestamp file or else their names.
+
+    Raises BadInputError for a timestamp file that does not fit.
+    """
+    time_file = find_time_file(folder)
+    if time_file is not None:
+        return read_times(time_file, [path.name for path in files])
+    return times_in_names(files)
+
+
 def read_times(path: Path, names: Sequence[str]) -> list[float]:
     """Seconds for each of ``names`` from a timestamp file.
 
