@@ -99,7 +99,8 @@ def _frame(
     # An absurd scale gives infinities, which are refused as such.
     with np.errstate(over="ignore", invalid="ignore"):
         for i, axis in enumerate("xyz"):
-            xyz[:, i] = rows[axis] * header.scales[i] + header.offsets[i]
+            np.multiply(rows[axis], header.scales[i], out=xyz[:, i])
+            xyz[:, i] += header.offsets[i]
     columns: dict[str, Array] = {"xyz": xyz}
     columns["intensity"] = rows["intensity"]
     columns |= {extra: rows[extra] for extra in ("label", "instance") if extra in header.extra}

@@ -16,6 +16,8 @@ from pointbrush.sequences.chunk import CHUNK, Grid, encode_chunk, wire_colors
 from pointbrush.sequences.order import morton_order, progressive
 
 CHUNK_POINTS = 65536
+_ROWS = 1 << 15
+"""Rows worked on at once where temporary arrays should stay in the processor's cache."""
 
 POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
 
@@ -39,18 +41,17 @@ def to_local(
     xyz: NDArray[np.float32] | NDArray[np.float64], shift: NDArray[np.float64]
 ) -> NDArray[np.float32]:
     """Source coordinates (N, 3) → local float32.  Raises BadInputError beyond float32's range."""
-    if not shift.any():
-        local = xyz if xyz.dtype == np.float32 else _narrow(xyz)
-    else:
-        local = _narrow(xyz.astype(np.float64) - shift)
-    return np.ascontiguousarray(local, np.float32)
-
-
-def _narrow(xyz: NDArray[Any]) -> NDArray[np.float32]:
-    limit = np.finfo(np.float32).max
-    if len(xyz) and max(-float(xyz.min()), float(xyz.max())) > limit:
+    if xyz.dtype == np.float32 and not shift.any():
+        return np.ascontiguousarray(xyz)
+    local = np.empty(xyz.shape, np.float32)
+    with np.errstate(over="ignore"):
+        for start in range(0, len(xyz), _ROWS):
+            local[start : start + _ROWS] = np.subtract(
+                xyz[start : start + _ROWS], shift, dtype=np.float64
+            )
+    if not np.isfinite(local).all():
         raise BadInputError("xyz: expected coordinates within ±3.4e38 of the first, got more")
-    return xyz.astype(np.float32)
+    return local
 
 
 def from_local(
@@ -76,17 +77,31 @@ def residual(
     It is the difference of the floats' bit patterns, which is a few units in the last place, so
     that a narrow integer holds it where a copy of the coordinates would take eight bytes.
     """
+    parts = [
+        _narrow(_bit_difference(source[start : start + _ROWS], local[start : start + _ROWS], shift))
+        for start in range(0, len(source), _ROWS)
+    ]
+    if not any(part.any() for part in parts):
+        return None
+    return np.concatenate(parts)  # as wide as the widest
+
+
+def _bit_difference(
+    source: NDArray[Any], local: NDArray[np.float32], shift: NDArray[np.float64]
+) -> NDArray[np.signedinteger[Any]]:
     bits = np.dtype(f"i{source.dtype.itemsize}")
     near = from_local(local, None, shift, source.dtype)
     difference: NDArray[Any] = np.ascontiguousarray(source).view(bits) - near.view(bits)
-    if not difference.any():
-        return None
-    low, high = int(difference.min()), int(difference.max())
+    return difference
+
+
+def _narrow(values: NDArray[np.signedinteger[Any]]) -> NDArray[np.signedinteger[Any]]:
+    """The same values in the narrowest integers that hold them."""
+    low, high = int(values.min()), int(values.max())
     for narrow in (np.int8, np.int16, np.int32):
         if np.iinfo(narrow).min <= low and high <= np.iinfo(narrow).max:
-            small: NDArray[Any] = difference.astype(narrow)
-            return small
-    return difference
+            return values.astype(narrow)
+    return values
 
 
 def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
