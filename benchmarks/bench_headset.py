@@ -14,14 +14,21 @@ import statistics
 import sys
 import tempfile
 import time
+import uuid
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 from bench_page import PREPARE, ours
 from bench_streaming import POINTS, recording
 from chromium import Tab
+
+from pointbrush.labels import Write
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
 
 IWER = Path(__file__).parents[1] / "webxr_client/node_modules/iwer/build/iwer.min.js"
 WEAR = """;(() => {
@@ -45,10 +52,37 @@ setInterval(() => {
   left.position.set(-0.25, 1.2 + 0.05 * Math.sin(t), -0.4);
 }, 8)
 """
+BOXES = """(() => {
+  const { view } = __pointbrush.state;
+  view.value = { ...view.value, boxes: true };
+})()"""
 SECONDS = 6.0
 BUDGET_MS = 2.0
 SAMPLING = 512
 """Bytes between two samples of the heap."""
+LABELS, LABELLED = 8, 10
+"""Labels, and every how many points one of them has one."""
+
+
+def label(workspace: Path) -> None:
+    """A tenth of each frame's points belong to somebody: boxes and trails have work to do."""
+    opened = Workspace(Settings(workspace=workspace))
+    try:
+        (recording,) = opened.sequences()
+        for number in range(LABELS):
+            opened.create_label(recording.id, "bench", name=f"thing {number + 1}")
+        numbers = np.arange(0, POINTS, LABELLED)
+        values = (1 + np.arange(len(numbers)) % LABELS).astype(np.uint16)
+        opened.store.apply(
+            recording.id,
+            edit_id=str(uuid.uuid4()),
+            author="bench",
+            kind="paint",
+            writes={i: Write(numbers, label=values, provenance=1) for i in range(recording.frames)},
+            summary="",
+        )
+    finally:
+        opened.close()
 
 
 def allocated(page: Tab) -> float:
@@ -76,12 +110,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         workspace = Path(folder)
         recording(workspace)
+        label(workspace)
         with ours(workspace, IWER.read_text() + WEAR + PREPARE + ANSWERS) as page:
             page.until("__pointbrush.state.xr.value.supported === true")
             page.run("__pointbrushHeadset.headset.enter()")
             page.until("__pointbrushHeadset.frames() > 10")
             page.run(SWAY)
-            page.run("__pointbrush.setAdaptive(false); __pointbrush.engine.playback.play()")
+            page.run("__pointbrush.setAdaptive(false)")
+            page.run(
+                "__pointbrush.state.view.value = { ...__pointbrush.state.view.value, boxes: true }"
+            )
+            page.run("__pointbrush.engine.playback.play()")
             for doing in ("playing", "painting"):
                 if doing == "painting":
                     page.run("device.controllers.right.updateButtonValue('trigger', 1)")

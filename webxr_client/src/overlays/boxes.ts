@@ -17,6 +17,9 @@ export class Boxes {
   count = 0;
   readonly mesh: InstancedMesh<BoxGeometry, MeshBasicMaterial>;
   private readonly matrix = new Matrix4();
+  /** Of an edge, along the box's axes. */
+  private readonly middle = new Float64Array(3);
+  private readonly size = new Float64Array(3);
 
   constructor(world: Object3D) {
     const material = new MeshBasicMaterial({ transparent: true, opacity: 0.9, toneMapped: false });
@@ -55,18 +58,23 @@ export class Boxes {
 
   /** One edge as a stretched cube: four along each axis. */
   private place({ values, yaw }: Summary, slot: number, edge: number): void {
-    const axis = edge >> 2;
+    const { middle, size } = this;
+    const along = edge >> 2;
+    for (let axis = 0; axis < 3; axis++) {
+      const half = values[at(slot, HALF + axis)]! + AIR;
+      // Of the two other axes the first bit says the side of one, the second that of the other.
+      const bit = axis === (along + 1) % 3 ? 1 : 2;
+      middle[axis] = axis === along ? 0 : edge & bit ? half : -half;
+      size[axis] = axis === along ? 2 * half + BAR : BAR;
+    }
     const cos = Math.cos(yaw[slot]!);
     const sin = Math.sin(yaw[slot]!);
-    const first = edge & 1 ? 1 : -1;
-    const second = edge & 2 ? 1 : -1;
-    const half = (k: number): number => values[at(slot, HALF + k)]! + AIR;
-    const sign = (k: number): number => (k === axis ? 0 : k === (axis + 1) % 3 ? first : second);
-    const long = (k: number): number => (k === axis ? 2 * half(k) + BAR : BAR);
-    const u = sign(0) * half(0);
-    const y = sign(1) * half(1);
-    const v = sign(2) * half(2);
-    const [a, b, c] = [long(0), long(1), long(2)];
+    const u = middle[0]!;
+    const y = middle[1]!;
+    const v = middle[2]!;
+    const a = size[0]!;
+    const b = size[1]!;
+    const c = size[2]!;
     this.matrix.set(
       cos * a, 0, sin * c, values[at(slot, BOX)]! + cos * u + sin * v,
       0, b, 0, values[at(slot, BOX + 1)]! + y,
