@@ -247,12 +247,16 @@ def write_npz(out: BinaryIO, arrays: Mapping[str, Table | Array]) -> None:
 
 def write_column(out: BinaryIO, table: Table) -> None:
     """Write a table of one column, whose rows may be arrays, as .npy."""
-    blocks = (np.ascontiguousarray(*columns.values()) for columns in table.blocks())
+    blocks: Iterator[Array] = (
+        np.ascontiguousarray(*columns.values()) for columns in table.blocks()
+    )
     first = next(blocks)
     descr = np.lib.format.dtype_to_descr(first.dtype)
     shape = (table.count, *first.shape[1:])
     header = {"descr": descr, "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(out, header)
-    for block in chain([first], blocks):
+    blocks = chain([first], blocks)
+    del first  # may be large
+    for block in blocks:
         for start in range(0, len(block), _NPY_ROWS):
             out.write(block[start : start + _NPY_ROWS].tobytes())

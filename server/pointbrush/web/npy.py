@@ -93,10 +93,12 @@ def stream_points(blocks: Iterator[Columns], count: int) -> tuple[int, Iterator[
     first = next(blocks)
     dtype = np.dtype([(name, array.dtype, array.shape[1:]) for name, array in first.items()])
     header = _described(dtype, (count,))
+    blocks = chain([first], blocks)
+    del first  # a block is large: it is not to stay until the end
 
     def pieces() -> Iterator[bytes]:
         yield header
-        for columns in chain([first], blocks):
+        for columns in blocks:
             for start in range(0, len(columns["xyz"]), BLOCK):
                 part = np.empty(min(BLOCK, len(columns["xyz"]) - start), dtype)
                 for name, array in columns.items():
@@ -117,7 +119,9 @@ def stream_npz(fields: Mapping[str, Iterator[NDArray[Any]]], count: int) -> Iter
             first = next(blocks)
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                 member.write(_described(first.dtype, (count, *first.shape[1:])))
-                for array in chain([first], blocks):
+                blocks = chain([first], blocks)
+                del first
+                for array in blocks:
                     for start in range(0, len(array), BLOCK):
                         member.write(array[start : start + BLOCK].tobytes())
                         yield sink.taken()
