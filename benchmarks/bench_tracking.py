@@ -204,10 +204,10 @@ def without(what: str):
         ),
         "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
         "other guesses": (f"{locate}.proposals", lambda *_: []),
-        "growing": ("pointbrush.tracking.auto.Run._grow", lambda *_: {}),
+        "growing": ("pointbrush.tracking.auto.grow", lambda *_: {}),
         "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
         "rivals": (
-            "pointbrush.tracking.auto.contested",
+            "pointbrush.tracking.belong.contested",
             lambda _v, found, _r: np.zeros(len(found.indices), bool),
         ),
         "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: none),

@@ -133,7 +133,7 @@ def blob(
     return None
 
 
-def cut_off(view: View, rest: I64, step: float, most: float = 0.3) -> bool:
+def cut_off(view: View, rest: I64, step: float, most: float = 0.05) -> bool:
     """Whether something nearer to the sensor hides how the points ``rest`` go on.
 
     What ends where an outline ``step`` metres in front of it begins may go on behind it;

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, cut_off, decide
+from pointbrush.tracking.assign import Claim, decide
 from pointbrush.tracking.background import (
     Background,
     ImageBackground,
@@ -22,6 +22,7 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
+from pointbrush.tracking.belong import grow, own_points, unexplained
 from pointbrush.tracking.confidence import REGAIN, likelihood
 from pointbrush.tracking.interface import (
     F32,
@@ -36,10 +37,9 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.judge import judge
+from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn
-from pointbrush.tracking.locate import Search, crop, register, share_out
-from pointbrush.tracking.nonrigid import warp
+from pointbrush.tracking.locate import Search, crop, find, share_out
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FrameRules
@@ -48,17 +48,11 @@ from pointbrush.tracking.view import View, find_lens
 
 PATIENCE = 45
 """Frames that a thing is looked for before it is lost."""
-REACH, UNLIKE = 2.2, 3.5
-"""A model claims points this many reaches away, in place; and in place and colour."""
-WIDE = 5.0
-"""New points within this many reaches of a model are not held against it later."""
-SOUND, REGAINED = 0.25, 0.6
-"""Cost under which a fit teaches the model; with this share of inliers it ends an occlusion."""
-DOUBTFUL = 0.4
-"""Cost over which a fit says nothing about the motion."""
-WAS = 7
-EXPL, CUT = 0.2, 0.05
-EXPLOPEN = 0.7
+SOUND = 0.25
+"""Cost under which a fit teaches the model."""
+DOUBTFUL, REGAINED = 0.4, 0.6
+"""Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
+it ends an occlusion."""
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -170,12 +164,12 @@ class Run:
                 if search is not None:
                     searches[label] = search
         share_out(list(searches.values()))
-        places = {label: self._place(search, view) for label, search in searches.items()}
+        places = {label: find(search) for label, search in searches.items()}
         claims = {
-            label: self._claim(self.things[label], view, place) for label, place in places.items()
+            label: own_points(self.things[label], view, place) for label, place in places.items()
         }
         claims = self._settle_conflicts(view, free, places, claims)
-        grown = self._grow(view, places, claims)
+        grown = grow(self.things, view, places, claims)
         tracks: dict[int, TrackState] = {}
         view.labels = dict(fixed)
         for label, thing in self.things.items():
@@ -223,31 +217,6 @@ class Run:
         again.motion.poses = [pose]
         return _painted(len(points), pose)
 
-    def _place(self, search: Search, view: View) -> Place:
-        """Register a thing, and bend it where it bends."""
-        thing = search.thing
-        fit = register(search)
-        world = transform(fit.T, thing.model.xyz)
-        if thing.bends:
-            apart = max(thing.model.radius / 5, 3 * thing.unit)
-            world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
-        near = search.near if thing.motion.slow(thing.unit) else search.moving
-        return Place(fit.T, world, search.box, search.around, near, search.moving, fit.cost)
-
-    def _claim(self, thing: Thing, view: View, place: Place) -> Claim:
-        """Points like the model at its place, and not more like something unlabelled."""
-        near = claim(
-            view, place.near, place.world, thing.model.colour, thing.weight, WIDE * thing.reach
-        )
-        step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
-        lost = contested(view, near, thing.rivals.targets(step, thing.weight))
-        place.neutral = near.indices[~lost]
-        lost &= near.cost > thing.reach
-        still = np.isin(near.indices, place.moving, assume_unique=True, invert=True)
-        lost |= still & (near.cost > 1.5 * thing.reach)
-        unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
-        return near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
-
     def _settle_conflicts(
         self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
     ) -> dict[int, Claim]:
@@ -265,79 +234,12 @@ class Run:
             search = crop(self.things[label], view, self.background, left)
             if search is None:
                 continue
-            place = self._place(search, view)
-            again = {**claims, label: self._claim(self.things[label], view, place)}
+            place = find(search)
+            again = {**claims, label: own_points(self.things[label], view, place)}
             better = decide(len(view.xyz), again)
             if len(better[label].indices) > 1.1 * len(decided[label].indices):
                 decided, claims, places[label] = better, again, place
         return decided
-
-    def _grow(
-        self, view: View, places: dict[int, Place], claims: dict[int, Claim]
-    ) -> dict[int, I64]:
-        """New surface: moving points that hang together with a thing and are nobody's."""
-        taken = np.zeros(len(view.xyz), np.bool_)
-        for found in claims.values():
-            taken[found.indices] = True
-        grown: dict[int, I64] = {}
-        for label, place in places.items():
-            thing, core = self.things[label], claims[label].indices
-            rest = place.moving[~taken[place.moving]]
-            if len(core) < 5 or not len(rest):
-                continue
-            near = np.setdiff1d(place.around, core, assume_unique=True)
-            most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
-            new = None if thing.bends else blob(view, core, near, 2.5 * thing.unit, most, place.box)
-            if new is not None and not self._whole(thing, view, place, new, taken):
-                own = new[~self._was_there(thing, view, new)]
-                place.neutral = np.concatenate([place.neutral, own])
-                new = None
-            place.whole = new is not None
-            if new is None:
-                new = self._adjoin(thing, view, place, core, rest)
-            grown[label] = new
-            taken[new] = True
-        return grown
-
-    def _whole(self, thing: Thing, view: View, place: Place, new: I64, taken: Mask) -> bool:
-        """Whether a closed blob is one object: nothing of it is another's, or came with a hand."""
-        if taken[new].any():
-            return False
-        if not len(new):
-            return True
-        most = EXPL if cut_off(view, new, 3 * thing.unit, CUT) else EXPLOPEN
-        return float(self._was_there(thing, view, new).mean()) < most
-
-    def _was_there(self, thing: Thing, view: View, rest: I64) -> Mask:
-        xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
-        rivals = thing.rivals.targets(np.eye(4), thing.weight)
-        if not rivals:
-            return np.zeros(len(rest), np.bool_)
-        distance, _ = rivals[0].nearest(xyz, colour, WAS * thing.unit)
-        return distance < WAS * thing.unit
-
-    def _alone(self, thing: Thing, view: View, place: Place, rest: I64) -> Mask:
-        """Which points nothing unlabelled explains."""
-        step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
-        xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
-        alone = np.ones(len(rest), np.bool_)
-        for rival in thing.rivals.targets(step, thing.weight):
-            distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
-            alone &= distance >= 4 * thing.unit
-        return alone
-
-    def _adjoin(self, thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
-        """Points beside the core, of its colour, that nothing unlabelled explains."""
-        rest = rest[self._alone(thing, view, place, rest)]
-        bends = thing.bends or thing.large
-        weight = thing.weight * (0.2 if bends else 1.0)
-        joined = connected(
-            _placed(view, core, weight),
-            _placed(view, rest, weight),
-            (3.0 if bends else 2.0) * thing.unit,
-            8 if bends else 1,
-        )
-        return rest[joined]
 
     def _settle(
         self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
@@ -346,10 +248,7 @@ class Run:
         pose = None if place is None else place.pose
         verdict = judge(thing, view, pose, None if place is None else place.world, found)
         pose = thing.motion.poses[-1] if place is None else place.pose
-        back = thing.missing == 0 or (
-            place is not None and place.cost < SOUND and verdict.inliers > REGAINED
-        )
-        if place is None or found is None or not verdict.found or not back:
+        if place is None or found is None or not _seen(thing, place, verdict):
             thing.missing += 1
             thing.motion.gap += 1
             lost = thing.missing > PATIENCE
@@ -363,20 +262,25 @@ class Run:
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
         thing.motion.add(place.pose, sure=place.cost < DOUBTFUL)
-        kept = found
-        if not place.whole and not thing.bends:
-            new = found.gap >= 0.9 * thing.model.spacing
-            kept = found.pick(~new | self._alone(thing, view, place, found.indices))
         if place.cost < SOUND or thing.bends or thing.large:
-            learn(thing, view, place, kept, grown, verdict)
+            learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
         track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
         return track, points
 
 
-def _placed(view: View, indices: I64, weight: float) -> F64:
-    """(M, 6) place and weighted colour."""
-    return np.hstack([view.xyz[indices], view.colour(indices) * weight]).astype(np.float64)
+def _seen(thing: Thing, place: Place, verdict: Verdict) -> bool:
+    """Whether the thing was found; one that was hidden must show itself clearly."""
+    clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    return verdict.found and (thing.missing == 0 or clear)
+
+
+def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
+    """What the model may learn of ``found``: no new points that something unlabelled explains."""
+    if place.whole or thing.bends:
+        return found
+    new = found.gap >= 0.9 * thing.model.spacing
+    return found.pick(~new | unexplained(thing, view, place, found.indices))
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

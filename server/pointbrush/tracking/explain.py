@@ -11,7 +11,7 @@ from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
-NEUTRAL, LEAN = 0.3, 0.1
+NEUTRAL, LEAN = 0.6, 0.1
 """What a pose costs that shows nothing of the model, and the weight of that, in models."""
 
 
@@ -43,7 +43,9 @@ def look(thing: Thing, view: View, sample: I64, pose: F64) -> Look:
     return Look(world, seen, through, float(facing.mean()))
 
 
-def cost_of(thing: Thing, view: View, target: Target, sample: I64, pose: F64, scale: float) -> float:
+def cost_of(
+    thing: Thing, view: View, target: Target, sample: I64, pose: F64, scale: float
+) -> float:
     """0..1: mean squared distance, in place and colour, of what should be seen; a side that was
     never seen must at least not stand before what was measured."""
     at = look(thing, view, sample, pose)

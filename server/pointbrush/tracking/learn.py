@@ -42,8 +42,8 @@ def learn(
     eye = view.eye
     own_eye = None if eye is None else transform(back, eye[None])[0]
     total = len(found.indices) + len(grown)
-    new = 0 if place.whole else len(grown)
-    loose = (new + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+    unlike = 0 if place.whole else len(grown)
+    loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
     points = np.concatenate([found.indices, grown])
     xyz = transform(back, view.xyz[points].astype(np.float64))

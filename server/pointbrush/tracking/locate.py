@@ -12,6 +12,8 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.explain import cost_of, look
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.nonrigid import warp
+from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
 from pointbrush.tracking.registration import (
     Fit,
@@ -30,7 +32,7 @@ FEWEST, LEAST = 5, 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 """Scales of the fits, in units, from a prediction and from anywhere."""
 TRIES = 6
-DOUBT, DOUBT_LARGE = 0.3, 0.6
+DOUBT, DOUBT_LARGE = 0.27, 0.6
 """Cost of the best prediction above which other places are tried; what bends never fits well."""
 AVERTED = 0.3
 """What a pose costs that turns all of the model away from the side it was seen from."""
@@ -130,6 +132,18 @@ def share_out(searches: Iterable[Search]) -> None:
     for search, target in new:
         search.target = target
         search.costs = _costs(search, search.guesses)
+
+
+def find(search: Search) -> Place:
+    """Register a thing, and bend it where it bends."""
+    thing = search.thing
+    fit = register(search)
+    world = transform(fit.T, thing.model.xyz)
+    if thing.bends:
+        apart = max(thing.model.radius / 5, 3 * thing.unit)
+        world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
+    near = search.near if thing.motion.slow(thing.unit) else search.moving
+    return Place(fit.T, world, search.box, search.around, near, search.moving, fit.cost)
 
 
 def register(search: Search) -> Fit:

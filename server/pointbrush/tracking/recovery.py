@@ -51,9 +51,8 @@ def nudges(model: Model, pose: F64) -> list[F64]:
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
     result = [_move(pose, middle, middle, R) for R in TURNS]
-    for step in SLIDES:
-        result.append(_move(pose, middle, middle + step * model.radius * axis, np.eye(3)))
-    return result
+    away = [middle + step * model.radius * axis for step in SLIDES]
+    return result + [_move(pose, middle, there, np.eye(3)) for there in away]
 
 
 def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:

@@ -1,0 +1,125 @@
+"""Which points of a frame are a thing's: those near its model, and new surface beside it.
+
+What a hand that holds a thing shows of itself moves as the thing does.  It is kept out by what
+was unlabelled in the last frame (``Thing.rivals``), and by asking whether what hangs together
+ends there, or goes on behind something nearer to the sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, cut_off
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+REACH, UNLIKE = 2.2, 3.5
+"""A model claims points this many reaches away, in place; and in place and colour."""
+WIDE = 5.0
+"""New points within this many reaches of a model are not held against it later."""
+AGAIN = 7.0
+"""Units within which something unlabelled is taken to be where it was."""
+WAS_CUT, WAS_OPEN = 0.45, 0.7
+"""Share of new surface that may have been there, unlabelled, in the last frame: where something
+nearer cuts it off, and where it stands free."""
+
+
+def own_points(thing: Thing, view: View, place: Place) -> Claim:
+    """Points like the model at its place, and not more like something unlabelled."""
+    near = claim(
+        view, place.near, place.world, thing.model.colour, thing.weight, WIDE * thing.reach
+    )
+    lost = contested(view, near, thing.rivals.targets(_step(thing, place), thing.weight))
+    place.neutral = near.indices[~lost]
+    lost &= near.cost > thing.reach
+    still = np.isin(near.indices, place.moving, assume_unique=True, invert=True)
+    lost |= still & (near.cost > 1.5 * thing.reach)
+    unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
+    return near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
+
+
+def grow(
+    things: Mapping[int, Thing], view: View, places: dict[int, Place], claims: dict[int, Claim]
+) -> dict[int, I64]:
+    """New surface: moving points that hang together with a thing and are nobody's."""
+    taken = np.zeros(len(view.xyz), np.bool_)
+    for found in claims.values():
+        taken[found.indices] = True
+    grown: dict[int, I64] = {}
+    for label, place in places.items():
+        thing, core = things[label], claims[label].indices
+        rest = place.moving[~taken[place.moving]]
+        if len(core) < 5 or not len(rest):
+            continue
+        new = _whole(thing, view, place, core, taken)
+        place.whole = new is not None
+        if new is None:
+            new = _adjoin(thing, view, place, core, rest)
+        grown[label] = new
+        taken[new] = True
+    return grown
+
+
+def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
+    """Which points nothing unlabelled explains, where it was or gone along with the thing."""
+    xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
+    alone = np.ones(len(points), np.bool_)
+    for rival in thing.rivals.targets(_step(thing, place), thing.weight):
+        distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
+        alone &= distance >= 4 * thing.unit
+    return alone
+
+
+def _step(thing: Thing, place: Place) -> F64:
+    return np.asarray(place.pose @ np.linalg.inv(thing.motion.poses[-1]))
+
+
+def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I64 | None:
+    """The rest of a closed blob around the core, None where it is not one object."""
+    if thing.bends:
+        return None
+    near = np.setdiff1d(place.around, core, assume_unique=True)
+    most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
+    new = blob(view, core, near, 2.5 * thing.unit, most, place.box)
+    if new is None or not len(new):
+        return new
+    before = _was_there(thing, view, new)
+    limit = WAS_CUT if cut_off(view, new, 3 * thing.unit) else WAS_OPEN
+    if taken[new].any() or float(before.mean()) >= limit:
+        place.neutral = np.concatenate([place.neutral, new[~before]])
+        return None
+    return new
+
+
+def _was_there(thing: Thing, view: View, points: I64) -> Mask:
+    """Which points lie where something unlabelled was in the last frame."""
+    rivals = thing.rivals.targets(np.eye(4), thing.weight)
+    if not rivals:
+        return np.zeros(len(points), np.bool_)
+    reach = AGAIN * thing.unit
+    xyz = view.xyz[points].astype(np.float64)
+    distance, _ = rivals[0].nearest(xyz, view.colour(points), reach)
+    return np.asarray(distance < reach)
+
+
+def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
+    """Points beside the core, of its colour, that nothing unlabelled explains."""
+    rest = rest[unexplained(thing, view, place, rest)]
+    bends = thing.bends or thing.large
+    weight = thing.weight * (0.2 if bends else 1.0)
+    joined = connected(
+        _placed(view, core, weight),
+        _placed(view, rest, weight),
+        (3.0 if bends else 2.0) * thing.unit,
+        8 if bends else 1,
+    )
+    return rest[joined]
+
+
+def _placed(view: View, indices: I64, weight: float) -> F64:
+    """(M, 6) place and weighted colour."""
+    return np.hstack([view.xyz[indices], view.colour(indices) * weight]).astype(np.float64)
