@@ -1,6 +1,6 @@
 """Streaming: against a bare uvicorn WebSocket, four and a hundred viewers, poor links.
 
-python benchmarks/bench_streaming.py [seeks|throughput|four|hundred|links]...
+python benchmarks/bench_streaming.py [seeks|throughput|four|hundred|others|links]...
 """
 
 from __future__ import annotations
@@ -48,6 +48,9 @@ def kinect(seed: int) -> PointFrame:
     shade = 120 + 60 * np.sin(u / 40) + 40 * np.cos(v / 30)
     rgb = shade[:, None] + np.array([20, 0, -20]) + rng.normal(0, 6, (POINTS, 3))
     return PointFrame(xyz.astype(np.float32), rgb=rgb.clip(0, 255).astype(np.uint8))
+
+
+WALL = kinect(0).xyz.reshape(424, 512, 3)
 
 
 def recording(workspace: Path) -> Path:
@@ -188,14 +191,8 @@ async def paint(url: str, seconds: float) -> list[float]:
         await client.open("kinect")
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            stroke = str(uuid.uuid4())
-            brush = {"label": 1, "radius": 0.05}
-            await client.send(type="stroke_begin", id=stroke, frame=0, brush=brush)
-            sample = {"origin": [0.01 * (len(times) % 50), 0.0, 2.6]}
-            await client.send(type="stroke_samples", id=stroke, samples=[sample])
-            start = time.perf_counter()
-            await client.send(type="stroke_end", id=stroke)
-            await client.until("stroke_result", final=True, id=stroke)
+            _, start = await stroke(client, len(times))
+            await client.until("stroke_result", final=True)
             times.append(time.perf_counter() - start)
             await asyncio.sleep(0.1)
     return times
@@ -247,6 +244,56 @@ async def hundred(workspace: Path) -> None:
         f"{1e3 * np.percentile(times, 50):.1f} p95 {1e3 * np.percentile(times, 95):.1f} ms "
         f"(alone {1e3 * np.percentile(alone, 50):.1f} and {1e3 * np.percentile(alone, 95):.1f})"
     )
+
+
+async def others(workspace: Path) -> None:
+    """From the end of a stroke until other people's viewers have its delta, and hands that move."""
+    with pointbrush(workspace) as url:
+        httpx.post(
+            f"{url}/api/v1/sequences/kinect/labels",
+            json={"name": "pin"},
+            headers={"Authorization": f"Bearer {TOKEN}"},
+        )
+        edits, hands = [], []
+        async with AsyncExitStack() as stack:
+            painter, *watchers = [
+                await stack.enter_async_context(viewer(url, TOKEN)) for _ in range(5)
+            ]
+            for client in (painter, *watchers):
+                await client.open("kinect")
+                await client.until("frame", frame=0, final=True)
+            for turn in range(60):
+                edit, start = await stroke(painter, turn)
+                edits += await asyncio.gather(
+                    *(seen(client, start, "annotation", edit=edit) for client in watchers)
+                )
+                start = time.perf_counter()
+                await painter.send(type="presence", frame=turn % FRAMES)
+                hands += await asyncio.gather(
+                    *(seen(client, start, "presence", frame=turn % FRAMES) for client in watchers)
+                )
+    for name, times in (("another's edit", edits), ("another's head and hands", hands)):
+        p50, p95 = 1e3 * np.percentile(times, [50, 95])
+        print(f"{name} at four others: p50 {p50:.0f} ms, p95 {p95:.0f} ms")
+
+
+async def seen(client: Viewer, start: float, kind: str, **fields: object) -> float:
+    """Seconds since ``start`` when the message is here."""
+    await client.until(kind, **fields)
+    return time.perf_counter() - start
+
+
+async def stroke(client: Viewer, turn: int) -> tuple[str, float]:
+    """A stroke of one sample on the wall; its id and the time of its end."""
+    edit = str(uuid.uuid4())
+    # Elsewhere than the last ones, so that there is always something to change.
+    v, u = divmod(6 * turn, 480)
+    origin = WALL[212 + 12 * v, 16 + u].tolist()
+    await client.send(type="stroke_begin", id=edit, frame=0, brush={"label": 1, "radius": 0.05})
+    await client.send(type="stroke_samples", id=edit, samples=[{"origin": origin}])
+    start = time.perf_counter()
+    await client.send(type="stroke_end", id=edit)
+    return edit, start
 
 
 def skews(clients: list[LightViewer]) -> list[float]:
@@ -312,7 +359,7 @@ async def seeks(workspace: Path) -> None:
         print(f"{name}: p50 {p50:.0f} ms, p95 {p95:.0f} ms")
 
 
-PARTS = {"seeks": seeks, "throughput": throughput, "four": four, "hundred": hundred, "links": links}
+PARTS = {part.__name__: part for part in (seeks, throughput, four, hundred, others, links)}
 
 
 def main() -> None:

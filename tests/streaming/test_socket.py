@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import io
+import time
 import uuid
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -287,6 +288,29 @@ def test_a_revision_from_the_future_is_refused(served: Served) -> None:
             assert (await client.until("error"))["status"] == 404
 
     run(scenario)
+
+
+def metrics(served: Served) -> str:
+    return httpx.get(f"{served.url}/metrics", headers=served.headers).raise_for_status().text
+
+
+def test_what_was_changed_while_nobody_looked_is_seen(served: Served, api: httpx.Client) -> None:
+    found: list[np.ndarray[Any, Any] | None] = []
+
+    async def look() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=2)
+            await client.until("frame", frame=2, final=True)
+            found.append(client.frames[2].values)
+
+    run(look)
+    while "pointbrush_viewers 0.0" not in metrics(served):
+        time.sleep(0.01)
+    stroke = {"label": 1, "radius": 0.8, "samples": [{"origin": [0, 0, 3]}]}
+    answer = api.post("/sequences/wall/frames/2/strokes", json=stroke).raise_for_status()
+    assert answer.json()["changed"] > 0
+    run(look)
+    np.testing.assert_array_equal(found[1], stored_values(served, 2))
 
 
 def test_rest_edits_reach_the_socket(served: Served, api: httpx.Client) -> None:

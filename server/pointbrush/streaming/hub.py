@@ -86,7 +86,8 @@ class Hub:
 
     async def edit(self, function: Callable[..., T], *args: Any) -> T:
         """Run something that writes, in a thread of its own kind: readers do not wait for it."""
-        return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
+        with self.load.edit():
+            return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
 
     # ── viewers ──────────────────────────────────────────────────────────────────────────
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 PERIOD = 0.05
 LATE, EARLY = 0.012, 0.004
@@ -11,6 +13,8 @@ LATE, EARLY = 0.012, 0.004
 BUSY, IDLE = 0.7, 0.55
 """The same for the share of the time that the loop computes: strokes need the rest."""
 SENDS_A_TURN = 6
+YIELD_SECONDS, YIELDS = 0.001, 8
+"""How long points wait at most for an edit that is being applied: a flood must not stop them."""
 CUT, GROW, LEAST = 0.85, 1.05, 0.02
 
 
@@ -20,6 +24,16 @@ class Load:
     def __init__(self) -> None:
         self._share = 1.0
         self._turns = asyncio.Semaphore(SENDS_A_TURN)
+        self._edits = 0
+
+    @contextmanager
+    def edit(self) -> Iterator[None]:
+        """While an edit is applied in a thread: it has Python's lock almost to itself."""
+        self._edits += 1
+        try:
+            yield
+        finally:
+            self._edits -= 1
 
     async def turn(self) -> None:
         """Wait for a turn to send points: few in each turn of the loop.
@@ -28,6 +42,10 @@ class Load:
         keep every stroke waiting at each of its steps.
         """
         async with self._turns:
+            for _ in range(YIELDS):
+                if not self._edits:
+                    break
+                await asyncio.sleep(YIELD_SECONDS)
             await asyncio.sleep(0)
 
     def share(self) -> float:

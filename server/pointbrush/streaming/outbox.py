@@ -6,9 +6,10 @@ the frames they are about, which say the same; replies are bounded by not readin
 
 from __future__ import annotations
 
-import asyncio
 from collections import deque
 from dataclasses import dataclass, field
+
+from pointbrush.streaming.wake import Wake
 
 MOST_DELTA_BYTES = 4 * 2**20
 MOST_REPLIES = 1024
@@ -21,6 +22,7 @@ class QueuedDelta:
     frame: int
     revision: int
     data: bytes
+    provisional: bool = False
 
 
 @dataclass
@@ -38,7 +40,7 @@ class Outbox:
     cells: set[tuple[int, int]] = field(default_factory=set)
     """Timeline cells (frame, label) that changed."""
     all_cells: bool = False
-    wake: asyncio.Event = field(default_factory=asyncio.Event)
+    wake: Wake = field(default_factory=Wake)
     delta_bytes: int = 0
 
     def reply(self, data: bytes) -> None:
@@ -81,7 +83,7 @@ class Outbox:
 
     def drop(self, frame: int, up_to: int) -> None:
         """Forget deltas of a frame up to a revision: whole values that say the same go out."""
-        kept = [d for d in self.deltas if d.frame != frame or d.revision > up_to]
+        kept = [d for d in self.deltas if d.frame != frame or d.revision > up_to or d.provisional]
         self.deltas = deque(kept)
         self.delta_bytes = sum(len(delta.data) for delta in kept)
 

@@ -110,7 +110,12 @@ class Room:
             values = self.workspace.store.values(self.id, frame, first, count)
             return values.revision, encode_whole(self.id, frame, first, values)
 
+        floor = self._touched.get(frame, self._start)
         revision, data = await self.cache.get(key, lambda: self._run(read))
+        while revision < floor:
+            # Kept from a room that was closed when the frame was changed.
+            self.cache.drop(key.__eq__)
+            revision, data = await self.cache.get(key, lambda: self._run(read))
         for _ in range(CATCH_UP_TRIES):
             if self.revision >= revision:
                 break
@@ -171,7 +176,7 @@ class Room:
         data = encode_provisional(self.id, event.frame, self.revision, event.numbers, event.labels)
         for viewer in self.viewers:
             if viewer.holds(event.frame):
-                viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data))
+                viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data, provisional=True))
 
     async def since(self, revision: int) -> list[QueuedDelta] | None:
         """Deltas of all commits after ``revision``, or None when that is too far back.

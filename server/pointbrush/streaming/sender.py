@@ -43,10 +43,7 @@ class Sender:
         session = self._session
         pauses = [session.plan.wait(session.now()), self._states_pause()]
         known = [pause for pause in pauses if pause is not None]
-        try:
-            await asyncio.wait_for(self._outbox.wake.wait(), min(known) if known else None)
-        except TimeoutError:
-            return
+        await self._outbox.wake.wait(min(known) if known else None)
 
     # ── everything but points ────────────────────────────────────────────────────────────
 
