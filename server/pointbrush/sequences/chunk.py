@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -94,6 +95,45 @@ class EncodedChunk:
     data: bytes
     error: float
     order: NDArray[np.int64] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EncodedChunks:
+    """Chunks one after another: their table (without levels and parents), bytes and error.
+
+    ``order`` (N,) puts all points into the order of the bytes, None when they are in it.
+    """
+
+    table: NDArray[Any]
+    wire: bytes
+    error: float
+    order: NDArray[np.int64] | None
+
+
+def encode_chunks(
+    xyz: NDArray[np.float32],
+    colors: Bytes,
+    first: NDArray[np.int64],
+    grid: Grid,
+    *,
+    hurry: bool = False,
+) -> EncodedChunks:
+    """Encode the chunks ``first[c]:first[c + 1]`` of points (N, 3) as ``encode_chunk`` does."""
+    table = np.zeros(len(first) - 1, CHUNK)
+    parts: list[bytes] = []
+    order: NDArray[np.int64] | None = None
+    offset, error = 0, 0.0
+    for number, (start, stop) in enumerate(pairwise(first.tolist())):
+        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, hurry=hurry)
+        if chunk.order is not None:
+            order = np.arange(len(xyz)) if order is None else order
+            order[start:stop] = start + chunk.order
+        table[number] = chunk.row
+        table[number]["first"], table[number]["offset"] = start, offset
+        parts.append(chunk.data)
+        offset += len(chunk.data)
+        error = max(error, chunk.error)
+    return EncodedChunks(table, b"".join(parts), error, order)
 
 
 def encode_chunk(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import blocks, kdtree
-from pointbrush.sequences.chunk import CHUNK, Grid, encode_chunk, wire_colors
+from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.order import morton_order, progressive
 
 CHUNK_POINTS = 65536
@@ -136,20 +136,10 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         grid.intensity_range,
         len(xyz),
     )
-    chunks = np.zeros(len(of_level), CHUNK)
-    parts: list[bytes] = []
-    offset, error = 0, 0.0
-    for number, (start, stop) in enumerate(pairwise(first.tolist())):
-        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid)
-        if chunk.order is not None:
-            for column in (order, xyz):
-                column[start:stop] = column[start:stop][chunk.order]
-        chunks[number] = chunk.row
-        chunks[number]["level"], chunks[number]["first"] = of_level[number], start
-        chunks[number]["offset"] = offset
-        parts.append(chunk.data)
-        offset += len(chunk.data)
-        error = max(error, chunk.error)
+    chunks = encode_chunks(xyz, colors, first, grid)
+    chunks.table["level"] = of_level
+    if chunks.order is not None:
+        order, xyz = order[chunks.order], xyz.take(chunks.order, axis=0)
 
     arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
     exact = residual(frame.xyz.take(order, axis=0), xyz, grid.shift)
@@ -159,10 +149,10 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         column = getattr(frame, name)
         if column is not None:
             arrays[name] = column.take(order, axis=0)
-    arrays |= {"chunks": chunks, **block_arrays(xyz, first)}
+    arrays |= {"chunks": chunks.table, **block_arrays(xyz, first)}
     if len(xyz):
         arrays |= kdtree.pack(kdtree.build(xyz))
-    return Encoded(arrays, b"".join(parts), error)
+    return Encoded(arrays, chunks.wire, chunks.error)
 
 
 def block_arrays(xyz: NDArray[np.float32], chunk_first: NDArray[np.int64]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences import blocks
-from pointbrush.sequences.chunk import CHUNK, Grid, encode_chunk, wire_colors
+from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.columns import POINT_FIELDS, gather, residual, to_local
 from pointbrush.sequences.octree import Node, build, hand_up, sort_codes
 from pointbrush.sequences.order import morton_codes
@@ -90,40 +90,35 @@ def _encode(
     )
     counts = [len(node.positions) for node in nodes]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    chunks = np.zeros(len(nodes), CHUNK)
-    parts: list[bytes] = []
-    offset, error = 0, 0.0
-    for number, node in enumerate(nodes):
-        run = slice(first[number], first[number + 1])
-        chunk = encode_chunk(xyz[run], colors[run], grid, hurry=True)
-        if chunk.order is not None:
-            rows[run], xyz[run] = gather(rows[run], chunk.order), xyz[run][chunk.order]
-        chunks[number] = chunk.row
-        chunks[number]["level"], chunks[number]["parent"] = level + node.depth, parents[number]
-        chunks[number]["first"], chunks[number]["offset"] = first[number], offset
-        parts.append(chunk.data)
-        offset += len(chunk.data)
-        error = max(error, chunk.error)
-    columns: dict[str, NDArray[Any]] = {
-        name: np.ascontiguousarray(rows[name])
-        for name in ("source_index", *POINT_FIELDS)
-        if name in names
-    }
+    chunks = encode_chunks(xyz, colors, first, grid, hurry=True)
+    chunks.table["level"] = [level + node.depth for node in nodes]
+    chunks.table["parent"] = parents
+    if chunks.order is not None:
+        rows, xyz = gather(rows, chunks.order), xyz.take(chunks.order, axis=0)
+    block_first, of_chunk = blocks.cut(first)
+    lo, hi = blocks.bound(xyz, block_first)
+    return Segment(
+        _columns(rows, xyz, grid),
+        chunks.table,
+        chunks.wire,
+        block_first[:-1],
+        lo,
+        hi,
+        np.diff(of_chunk),
+        chunks.error,
+        up,
+    )
+
+
+def _columns(rows: Rows, xyz: NDArray[np.float32], grid: Grid) -> dict[str, NDArray[Any]]:
+    names = rows.dtype.names or ()
+    columns: dict[str, NDArray[Any]] = {"xyz": xyz}
+    for name in ("source_index", *POINT_FIELDS):
+        if name in names:
+            columns[name] = np.ascontiguousarray(rows[name])
     exact = residual(rows["xyz"], xyz, grid.shift)
     if exact is not None:
         # One width from the start where it is likely: widening a column later copies all of it.
         wide = rows["xyz"].dtype == np.float64 and exact.dtype.itemsize < 4
         columns["residual"] = exact.astype(np.int32) if wide else exact
-    block_first, of_chunk = blocks.cut(first)
-    lo, hi = blocks.bound(xyz, block_first)
-    return Segment(
-        {"xyz": xyz, **columns},
-        chunks,
-        b"".join(parts),
-        block_first[:-1],
-        lo,
-        hi,
-        np.diff(of_chunk),
-        error,
-        up,
-    )
+    return columns
