@@ -86,6 +86,15 @@ def pointbrush(workspace: Path) -> AbstractContextManager[str]:
     )  # fmt: skip
 
 
+def add_label(url: str) -> None:
+    """Something to paint with."""
+    httpx.post(
+        f"{url}/api/v1/sequences/kinect/labels",
+        json={"name": "pin"},
+        headers={"Authorization": f"Bearer {TOKEN}"},
+    )
+
+
 async def pull(client: Viewer, seconds: float) -> tuple[float, float]:
     """Complete frames and megabytes a second, one frame after the other as fast as they come."""
     await client.open("kinect")
@@ -226,11 +235,7 @@ async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
 async def hundred(workspace: Path) -> None:
     """A hundred followers of one recording, and somebody who paints meanwhile."""
     with pointbrush(workspace) as url:
-        httpx.post(
-            f"{url}/api/v1/sequences/kinect/labels",
-            json={"name": "pin"},
-            headers={"Authorization": f"Bearer {TOKEN}"},
-        )
+        add_label(url)
         alone = await painter(url, 2)
         times, clients = await asyncio.gather(painter(url, SECONDS), crowd(url, 100, SECONDS))
     rates = [len(client.arrivals) / SECONDS for client in clients]
@@ -249,11 +254,7 @@ async def hundred(workspace: Path) -> None:
 async def others(workspace: Path) -> None:
     """From the end of a stroke until other people's viewers have its delta, and hands that move."""
     with pointbrush(workspace) as url:
-        httpx.post(
-            f"{url}/api/v1/sequences/kinect/labels",
-            json={"name": "pin"},
-            headers={"Authorization": f"Bearer {TOKEN}"},
-        )
+        add_label(url)
         edits, hands = [], []
         async with AsyncExitStack() as stack:
             painter, *watchers = [

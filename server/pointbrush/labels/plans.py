@@ -154,38 +154,25 @@ def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
 
 def take_back(entry: Entry) -> Plan:
     """Undo the author's last edit in force."""
-
-    def plan(draft: Draft) -> Entry:
-        edit = journal.top_of_stack(
-            draft.connection, draft.state.number, entry.author, schema.ACTIVE
-        )
-        if edit is None:
-            raise ConflictError(f"undo: {entry.author} has no edit to take back")
-        undo.undo(draft, edit)
-        return _about(entry, edit)
-
-    return plan
+    return _turn(entry, schema.ACTIVE, undo.undo, "undo: {} has no edit to take back")
 
 
 def bring_back(entry: Entry) -> Plan:
     """Redo the edit that the author's last undo took back."""
+    return _turn(entry, schema.UNDONE, undo.redo, "redo: {} has no undone edit to bring back")
 
+
+def _turn(entry: Entry, state: int, turn: Callable[[Draft, Any], None], none: str) -> Plan:
     def plan(draft: Draft) -> Entry:
-        edit = journal.top_of_stack(
-            draft.connection, draft.state.number, entry.author, schema.UNDONE
-        )
+        edit = journal.top_of_stack(draft.connection, draft.state.number, entry.author, state)
         if edit is None:
-            raise ConflictError(f"redo: {entry.author} has no undone edit to bring back")
-        undo.redo(draft, edit)
-        return _about(entry, edit)
+            raise ConflictError(none.format(entry.author))
+        turn(draft, edit)
+        return replace(
+            entry,
+            summary=f"{entry.kind}: {edit.summary}",
+            state=schema.INERT,
+            target=edit.revision,
+        )
 
     return plan
-
-
-def _about(entry: Entry, edit: Any) -> Entry:
-    return replace(
-        entry,
-        summary=f"{entry.kind}: {edit.summary}",
-        state=schema.INERT,
-        target=edit.revision,
-    )
