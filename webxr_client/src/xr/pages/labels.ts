@@ -5,7 +5,7 @@ import { unsure } from '../../engine/review';
 import { state } from '../../state';
 import { INK, type Ui } from '../ui';
 
-export const ROWS = 6;
+export const ROWS = 7;
 
 export class LabelsPage {
   /** Pixels from the top of the first row, and from one row to the next; for the glow. */
