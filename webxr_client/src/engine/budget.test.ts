@@ -16,7 +16,7 @@ class Display {
     readonly levels = false,
     readonly refresh = TARGET,
     /** Milliseconds of a picture that points have no part in. */
-    readonly rest = 0,
+    public rest = 0,
   ) {}
 
   run(seconds: number): void {
@@ -96,6 +96,16 @@ describe('the budget of points', () => {
     display.run(60);
     expect(display.drawn).toBeGreaterThan(150_000);
     expect(display.drawn).toBeLessThan(700_000);
+  });
+
+  it('gives points back when what is left is not theirs', () => {
+    const display = new Display(1000, 1_000_000, true, 1);
+    display.run(20);
+    expect(display.drawn).toBeLessThan(40_000);
+    display.rate = 20_000;
+    display.rest = 400;
+    display.run(60);
+    expect(display.drawn).toBeGreaterThan(400_000);
   });
 
   it('never draws nothing', () => {

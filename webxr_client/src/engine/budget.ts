@@ -8,6 +8,7 @@ const LATE = 1.3;
 /** Pictures that are looked at together, or as many as come in this time. */
 const WINDOW = 8;
 const WINDOW_MS = 600;
+const LEAST_PICTURES = 3;
 /** After a change the GPU's queue still holds pictures from before: so many, or for so long. */
 const SETTLING = 3;
 const SETTLING_MS = 250;
@@ -52,7 +53,8 @@ export class PointBudget {
     this.pictures += 1;
     this.sum += interval;
     if (interval > LATE * Math.max(target, this.floor)) this.late += 1;
-    if (this.pictures < WINDOW && this.sum < WINDOW_MS) return;
+    const enough = this.pictures >= LEAST_PICTURES && this.sum >= WINDOW_MS;
+    if (this.pictures < WINDOW && !enough) return;
     const mean = this.sum / this.pictures;
     const slow = this.late > this.pictures / 2;
     this.pictures = this.late = this.sum = 0;
@@ -78,6 +80,12 @@ export class PointBudget {
 
   /** What the last cut says of the time that is not the points'; true when it was of no use. */
   private learnFloor(mean: number, target: number, drawn: number, now: number): boolean {
+    if (this.points <= FEWEST_POINTS) {
+      // Nothing is left to take away: all of it is the rest.
+      this.floor = SHARE_OF_REST * mean;
+      this.change(now);
+      return true;
+    }
     if (drawn >= this.cutDrawn) return false;
     if (mean > FASTER * this.cutMean) {
       this.points = this.cutDrawn;
@@ -96,6 +104,8 @@ export class PointBudget {
     this.begin(now);
     this.cutDrawn = 0;
     if (this.points === Infinity) return;
+    // The last try went well.
+    if (this.triedAt >= 0) this.patience = Math.max(PATIENCE_MS, this.patience / 2);
     // A limit far above what there is to draw is none.
     this.points = this.points > 4 * drawn ? Infinity : this.points * GROW;
     this.triedAt = now;
