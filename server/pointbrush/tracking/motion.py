@@ -98,10 +98,12 @@ class Motion:
             rows.append(bend[:3, :3])
             sides.append(-(bend[:3, :3] @ centre + bend[:3, 3]))
         offset, *_ = np.linalg.lstsq(np.vstack(rows), np.concatenate(sides), rcond=None)
-        pivot = centre + offset
-        now, before = (transform(T, pivot[None])[0] for T in (self.poses[-1], self.poses[-2]))
+        pivot = (centre + offset)[None]
+        path = np.vstack([transform(T, pivot) for T in self.poses])
+        velocity, gain = path[-1] - path[-2], np.diff(path, n=2, axis=0).mean(axis=0)
         T = self._pose(turned, np.zeros(3))
-        T[:3, 3] = now + self.gap * (now - before) - T[:3, :3] @ pivot
+        ahead = path[-1] + self.gap * velocity + self.gap * (self.gap + 1) / 2 * gain
+        T[:3, 3] = ahead - T[:3, :3] @ pivot[0]
         return T
 
     def _pose(self, R: F64, at: F64) -> F64:
