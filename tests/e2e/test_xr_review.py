@@ -198,7 +198,7 @@ def test_a_label_is_named_with_the_headsets_keyboard(headset: Headset, server: L
     headset.until("pb.state.palette.value.some((label) => label.name === 'café on the left')")
     rows = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
     assert rows[-1]["name"] == "café on the left"
-    assert headset.ask("pb.state.activeLabel.value") == rows[-1]["id"]
+    headset.until(f"pb.state.activeLabel.value === {rows[-1]['id']}")
     assert headset.page.locator("input[aria-label='Name of the new label']").count() == 0
     # Letting go without a word makes nothing.
     headset.click("palette", "New")
