@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-WEIGHTS = np.array([4.16, -0.95, -2.11, 1.33, -3.9, -3.04, 1.0, -14.53, -0.47, -0.66])
-OFFSET = -0.38
-STRETCH, MIDDLE = 4.3, 1.39
+WEIGHTS = np.array([2.64, 1.44, -2.7, -2.51, -2.55, -1.07, 0.21, -2.12, 1.79, -0.51])
+OFFSET = 3.82
+STRETCH, MIDDLE = 1.5, 1.1
 """The log odds ``MIDDLE`` are confidence 0.5; they are stretched about it."""
-REGAIN = 0.08
+REGAIN = 0.15
 """Trust that a frame can give back: what has been in doubt may have become another's."""
 
 
