@@ -19,7 +19,7 @@ import { labelActions } from './labels';
 import { Pacing } from './pacing';
 import { Playback } from './playback';
 import { recordingActions } from './recordings';
-import { reviewActions, runAsked, unsure } from './review';
+import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { timeActions } from './time';
 
 export class Engine {
@@ -171,6 +171,7 @@ export class Engine {
   private closeSequence(): void {
     this.link.close();
     this.playback.close();
+    forgetRun();
     state.playing.value = false;
     state.sequence.value = null;
     state.opening.value = null;

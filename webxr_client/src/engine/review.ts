@@ -40,6 +40,12 @@ export function runAsked(request: TrackRequest): void {
   halted.value = null;
 }
 
+/** Another recording: its frames have nothing to do with a run of this one. */
+export function forgetRun(): void {
+  asked = null;
+  halted.value = null;
+}
+
 /** A run has ended: go to where it stopped. */
 export function runEnded(): void {
   const request = asked;
