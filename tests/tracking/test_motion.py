@@ -25,6 +25,24 @@ def test_free_flight_with_spin_is_predicted() -> None:
     assert np.allclose(motion.predictions()[0], flight(5))
 
 
+def test_what_tumbles_about_another_point_than_its_centre_is_predicted() -> None:
+    """As a pin does: the middle of what was painted is not its centre of mass."""
+    motion = Motion(np.array([0.0, 0.12, 0.0]))
+    flown = []
+    for i in range(5):
+        T = np.eye(4)
+        T[:3, :3] = Rotation.from_rotvec([0.7 * i, 0.0, 0.0]).as_matrix()
+        T[:3, 3] = [0.05 * i, 0.1 * i, 0.0]
+        flown.append(T)
+    for T in flown[1:4]:
+        motion.add(T)
+    centre = np.append(motion.centre, 1.0)
+    missed = np.linalg.norm((motion.predictions()[0] - flown[4]) @ centre)
+    repeated = np.linalg.norm((motion.predictions()[1] - flown[4]) @ centre)
+    assert missed < 0.02
+    assert missed < 0.5 * repeated
+
+
 def test_an_unsure_pose_leaves_the_motion_as_it_was() -> None:
     motion = Motion(np.zeros(3))
     for i in range(1, 4):
