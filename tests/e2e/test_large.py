@@ -24,6 +24,7 @@ BUDGET = 700_000
 SEQUENCE = "scan"
 RADIUS = 1.0
 PIECES = "pb.engine.playback.frame.pieces"
+WISH = f"[...pb.engine.detail.asked].every((i) => {PIECES}.some((piece) => piece.index === i))"
 SPY = """() => {
   window.labelWrites = [];
   const write = WebGL2RenderingContext.prototype.bufferSubData;
@@ -87,13 +88,13 @@ def large(scan: Path, browser: Browser) -> Iterator[tuple[Desk, LiveServer]]:
 
 
 def settled(desk: Desk) -> int:
-    """Wait until no more points come; returns how many are here."""
-    desk.until("window.__pointbrush && pb.shown().drawn > 0")
-    before = -1
-    while (now := desk.ask("pb.shown().points")) != before:
-        before = now
-        desk.page.wait_for_timeout(700)
-    return before
+    """Wait until the page has chosen anew and has all that it chose; returns how many points."""
+    desk.until("window.__pointbrush && pb.shown().drawn > 0 && pb.engine.detail.nodes.length > 0")
+    for _ in range(2):
+        before = desk.ask("pb.engine.detail.next")
+        desk.until(f"pb.engine.detail.next > {before} && {WISH}")
+    points: int = desk.ask("pb.shown().points")
+    return points
 
 
 def finest(desk: Desk) -> int:
@@ -154,7 +155,7 @@ def test_a_large_scan_sharpens_where_one_looks_and_is_painted_whole(
     shown = desk.until("pb.labels()[1]")
     painted = int((label == 1).sum())
     assert 0 < shown <= painted
-    touched = desk.ask("window.labelWrites.length")
+    touched = desk.ask("new Set(window.labelWrites).size")
     assert 0 < touched < desk.ask(f"{PIECES}.length"), "only chunks that the ball meets go over"
 
     # All of the place's points are there once one is near enough, with their labels.
