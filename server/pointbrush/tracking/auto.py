@@ -10,7 +10,7 @@ background, the model, the motion.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from pointbrush.tracking.background import (
 )
 from pointbrush.tracking.belong import grow, own_points, unexplained
 from pointbrush.tracking.confidence import REGAIN, likelihood
+from pointbrush.tracking.figures import emerged, undisputed
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -53,6 +54,10 @@ SOUND = 0.25
 DOUBTFUL, REGAINED = 0.4, 0.6
 """Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
 it ends an occlusion."""
+CALM = 4
+"""Frames from which the noise of each place is measured."""
+AGAIN = 0.3
+"""Confidence of what came out from behind another changed."""
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 
@@ -88,7 +93,7 @@ class Run:
         options: TrackOptions,
     ) -> None:
         self.frames, self.known, self.options = frames, known, options
-        self.labels = labels
+        self.labels, self.order = labels, order
         first = frames(order[0])
         poses = [frames(n).pose for n in (order[0], order[-1])]
         moves = poses[0] is not None and not (
@@ -104,7 +109,7 @@ class Run:
             if len(order) > 1:
                 self.waver = measure_waver(start.depth, self.view(order[1]).depth)
             unknown = np.full_like(start.depth, np.nan)
-            self.background = ImageBackground(self.waver, unknown, unknown)
+            self.background = ImageBackground(self.waver, unknown, unknown, np.ones_like(unknown))
         else:
             self.background = TreeBackground(self._reach)
         self.first = start
@@ -132,6 +137,8 @@ class Run:
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
+        if isinstance(self.background, ImageBackground):
+            self.background.calm(view, [self.view(n) for n in self.order[1:CALM]])
         self.background.learn(view, first=True)
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
@@ -142,7 +149,7 @@ class Run:
         lo, hi = view.xyz[indices].min(axis=0), view.xyz[indices].max(axis=0)
         margin = 0.5 * thing.model.radius + 4 * thing.unit
         around = view.box(lo - margin, hi + margin)
-        labelled = np.concatenate(list(view.labels.values()))
+        labelled = np.concatenate([_EMPTY, *view.labels.values()])
         self._set_rivals(thing, view, np.setdiff1d(around, labelled))
 
     def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
@@ -157,9 +164,10 @@ class Run:
         fixed = {n: k for n in self.things if (k := rules.keyframe(n)) is not None}
         for points in fixed.values():
             free[points] = False
+        absent = [n for n, t in self.things.items() if t.absent and n not in fixed]
         searches: dict[int, Search] = {}
         for label, thing in self.things.items():
-            if label not in fixed and not thing.stopped:
+            if label not in fixed and not thing.stopped and label not in absent:
                 search = crop(thing, view, self.background, free)
                 if search is not None:
                     searches[label] = search
@@ -169,12 +177,16 @@ class Run:
             label: own_points(self.things[label], view, place) for label, place in places.items()
         }
         claims = self._settle_conflicts(view, free, places, claims)
-        grown = grow(self.things, view, places, claims)
+        grown = grow(self.things, view, places, claims, free, self.background)
+        again = self._look_for(absent, view, free, places, claims, grown)
         tracks: dict[int, TrackState] = {}
         view.labels = dict(fixed)
         for label, thing in self.things.items():
             if label in fixed:
                 tracks[label] = self._reseed(thing, view, fixed[label])
+            elif label in again:
+                tracks[label] = self._emerge(thing, view, again[label])
+                view.labels[label] = again[label]
             elif not thing.stopped:
                 tracks[label], points = self._settle(
                     thing, view, places.get(label), claims.get(label), grown.get(label, _EMPTY)
@@ -188,7 +200,8 @@ class Run:
             for points in view.labels.values():
                 taken[points] = True
             taken[place.neutral] = True
-            self._set_rivals(self.things[label], view, place.moving[~taken[place.moving]])
+            beside = place.moving if place.beside is None else place.beside
+            self._set_rivals(self.things[label], view, beside[~taken[beside]])
         self.background.learn(view, keep=self._shadow(view, places))
         return FrameResult(number, dict(view.labels), tracks)
 
@@ -217,15 +230,63 @@ class Run:
         again.motion.poses = [pose]
         return _painted(len(points), pose)
 
+    def _emerge(self, thing: Thing, view: View, points: I64) -> TrackState:
+        """Learn a large thing anew from what came out of hiding; the rest may follow."""
+        track = self._reseed(thing, view, points)
+        anew = self.things[thing.label]
+        anew.extent, anew.size, anew.trust = thing.span, thing.size, AGAIN
+        return replace(track, confidence=AGAIN, state="tracked")
+
+    def _look_for(
+        self,
+        absent: list[int],
+        view: View,
+        free: Mask,
+        places: dict[int, Place],
+        claims: dict[int, Claim],
+        grown: dict[int, I64],
+    ) -> dict[int, I64]:
+        """Look for large things that were hidden in what the others leave.
+
+        Gives the points of those that came out so changed that they have to be learnt anew.
+        """
+        again: dict[int, I64] = {}
+        free = free.copy()
+        for points in [*(c.indices for c in claims.values()), *grown.values()]:
+            free[points] = False
+        for label in absent:
+            thing = self.things[label]
+            search = None if thing.stopped else crop(thing, view, self.background, free)
+            if search is None:
+                continue
+            place = find(search)
+            found = own_points(thing, view, place)
+            seen = judge(thing, view, place.pose, place.world, found).found
+            if self.lens is not None and len(found.indices):
+                seen = seen and float(self.background.certain(view, found.indices).mean()) > 0.5
+            if seen:
+                places[label], claims[label] = place, found
+                new = grow(self.things, view, {label: place}, {label: found}, free, self.background)
+                grown |= new
+                free[np.concatenate([found.indices, *new.values()])] = False
+                continue
+            loose = search.moving[self.background.certain(view, search.moving)]
+            points = emerged(view, thing, loose)
+            if len(points):
+                again[label] = points
+                free[points] = False
+        return again
+
     def _settle_conflicts(
         self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
     ) -> dict[int, Claim]:
         """Where a thing lost most of its claim to others, look for it in what they left."""
+        before, claims = claims, undisputed(claims, self.things)
         decided = decide(len(view.xyz), claims)
         for label in sorted(
-            places, key=lambda n: len(decided[n].indices) / (len(claims[n].indices) + 1)
+            places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
         ):
-            if len(decided[label].indices) >= KEPT * len(claims[label].indices):
+            if len(decided[label].indices) >= KEPT * len(before[label].indices):
                 continue
             left = free.copy()
             for other, found in decided.items():
@@ -261,7 +322,7 @@ class Run:
         here = likelihood(evidence(thing, place, found, len(points), verdict))
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
-        thing.motion.add(place.pose, sure=place.cost < DOUBTFUL)
+        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
         if place.cost < SOUND or thing.bends or thing.large:
             learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
         rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
@@ -272,12 +333,12 @@ class Run:
 def _seen(thing: Thing, place: Place, verdict: Verdict) -> bool:
     """Whether the thing was found; one that was hidden must show itself clearly."""
     clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
-    return verdict.found and (thing.missing == 0 or clear)
+    return verdict.found and (thing.missing == 0 or thing.large or clear)
 
 
 def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
     """What the model may learn of ``found``: no new points that something unlabelled explains."""
-    if place.whole or thing.bends:
+    if place.whole or thing.bends or thing.large:
         return found
     new = found.gap >= 0.9 * thing.model.spacing
     return found.pick(~new | unexplained(thing, view, place, found.indices))

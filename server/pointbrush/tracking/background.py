@@ -8,16 +8,20 @@ k-d trees.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from scipy.ndimage import binary_dilation
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, minimum_filter
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.scenery import drawn_on, wavering
 from pointbrush.tracking.view import View
 
+HIDDEN = 0.985
+"""Share of its depth at which the scene drawn on behind an object begins."""
 NEAR = 3.0
 """Deviations within which a depth is the same depth."""
 
@@ -27,6 +31,16 @@ class Background(Protocol):
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """Which of the points (M,) are background, and which an unlabelled thing at rest."""
+
+    def scenery(self, view: View, indices: I64, frames: int) -> Mask:
+        """Which of the points (M,) are background, by what is known of each place's noise.
+
+        Also what has just been uncovered where the scene goes on, and what, where no background
+        has been seen, has stood still for so many ``frames``, labelled or not.
+        """
+
+    def certain(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie before a background that has been seen."""
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """Take in a frame whose ``labels`` are decided; ``first``: by a person.
@@ -69,6 +83,22 @@ class ImageBackground:
     waver: Waver
     depth: F32
     last: F32
+    scale: F32
+    """How many times ``waver`` each cell wavers."""
+    hidden: F32 = field(init=False)
+    """Where the scene should be behind what was labelled in the first frame."""
+    nearest: F32 = field(init=False)
+    """The least of each cell's and its neighbours' ``depth``: at an edge either is seen."""
+    anchor: F32 = field(init=False)
+    """The depth that each cell, labelled or not, has had for ``age`` frames."""
+    age: NDArray[np.int64] = field(init=False)
+    previous: F32 = field(init=False)
+    """The last frame's depth, labelled or not."""
+
+    def __post_init__(self) -> None:
+        """Nothing is known of hidden places before the first frame."""
+        self.hidden = self.previous = self.nearest = np.full_like(self.depth, np.nan)
+        self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int64)
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
@@ -77,6 +107,35 @@ class ImageBackground:
         known = self.depth[cell]
         far = (np.abs(depth - known) < limit) | (depth > known + limit)
         return np.asarray(far), np.asarray(np.abs(depth - self.last[cell]) < limit)
+
+    def scenery(self, view: View, indices: I64, frames: int) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        limit = NEAR * self.waver(depth) * self.scale[cell]
+        known = self.depth[cell]
+        far = (np.abs(depth - known) < limit) | (depth > known + limit)
+        # Uncovered just now, where the scene around goes on: no object came there.
+        bare = np.isnan(known)
+        new = ~(np.abs(depth - self.previous[cell]) < limit)
+        far |= bare & new & (depth > HIDDEN * self.hidden[cell] - limit)
+        stuck = (np.abs(depth - self.anchor[cell]) < limit) & (self.age[cell] >= frames)
+        return np.asarray(far | (bare & stuck))
+
+    def calm(self, first: View, others: Sequence[View]) -> None:
+        """Measure the noise of each place on the first frames; ``first`` has labels."""
+        if first.lens is None or not others:
+            return
+        start = first.depth.copy()
+        for points in first.labels.values():
+            start[first.cells[0][points]] = np.nan
+        images = [start[:-1], *(view.depth[:-1] for view in others)]
+        self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.lens.shape)
+
+    def certain(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        limit = NEAR * self.waver(depth) * self.scale[cell]
+        return np.asarray(depth < self.nearest[cell] - limit)
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """See ``Background``."""
@@ -89,6 +148,15 @@ class ImageBackground:
         if keep is not None:
             labelled[keep] = True
             labelled[-1] = False
+        if first and view.lens is not None:
+            beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
+            self.hidden = np.append(beyond, np.float32(np.nan))
+        self.previous = view.depth
+        with np.errstate(invalid="ignore"):
+            limit = NEAR * self.waver(view.depth) * self.scale
+            moved = ~(np.abs(view.depth - self.anchor) < limit) & ~np.isnan(view.depth)
+        self.age = np.where(moved, 0, self.age + 1)
+        self.anchor = np.where(moved, view.depth, self.anchor)
         if not first and labelled.any():
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(height, width)
@@ -104,6 +172,11 @@ class ImageBackground:
         self.last = seen
         self.depth[farther] = seen[farther]
         self.depth[same] += np.float32(0.2) * (seen[same] - self.depth[same])
+        if height:
+            self.nearest = self.depth.copy()
+            depth = np.nan_to_num(self.depth[:-1], nan=np.inf).reshape(height, width)
+            self.nearest[:-1] = minimum_filter(depth, 3).ravel()
+            self.nearest[np.isnan(self.depth)] = np.nan
 
 
 @dataclass(eq=False)
@@ -133,6 +206,14 @@ class TreeBackground:
             near[found] &= ~labelled[np.asarray(index)[found]]
             still[rest[near]] = True
         return still, np.zeros(len(indices), np.bool_)
+
+    def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
+        """See ``Background``; without a depth image there is no more to know."""
+        return np.zeros(len(indices), np.bool_)
+
+    def certain(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+        """See ``Background``; without a depth image nothing is known to lie behind."""
+        return np.zeros(len(indices), np.bool_)
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
         """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""

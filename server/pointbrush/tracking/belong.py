@@ -12,6 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, cut_off
+from pointbrush.tracking.background import Background
+from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.thing import Thing
@@ -43,17 +45,22 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
 
 
 def grow(
-    things: Mapping[int, Thing], view: View, places: dict[int, Place], claims: dict[int, Claim]
+    things: Mapping[int, Thing],
+    view: View,
+    places: dict[int, Place],
+    claims: dict[int, Claim],
+    free: Mask,
+    background: Background,
 ) -> dict[int, I64]:
-    """New surface: moving points that hang together with a thing and are nobody's."""
-    taken = np.zeros(len(view.xyz), np.bool_)
+    """New surface: moving points that hang together with a thing, ``free`` and nobody's."""
+    taken = ~free
     for found in claims.values():
         taken[found.indices] = True
     grown: dict[int, I64] = {}
     for label, place in places.items():
         thing, core = things[label], claims[label].indices
         rest = place.moving[~taken[place.moving]]
-        if len(core) < 5 or not len(rest):
+        if len(core) < 5 or not len(rest) or thing.large:
             continue
         new = _whole(thing, view, place, core, taken)
         place.whole = new is not None
@@ -61,7 +68,8 @@ def grow(
             new = _adjoin(thing, view, place, core, rest)
         grown[label] = new
         taken[new] = True
-    return grown
+    large = {n: p for n, p in places.items() if things[n].large}
+    return grown | hang_together(view, things, large, claims, taken, background)
 
 
 def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:

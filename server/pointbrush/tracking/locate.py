@@ -25,6 +25,8 @@ from pointbrush.tracking.registration import (
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
+PATIENT = 1_000_000
+"""Frames after which what stands still beside a thing at rest is scenery: never."""
 COARSE, FINE = 120, 400
 """Model points that a guess is judged by, and that the last iterations use."""
 TARGET = 1200
@@ -78,7 +80,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     guesses = thing.motion.predictions()
     centre = thing.motion.centre[None]
     at = np.vstack([transform(g, centre) for g in guesses])
-    radius, unit, gap = thing.model.radius, thing.unit, min(thing.motion.gap, 8)
+    radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
     margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
     margin += (0.4 * thing.motion.speed + 2 * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
@@ -87,6 +89,11 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     near = moving = around
     if len(around):
         far, still = background.static(view, around)
+        if thing.large:
+            # What stays while the thing has gone half its size on is no part of it.
+            speed = thing.motion.speed
+            stay = int(0.5 * radius / speed) + 2 if speed > unit else PATIENT
+            far = far | background.scenery(view, around, stay)
         near, moving = around[~far], around[~(far | still)]
     if len(moving) < FEWEST:
         return None

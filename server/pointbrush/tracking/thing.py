@@ -16,6 +16,8 @@ from pointbrush.tracking.view import View
 MOST_RIVALS = 1000
 BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
+HARDLY = 0.2
+"""Share of its size under which hardly anything of a thing was seen."""
 LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
 
@@ -43,7 +45,7 @@ class Thing:
 
     ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
     explain; ``size`` the most points it had, ``last`` in
-    the last frame; ``trust`` the last confidence.
+    the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had.
     """
 
     label: int
@@ -58,6 +60,7 @@ class Thing:
     stopped: bool = False
     trust: float = 1.0
     last: int = 0
+    extent: float = 0.0
 
     @property
     def bends(self) -> bool:
@@ -67,7 +70,17 @@ class Thing:
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are."""
-        return self.model.radius > LARGE * self.unit
+        return self.span > LARGE * self.unit
+
+    @property
+    def span(self) -> float:
+        """Metres from its middle that may hold all of it, hidden parts too."""
+        return max(self.model.radius, self.extent)
+
+    @property
+    def absent(self) -> bool:
+        """Whether it is large and hardly anything of it was seen: the others come first then."""
+        return self.large and (self.missing > 0 or self.last < HARDLY * self.size)
 
     @property
     def reach(self) -> float:

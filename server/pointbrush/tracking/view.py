@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.ranges import ranges
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
 
 I32 = NDArray[np.int32]
@@ -143,7 +144,7 @@ class View:
         if blocks is not None and self.T_world_frame is None:
             runs = blocks.overlapping(lo, hi)
             first = blocks.first
-            some: I64 = _ranges(first[runs], first[runs + 1])
+            some: I64 = ranges(first[runs], first[runs + 1])
             at = self.xyz[some]
             return some[np.flatnonzero(((at >= lo) & (at <= hi)).all(axis=1))]
         inside: NDArray[np.bool_] = np.ones(len(self.xyz), np.bool_)
@@ -190,10 +191,3 @@ class View:
         T = self.T_world_frame
         local = world if T is None else (world - T[:3, 3]) @ T[:3, :3]
         return self.lens.cells(local.astype(np.float32))
-
-
-def _ranges(start: I64, stop: I64) -> I64:
-    length = stop - start
-    begin = np.cumsum(length) - length
-    steps: I64 = np.arange(int(length.sum()), dtype=np.int64)
-    return np.asarray(steps + np.repeat(start - begin, length), np.int64)
