@@ -126,7 +126,7 @@ function OverlayOptions() {
       <Button
         buttonRef={anchor}
         icon="layers"
-        tip="Drawn over the recording: boxes, trails"
+        tip="Drawn over the recording: boxes, trails, shading"
         expanded={overlaysOpen.value}
         onClick={() => (overlaysOpen.value = !overlaysOpen.value)}
       />
@@ -154,6 +154,12 @@ function OverlayOptions() {
             tip="Where the objects were a frame before, faintly"
             checked={view.ghost}
             onChange={(ghost) => actions.setView({ ghost })}
+          />
+          <Check
+            label="Depth shading"
+            tip="Darken edges in depth, so that shapes stand out"
+            checked={view.eyeDome}
+            onChange={(eyeDome) => actions.setView({ eyeDome })}
           />
         </Popover>
       )}
@@ -203,12 +209,6 @@ function ViewOptions() {
         onInput={(pointSize) => actions.setView({ pointSize })}
       />
       <OverlayOptions />
-      <Check
-        label="Depth shading"
-        tip="Darken edges in depth, so that shapes stand out"
-        checked={view.eyeDome}
-        onChange={(eyeDome) => actions.setView({ eyeDome })}
-      />
     </>
   );
 }
