@@ -15,7 +15,7 @@ from pointbrush.streaming.typescript import type_of
 TARGET = Path(__file__).parents[3] / "docs" / "protocol.md"
 HEAD = """# The socket's messages
 
-Written from `server/pointbrush/streaming/messages.py` by
+Written from `server/pointbrush/streaming/messages/` by
 `python -m pointbrush.streaming.reference`.
 
 `GET /api/v1/stream` as a WebSocket, with the subprotocol `pointbrush.{hash}` (it changes with any

@@ -25,7 +25,7 @@ def generate() -> str:
     """The whole TypeScript module, ending in a newline."""
     client, server = client_schema(), server_schema()
     parts = [
-        f"// Generated from server/pointbrush/streaming/messages.py by `{WRITE}`.\n"
+        f"// Generated from server/pointbrush/streaming/messages/ by `{WRITE}`.\n"
         "// Do not edit: a stale file fails the tests.\n",
         f"export const SCHEMA_HASH = '{schema_hash()}';\n"
         "export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;\n",

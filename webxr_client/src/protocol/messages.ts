@@ -1,7 +1,7 @@
-// Generated from server/pointbrush/streaming/messages.py by `python -m pointbrush.streaming.typescript --write`.
+// Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '054ec1b8c4f7';
+export const SCHEMA_HASH = 'e54fa171f460';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -33,8 +33,9 @@ export interface ClientPresence {
 /**
  * The client applied ``frames`` frame messages and may be sent as many more.
  *
- * With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time per rendered frame, ``target_ms`` what its display
- * wants; a page that falls behind is sent fewer points.  ``points`` caps points per frame.
+ * With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time
+ * per rendered frame, ``target_ms`` what its display wants; a page that falls behind is sent
+ * fewer points.  ``points`` caps points per frame.
  */
 export interface Credit {
   type: 'credit';

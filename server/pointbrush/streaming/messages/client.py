@@ -1,0 +1,183 @@
+"""What a page sends."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from pointbrush.streaming.messages.values import (
+    Brush,
+    Color,
+    Count,
+    FrameIndex,
+    Id,
+    LabelId,
+    Message,
+    Pair,
+    Pose,
+    Sample,
+    Uuid,
+    Vec3,
+)
+
+
+class Hello(Message):
+    """The first message: who this is; answered with ``welcome``."""
+
+    type: Literal["hello"] = "hello"
+    name: Annotated[str, Field(max_length=64)] = ""
+    color: Color | None = None
+
+
+class Open(Message):
+    """Open a sequence; ``revision`` is the last one the client has, when it resumes.
+
+    ``held`` lists the frames that it still has, each with the number of chunks from the first on:
+    these are not sent again.  Without it, edits in all frames are told and points come anew.
+    """
+
+    type: Literal["open"] = "open"
+    sequence: Id
+    frame: FrameIndex = 0
+    revision: Count | None = None
+    held: Annotated[list[Pair], Field(max_length=65536)] | None = None
+
+
+class Play(Message):
+    """Send frames in time with a clock that starts at ``frame`` when this arrives."""
+
+    type: Literal["play"] = "play"
+    frame: FrameIndex
+    speed: Annotated[float, Field(ge=-16, le=16, allow_inf_nan=False)] = 1.0
+    loop: bool = True
+
+
+class Pause(Message):
+    """Stop the clock, at ``frame`` if given; that frame is refined to all its points."""
+
+    type: Literal["pause"] = "pause"
+    frame: FrameIndex | None = None
+
+
+class Seek(Message):
+    """Show one frame: its first levels at once, then refinement up to all points."""
+
+    type: Literal["seek"] = "seek"
+    frame: FrameIndex
+
+
+class Credit(Message):
+    """The client applied ``frames`` frame messages and may be sent as many more.
+
+    With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time
+    per rendered frame, ``target_ms`` what its display wants; a page that falls behind is sent
+    fewer points.  ``points`` caps points per frame.
+    """
+
+    type: Literal["credit"] = "credit"
+    frames: Annotated[int, Field(ge=0, le=64)] = 1
+    nbytes: Count = 0
+    decode_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    frame_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    target_ms: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.0
+    points: Count | None = None
+
+
+class Forget(Message):
+    """Frames that the client dropped from its cache and must be sent again when shown."""
+
+    type: Literal["forget"] = "forget"
+    frames: Annotated[list[FrameIndex], Field(max_length=65536)]
+
+
+class Want(Message):
+    """Chunks of a large frame, most wanted first; replaces the previous list."""
+
+    type: Literal["want"] = "want"
+    frame: FrameIndex
+    chunks: Annotated[list[Count], Field(max_length=4096)]
+
+
+class StrokeBegin(Message):
+    """A stroke starts; the same ``id`` sent again after a lost connection applies once."""
+
+    type: Literal["stroke_begin"] = "stroke_begin"
+    id: Uuid
+    frame: FrameIndex
+    brush: Brush
+
+
+class StrokeSamples(Message):
+    """More samples of a stroke; answered with ``stroke_result``, not final."""
+
+    type: Literal["stroke_samples"] = "stroke_samples"
+    id: Uuid
+    samples: Annotated[list[Sample], Field(max_length=4096)]
+
+
+class StrokeEnd(Message):
+    """The stroke is over; answered with a final ``stroke_result`` once it is durable."""
+
+    type: Literal["stroke_end"] = "stroke_end"
+    id: Uuid
+
+
+class Undo(Message):
+    """Take back this author's last edit; answered with a final ``stroke_result``."""
+
+    type: Literal["undo"] = "undo"
+    id: Uuid
+
+
+class Redo(Message):
+    """Bring back what this author's last undo took; answered like ``undo``."""
+
+    type: Literal["redo"] = "redo"
+    id: Uuid
+
+
+class Track(Message):
+    """Start a tracking run; its ``job`` messages follow."""
+
+    type: Literal["track"] = "track"
+    id: Uuid
+    labels: Annotated[list[LabelId], Field(max_length=65534)] | None = None
+    start: FrameIndex
+    stop: FrameIndex
+    method: Annotated[str, Field(max_length=64)] = "auto"
+    overwrite: Literal["never", "tracked", "all"] = "tracked"
+    stop_unsure: bool = False
+    """End the run at the first frame where a label is found with little confidence, or lost."""
+
+
+class ClientPresence(Message):
+    """Where this person is, in room coordinates (y up, metres); absent parts are null."""
+
+    type: Literal["presence"] = "presence"
+    frame: FrameIndex = 0
+    head: Pose | None = None
+    hands: Annotated[list[Pose | None], Field(max_length=2, default_factory=list)]
+    brush: Vec3 | None = None
+    radius: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    label: LabelId = 0
+
+
+ClientMessage = Annotated[
+    Hello
+    | Open
+    | Play
+    | Pause
+    | Seek
+    | Credit
+    | Forget
+    | Want
+    | StrokeBegin
+    | StrokeSamples
+    | StrokeEnd
+    | Undo
+    | Redo
+    | Track
+    | ClientPresence,
+    Field(discriminator="type"),
+]

@@ -1,0 +1,100 @@
+"""What messages of both sides are made of: checked numbers, strokes, labels, chunks."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Id = Annotated[str, Field(min_length=1, max_length=64)]
+Uuid = Annotated[
+    str, Field(pattern=r"^[0-9a-fA-F]{8}(-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}$", max_length=36)
+]
+FrameIndex = Annotated[int, Field(ge=0, lt=2**31)]
+Count = Annotated[int, Field(ge=0, lt=2**53)]
+Pair = Annotated[list[Count], Field(min_length=2, max_length=2)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Vec3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
+Quaternion = Annotated[list[Finite], Field(min_length=4, max_length=4)]
+Pose = Annotated[list[Finite], Field(min_length=7, max_length=7)]
+"""Position x, y, z then quaternion x, y, z, w."""
+Matrix4 = Annotated[list[Finite], Field(min_length=16, max_length=16)]
+"""Row-major 4x4."""
+LabelId = Annotated[int, Field(ge=0, le=65534)]
+Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
+
+Tool = Literal["paint", "erase", "delete", "restore"]
+Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane"]
+Role = Literal["viewer", "annotator", "reviewer", "admin"]
+JobState = Literal["queued", "running", "done", "failed", "cancelled"]
+
+
+class Message(BaseModel):
+    """Base: unknown fields are refused, types are not coerced."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class Sample(Message):
+    """One sample of the controller or mouse: a ray, and the time since the stroke began."""
+
+    origin: Vec3
+    direction: Vec3 = [0.0, 0.0, -1.0]
+    t: Finite = 0.0
+
+
+class Brush(Message):
+    """What a stroke does with its samples; see the contract for each shape."""
+
+    label: LabelId = 0
+    tool: Tool = "paint"
+    shape: Shape = "sphere"
+    radius: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] = 0.05
+    only_unlabeled: bool = False
+    through: bool = False
+    polygon: (
+        Annotated[
+            list[Annotated[list[Finite], Field(min_length=2, max_length=2)]], Field(max_length=4096)
+        ]
+        | None
+    ) = None
+    """lasso: vertices in normalised device coordinates, x right and y up, -1..1."""
+    matrix: Matrix4 | None = None
+    """lasso: ``clip_from_source``, the camera's projection times view, row-major."""
+    center: Vec3 | None = None
+    size: Vec3 | None = None
+    """box: full edge lengths."""
+    quaternion: Quaternion | None = None
+    """box: orientation x, y, z, w."""
+
+
+class Label(Message):
+    """An entry of the palette."""
+
+    id: LabelId
+    name: str
+    category: str
+    color: Color
+    locked: bool
+    visible: bool
+
+
+class Chunk(Message):
+    """A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
+
+    Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
+    Where bit 0 of the first vertex's flags is set, all of r and b are less g (modulo 256).
+    Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
+    """
+
+    index: Count
+    level: Annotated[int, Field(ge=0, le=64)]
+    first: Count
+    count: Count
+    offset: Count
+    """Byte offset in the message's ``data`` (in a frame message) or in the frame's wire file."""
+    nbytes: Count
+    origin: Vec3
+    scale: Vec3
+    lo: Vec3
+    hi: Vec3
