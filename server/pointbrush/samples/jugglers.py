@@ -11,13 +11,11 @@ from pointbrush.errors import BadInputError
 from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, along, vec, wobble, yaw
 from pointbrush.samples.juggling import ARM, Hand, Juggle, Stand
-from pointbrush.samples.lighting import Lights
 from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.pins import COLORS, paint, pin
 from pointbrush.samples.posture import LOOKS, Look, Posture, standing_feet
 from pointbrush.samples.recording import LabelInfo, Moment
-from pointbrush.samples.render import Solid
-from pointbrush.samples.room import day_light, living_room
+from pointbrush.samples.room import LivingRoom
 from pointbrush.samples.siteswap import Rhythm, rhythm
 
 PASSING = {3: ("3", 0.36), 5: ("744", 0.17), 6: ("774", 0.168), 7: ("7", 0.17)}
@@ -46,7 +44,7 @@ class JugglingOptions:
     label_people: bool = True
 
 
-class JugglingScene:
+class JugglingScene(LivingRoom):
     """See ``recording.Scene``."""
 
     def __init__(self, seed: int, seconds: float, options: JugglingOptions) -> None:
@@ -55,7 +53,8 @@ class JugglingScene:
         if options.held not in (0, 1, 2):
             raise BadInputError(f"held: expected 0 to 2, got {options.held}")
         rng = np.random.default_rng([seed, 1])
-        self.options, self._seed = options, seed
+        super().__init__(seed, tripod(1.28, 4.0))
+        self.options = options
         first = int(rng.integers(len(LOOKS)))
         self.looks = (
             [LOOKS[0], LOOKS[1]]
@@ -104,20 +103,6 @@ class JugglingScene:
                 for p in range(self.options.people)
             ]
         return result
-
-    @property
-    def camera_pose(self) -> Array:
-        """See Scene."""
-        return tripod(1.28, 4.0)
-
-    @property
-    def lights(self) -> Lights:
-        """See Scene."""
-        return day_light()
-
-    def still(self) -> list[Solid]:
-        """See Scene."""
-        return living_room(np.random.default_rng([self._seed, 3]))
 
     def at(self, t: float) -> Moment:
         """See Scene."""

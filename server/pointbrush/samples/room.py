@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from pointbrush.samples.geometry import along, rigid, vec
+from pointbrush.samples.geometry import Array, along, rigid, vec
 from pointbrush.samples.lighting import Lamp, Lights
 from pointbrush.samples.render import Solid
 from pointbrush.samples.shapes import Ball, Lathe
@@ -34,7 +34,28 @@ OAK = Material(partial(wood, color=linear("#7d5636"), along=1), 0.5)
 WHITE = matte("#e6e3dc", grain=0.05, infrared=0.7)
 
 
-def living_room(rng: np.random.Generator) -> list[Solid]:
+class LivingRoom:
+    """What the scenes in the living room share of ``recording.Scene``."""
+
+    def __init__(self, seed: int, T_room_camera: Array) -> None:
+        self._seed, self._camera = seed, T_room_camera
+
+    @property
+    def camera_pose(self) -> Array:
+        """See Scene."""
+        return self._camera
+
+    @property
+    def lights(self) -> Lights:
+        """See Scene."""
+        return _day_light()
+
+    def still(self) -> list[Solid]:
+        """See Scene."""
+        return _furnished(np.random.default_rng([self._seed, 3]))
+
+
+def _furnished(rng: np.random.Generator) -> list[Solid]:
     """All still solids of the room, with small differences by ``rng``."""
     return [
         *_shell(rng),
@@ -49,7 +70,7 @@ def living_room(rng: np.random.Generator) -> list[Solid]:
     ]
 
 
-def day_light() -> Lights:
+def _day_light() -> Lights:
     """Daylight from a tall window on the left, out of view, and a warm ceiling lamp."""
     return Lights(
         (

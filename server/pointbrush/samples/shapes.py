@@ -43,14 +43,20 @@ def _sphere(oc: Field, d: Field, dd: Field, radius: float) -> Field:
     return np.asarray(np.where(h > 0, (-b - np.sqrt(np.maximum(h, 0))) / dd, MISS), np.float32)
 
 
-@dataclass(frozen=True, slots=True)
-class Ball:
-    """Unit ball; an ellipsoid by scale."""
+class _Unit:
+    """A solid that just fits the cube -1..1."""
+
+    __slots__ = ()
 
     @property
     def bounds(self) -> tuple[Array, Array]:
         """See Shape."""
         return vec(-1, -1, -1), vec(1, 1, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Ball(_Unit):
+    """Unit ball; an ellipsoid by scale."""
 
     def hit(self, o: Field, d: Field) -> Field:
         """See Shape."""
@@ -62,13 +68,8 @@ class Ball:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class Box(_Unit):
     """The cube -1..1."""
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """See Shape."""
-        return vec(-1, -1, -1), vec(1, 1, 1)
 
     def hit(self, o: Field, d: Field) -> Field:
         """See Shape."""
@@ -133,25 +134,13 @@ class RoundCone:
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder:
+class Cylinder(_Unit):
     """Radius 1 round y, capped at y = -1 and 1."""
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """See Shape."""
-        return vec(-1, -1, -1), vec(1, 1, 1)
 
     def hit(self, o: Field, d: Field) -> Field:
         """See Shape."""
-        a = np.maximum(d[0] * d[0] + d[2] * d[2], np.float32(1e-12))
-        b = o[0] * d[0] + o[2] * d[2]
-        h = b * b - a * (o[0] * o[0] + o[2] * o[2] - 1)
-        root = np.sqrt(np.maximum(h, 0))
-        slope = np.where(d[1] == 0, np.float32(1e-12), d[1])
-        low, high = (-1 - o[1]) / slope, (1 - o[1]) / slope
-        near = np.maximum((-b - root) / a, np.minimum(low, high))
-        far = np.minimum((-b + root) / a, np.maximum(low, high))
-        return np.where((h > 0) & (near < far) & (near > 0), near, MISS)
+        near, far = _cylinder_span(o, d)
+        return np.where((near < far) & (near > 0), near, MISS)
 
     def normal(self, p: Field) -> Field:
         """See Shape."""

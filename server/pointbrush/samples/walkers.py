@@ -10,12 +10,10 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, smoothstep, vec, wobble, yaw
-from pointbrush.samples.lighting import Lights
 from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Foot, Look, Posture, hanging_hands
 from pointbrush.samples.recording import LabelInfo, Moment
-from pointbrush.samples.render import Solid
-from pointbrush.samples.room import day_light, living_room
+from pointbrush.samples.room import LivingRoom
 
 LANES = ((-2.1, 0.0, 1.05), (-2.75, 0.05, 1.25), (-3.32, -0.45, 1.1), (-3.9, 0.25, 0.55))
 """Each lane's z, middle x and half length, metres."""
@@ -115,7 +113,7 @@ class Walk:
         return Foot(ankle, heading + side * 0.08, pitch)
 
 
-class WalkingScene:
+class WalkingScene(LivingRoom):
     """See ``recording.Scene``."""
 
     def __init__(self, seed: int, seconds: float, options: WalkingOptions) -> None:
@@ -124,7 +122,8 @@ class WalkingScene:
         if not 0.3 <= options.pace <= 2:
             raise BadInputError(f"pace: expected 0.3 to 2, got {options.pace}")
         rng = np.random.default_rng([seed, 11])
-        self._seed, self._count = seed, options.people
+        super().__init__(seed, tripod(1.35, 5.0))
+        self._count = options.people
         order = rng.permutation(len(LOOKS))
         self._looks = [LOOKS[int(order[p])] for p in range(options.people)]
         self._walks = [
@@ -137,20 +136,6 @@ class WalkingScene:
         return [
             LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p]) for p in range(self._count)
         ]
-
-    @property
-    def camera_pose(self) -> Array:
-        """See Scene."""
-        return tripod(1.35, 5.0)
-
-    @property
-    def lights(self) -> Lights:
-        """See Scene."""
-        return day_light()
-
-    def still(self) -> list[Solid]:
-        """See Scene."""
-        return living_room(np.random.default_rng([self._seed, 3]))
 
     def at(self, t: float) -> Moment:
         """See Scene; people are not rigid, so there are no poses."""
