@@ -1,255 +1,130 @@
 """Tracking: paint frame 0 with the truth, track to the end without help, compare.
 
-    python benchmarks/bench_tracking.py [--frames 60] [--seeds 1,2] [--methods auto,icp] [--real]
-                                        [--ablation] [--kinds tabletop,3-pins,6-pins,walking]
+    python benchmarks/bench_tracking.py [--frames 120] [--seeds 1,2,3] [--methods auto,icp]
+                                        [--kinds table-top,3-pins,6-pins,walking]
+    python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
+    python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
 
-Prints one row per kind and method: mean IoU over visible object-frames (40 points or more), share
-of objects alive (IoU 0.5 or more) in their last visible frame, CPU milliseconds per object-frame
-(median and p95, one thread), and calibration: share of frames with confidence over 0.9 that have
-IoU over 0.8, and share of frames with IoU under 0.5 that are flagged.  Open3D's ICPs and
-small_gicp's GICP are compared where they can be imported.
+Prints for each kind and method: mean IoU over visible object-frames (40 points or more in the
+truth); frames until an object's IoU is first under 0.5, the share of objects where that never
+happens and the share at 0.5 or more in their last visible frame; CPU milliseconds per object-frame
+(one thread), median and p95.  Then calibration: of the frames with confidence over 0.9 the share
+with IoU over 0.8, and how many those are; of the frames with IoU under 0.5 the share that is
+flagged (lost, occluded or confidence under 0.5), and of those over 0.8 the share flagged for
+nothing.  Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
 """
 
 # The thread limits have to be set before numpy is imported.
-# ruff: noqa: E402, ARG002
+# ruff: noqa: E402
 
 from __future__ import annotations
 
 import os
 
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
+    os.environ[_name] = "1"
 
 import argparse
-import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from pathlib import Path
-from unittest.mock import patch
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 
-import numpy as np
-from scipy.spatial import cKDTree
+from tracking_ablation import IDEAS, without
+from tracking_peers import PEERS, Peer, peer, stay
+from tracking_recordings import KINDS, REAL, SCENES, Frame, generated, real
+from tracking_score import Score, together
 
-from pointbrush.samples import generate
-from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions, TrackState, auto
-from pointbrush.tracking.paper import _cut, _Object, _painted
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking import METHODS
+from pointbrush.tracking.interface import Method
 
-REAL = Path(__file__).parent.parent.parent / "shared" / "realdata"
-LEAST = 40
-KINDS = {
-    "table-top": ("tabletop", {}),
-    "3-pins": ("juggling", {"people": 1, "pins": 3, "label_people": False}),
-    "6-pins": ("juggling", {"pins": 6, "label_people": False, "like_clothes": True}),
-    "walking": ("walking", {}),
-}
+OURS = ("icp", "color-icp", "auto")
+ALL = ("nn-copy", *OURS, *PEERS)
 
 
-@dataclass(eq=False)
-class Frame:
-    xyz: np.ndarray
-    rgb: np.ndarray | None
-    truth: np.ndarray
-    viewpoint: np.ndarray | None = None
-    pose: np.ndarray | None = None
-    intensity: np.ndarray | None = None
-
-    @cached_property
-    def kdtree(self) -> cKDTree:
-        return cKDTree(self.xyz, balanced_tree=False)
+def method_named(name: str) -> Callable[[], Method]:
+    """What makes a method; raises ImportError for a peer that cannot be had."""
+    if name == "nn-copy":
+        return lambda: Peer(stay)
+    if name in PEERS:
+        ready = peer(name)
+        return lambda: ready
+    return METHODS[name]
 
 
-@dataclass
-class Other:
-    """Frame-to-frame tracking with another registration: (source, target) -> 4x4."""
-
-    register: Callable[[_Object, Frame], np.ndarray]
-
-    def track(self, frames, order, seeds, known, options) -> Iterator[FrameResult]:
-        first = frames(order[0])
-        things = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
-        yield FrameResult(
-            order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
-        )
-        for number in order[1:]:
-            frame, found, tracks = frames(number), {}, {}
-            for label, thing in things.items():
-                T = self.register(thing, frame)
-                near = frame.kdtree.query_ball_point(transform(T, thing.xyz), 1.2 * thing.spacing)
-                points = np.unique(np.concatenate([np.asarray(n, np.int64) for n in near]))
-                found[label] = points
-                inliers = float(np.mean([len(n) > 0 for n in near]))
-                tracks[label] = TrackState(T, 0.0, inliers, inliers, len(points), "tracked")
-                if len(points):
-                    things[label] = _cut(frame, points, T @ thing.pose)
-            yield FrameResult(number, found, tracks)
+def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
+    """One at a time: a recording of 120 frames takes two gigabytes."""
+    if kind in SCENES:
+        yield real(kind)
+        return
+    for seed in given.seeds.split(","):
+        yield generated(kind, int(seed), given.frames)
 
 
-def others() -> dict[str, Callable[[], Other]]:
-    found: dict[str, Callable[[], Other]] = {"nn-copy": lambda: Other(lambda *_: np.eye(4))}
-    try:
-        import small_gicp  # type: ignore[import-not-found]
-
-        def gicp(thing: _Object, frame: Frame) -> np.ndarray:
-            fit = small_gicp.align(
-                frame.xyz.astype(np.float64), thing.xyz, downsampling_resolution=thing.spacing
-            )
-            return fit.T_target_source
-
-        found["small_gicp"] = lambda: Other(gicp)
-    except ImportError:
-        pass
-    try:
-        import open3d as o3d  # type: ignore[import-not-found]
-
-        def cloud(xyz: np.ndarray, rgb: np.ndarray):
-            c = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(xyz.astype(np.float64)))
-            c.colors = o3d.utility.Vector3dVector(rgb / 255.0)
-            c.estimate_normals()
-            return c
-
-        def open3d(thing: _Object, frame: Frame, coloured: bool) -> np.ndarray:
-            r = o3d.pipelines.registration
-            a, b = cloud(thing.xyz, thing.colour), cloud(frame.xyz, frame.rgb)
-            if coloured:
-                return r.registration_colored_icp(a, b, 0.1).transformation
-            return r.registration_icp(a, b, 0.3).transformation
-
-        found["open3d-icp"] = lambda: Other(lambda t, f: open3d(t, f, False))
-        found["open3d-color"] = lambda: Other(lambda t, f: open3d(t, f, True))
-    except ImportError:
-        pass
-    return found
+def measure(
+    kind: str, given: argparse.Namespace, makers: dict[str, Callable[[], Method]]
+) -> dict[str, Score]:
+    """The score of each method, or of ``auto`` without each idea, over all seeds."""
+    scores = {name: Score() for name in makers}
+    for frames in recordings(kind, given):
+        for name, make in makers.items():
+            idea = name.removeprefix("without ")
+            with without(idea) if idea in IDEAS else nullcontext():
+                scores[name].run(frames, make())
+    return scores
 
 
-@dataclass
-class Score:
-    iou: list[float] = field(default_factory=list)
-    confidence: list[float] = field(default_factory=list)
-    flagged: list[bool] = field(default_factory=list)
-    alive: list[bool] = field(default_factory=list)
-    ms: list[float] = field(default_factory=list)
-
-    def row(self, kind: str, method: str) -> str:
-        iou, conf = np.array(self.iou), np.array(self.confidence)
-        bad, sure = iou < 0.5, conf > 0.9
-        good = f"{np.mean(iou[sure] > 0.8):.2f}" if sure.any() else "-"
-        flagged = f"{np.mean(np.array(self.flagged)[bad]):.2f}" if bad.any() else "-"
-        return (
-            f"| {kind} | {method} | {iou.mean():.3f} | {np.mean(self.alive):.2f} "
-            f"| {np.median(self.ms):.0f} | {np.percentile(self.ms, 95):.0f} | {good} | {flagged} |"
-        )
-
-
-def run(frames: Sequence[Frame], method: object, score: Score) -> None:
-    first = frames[0].truth
-    labels = [n for n in np.unique(first).tolist() if n and np.sum(first == n) >= LEAST]
-    seeds = [Seed(n, np.flatnonzero(first == n)) for n in labels]
-    last: dict[int, float] = {}
-    options = TrackOptions(continue_lost=True)
-    order = range(len(frames))
-    clock = time.process_time()
-    for result in method.track(frames.__getitem__, order, seeds, lambda _: None, options):
-        spent = time.process_time() - clock
-        if result.frame:
-            score.ms.append(1e3 * spent / len(labels))
-            for label in labels:
-                truth = frames[result.frame].truth == label
-                if truth.sum() < LEAST:
-                    continue
-                points = result.assignments.get(label, np.empty(0, np.int64))
-                both = truth[points].sum()
-                iou = float(both / (truth.sum() + len(points) - both))
-                track = result.tracks.get(label)
-                score.iou.append(iou)
-                score.confidence.append(track.confidence if track else 0.0)
-                score.flagged.append(
-                    track is None or track.state in ("lost", "occluded") or track.confidence < 0.5
-                )
-                last[label] = iou
-        clock = time.process_time()
-    score.alive += [value >= 0.5 for value in last.values()]
-
-
-def generated(kind: str, seed: int, count: int) -> list[Frame]:
-    name, options = KINDS[kind]
-    rec = generate(name, seed, count, **options)
-    return [
-        Frame(f.xyz.astype(np.float32), f.rgb, rec.truth[i], f.viewpoint)
-        for i, f in enumerate(rec.frames)
-    ]
-
-
-def real(scene: str) -> list[Frame]:
-    frames = []
-    for path in sorted((REAL / scene / "npz").glob("*.npz")):
-        d = np.load(path)
-        frames.append(Frame(d["xyz"], d["rgb"], d["instance"].astype(np.uint16), None, d["pose"]))
-    return frames
-
-
-def without(what: str):
-    """``auto`` with one idea taken out."""
-    none = np.empty(0, np.int64)
-    locate = auto.Run.__module__.replace(".auto", ".locate")
-    change: dict[str, tuple[str, object]] = {
-        "motion": (
-            "pointbrush.tracking.motion.Motion.predictions",
-            lambda self: [self.poses[-1]],
-        ),
-        "background": (
-            "pointbrush.tracking.background.ImageBackground.static",
-            lambda _s, _v, i: (np.zeros(len(i), bool), np.zeros(len(i), bool)),
-        ),
-        "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
-        "other guesses": (f"{locate}.proposals", lambda *_: []),
-        "growing": ("pointbrush.tracking.auto.grow", lambda *_: {}),
-        "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
-        "rivals": (
-            "pointbrush.tracking.belong.contested",
-            lambda _v, found, _r: np.zeros(len(found.indices), bool),
-        ),
-        "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: none),
-    }
-    return change if what == "" else patch(*change[what])
+def ready(names: list[str]) -> tuple[dict[str, Callable[[], Method]], dict[str, str]]:
+    """The methods that can be measured, and why the others cannot."""
+    makers, absent = {}, {}
+    for name in names:
+        try:
+            makers[name] = method_named(name)
+        except ImportError as error:
+            absent[name] = str(error)
+    return makers, absent
 
 
 def main() -> None:
+    """Print the two tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--frames", type=int, default=60)
-    parser.add_argument("--seeds", default="1,2")
-    parser.add_argument("--methods", default="")
+    parser.add_argument("--frames", type=int, default=120)
+    parser.add_argument("--seeds", default="1,2,3")
+    parser.add_argument("--methods", default=",".join(ALL))
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--real", action="store_true")
     parser.add_argument("--ablation", action="store_true")
-    args = parser.parse_args()
-    known = {**others(), **{n: METHODS[n] for n in ("icp", "color-icp", "auto")}}
-    names = args.methods.split(",") if args.methods else list(known)
-    recordings: dict[str, list[list[Frame]]] = {}
-    if args.real:
-        recordings = {s: [real(s)] for s in ("dgp_scene_01", "dgp_scene_02") if REAL.is_dir()}
-    else:
-        for kind in args.kinds.split(","):
-            recordings[kind] = [generated(kind, int(s), args.frames) for s in args.seeds.split(",")]
-    for frames in (f for recs in recordings.values() for rec in recs for f in rec):
-        _ = frames.kdtree  # stored with a recording, so not part of the cost
-    print("| kind | method | IoU | survival | ms | p95 | conf > 0.9 good | bad flagged |")
-    print("|---|---|---|---|---|---|---|---|")
-    for kind, recs in recordings.items():
-        cases = [(n, known[n], None) for n in names]
-        if args.ablation:
-            cases = [("auto", known["auto"], None)]
-            cases += [(f"without {w}", known["auto"], w) for w in without("")]
-        for name, factory, left_out in cases:
-            score = Score()
-            for frames in recs:
-                if left_out:
-                    with without(left_out):
-                        run(frames, factory(), score)
-                else:
-                    run(frames, factory(), score)
-            print(score.row(kind, name), flush=True)
+    given = parser.parse_args()
+    kinds = given.kinds.split(",")
+    if given.real:
+        kinds = [scene for scene in SCENES if (REAL / scene).is_dir()]
+    makers, absent = ready(given.methods.split(","))
+    if given.ablation:
+        makers = dict.fromkeys(["auto", *(f"without {idea}" for idea in IDEAS)], METHODS["auto"])
+    print("| kind | method | IoU | frames until < 0.5 | never | at the end | ms | p95 |")
+    print("|---|---|---|---|---|---|---|---|", flush=True)
+    scores: dict[str, dict[str, Score]] = {}
+    for kind in kinds:
+        scores[kind] = measure(kind, given, makers)
+        for name, score in scores[kind].items():
+            print(f"| {kind} | {name} | {score.quality()} |", flush=True)
+        for name, why in absent.items():
+            print(f"| {kind} | {name} | not measured: {why} |", flush=True)
+    scores["all"] = {name: together(s[name] for s in scores.values()) for name in makers}
+    calibration(scores)
+
+
+def calibration(scores: dict[str, dict[str, Score]]) -> None:
+    """Print the second table, of the methods that have a confidence."""
+    rows = [
+        f"| {kind} | {name} | {score.calibration()} |"
+        for kind, of in scores.items()
+        for name, score in of.items()
+        if name in OURS or name.startswith("without ")
+    ]
+    if rows:
+        print(
+            "\n| kind | method | conf > 0.9: IoU > 0.8 | share > 0.9 | IoU < 0.5: flagged", end=""
+        )
+        print(" | IoU > 0.8: flagged |\n|---|---|---|---|---|---|", *rows, sep="\n")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,108 @@
+"""How a run fared against the truth: IoU, survival, time, and whether the confidence was right."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from tracking_recordings import Frame
+
+from pointbrush.tracking import FrameResult, Seed, TrackOptions
+from pointbrush.tracking.interface import Method
+
+LEAST = 40
+"""Points in the truth from which an object counts as visible."""
+SURVIVING = 0.5
+"""IoU under which an object is lost."""
+
+
+@dataclass
+class Score:
+    """One entry per visible object-frame, and one per object in ``lasted`` and ``survived``."""
+
+    iou: list[float] = field(default_factory=list)
+    confidence: list[float] = field(default_factory=list)
+    flagged: list[bool] = field(default_factory=list)
+    ms: list[float] = field(default_factory=list)
+    """CPU milliseconds per object, one entry per frame."""
+    lasted: list[int] = field(default_factory=list)
+    """Frames until the IoU was under ``SURVIVING``; all there are when it never was."""
+    survived: list[bool] = field(default_factory=list)
+    """Whether it never was."""
+    last: list[float] = field(default_factory=list)
+    """IoU in the last frame where the object is visible."""
+
+    def run(self, frames: Sequence[Frame], method: Method) -> None:
+        """Paint frame 0 with the truth, track to the end without help."""
+        first = frames[0].truth
+        labels = [n for n in np.unique(first).tolist() if n and np.sum(first == n) >= LEAST]
+        seeds = [Seed(n, np.flatnonzero(first == n)) for n in labels]
+        found: dict[int, list[tuple[int, float]]] = {label: [] for label in labels}
+        options = TrackOptions(continue_lost=True)
+        order = range(len(frames))
+        clock = time.process_time()
+        for result in method.track(frames.__getitem__, order, seeds, lambda _: None, options):
+            spent = time.process_time() - clock
+            if result.frame:
+                self.ms.append(1e3 * spent / len(labels))
+                self._compare(frames[result.frame], result, found)
+            clock = time.process_time()
+        for history in found.values():
+            self._follow(history, len(frames))
+
+    def _compare(
+        self, frame: Frame, result: FrameResult, found: dict[int, list[tuple[int, float]]]
+    ) -> None:
+        for label, history in found.items():
+            truth = frame.truth == label
+            if truth.sum() < LEAST:
+                continue
+            points = result.assignments.get(label, np.empty(0, np.int64))
+            both = truth[points].sum()
+            iou = float(both / (truth.sum() + len(points) - both))
+            track = result.tracks.get(label)
+            lost = track is None or track.state in ("lost", "occluded") or track.confidence < 0.5
+            self.iou.append(iou)
+            self.confidence.append(track.confidence if track else 0.0)
+            self.flagged.append(lost)
+            history.append((result.frame, iou))
+
+    def _follow(self, history: list[tuple[int, float]], count: int) -> None:
+        if not history:
+            return
+        end = next((frame for frame, iou in history if iou < SURVIVING), None)
+        self.lasted.append(count if end is None else end)
+        self.survived.append(end is None)
+        self.last.append(history[-1][1])
+
+    def quality(self) -> str:
+        """Cells: IoU, frames until lost, share never lost, share held at the end, ms, p95."""
+        held = np.mean(np.array(self.last) >= SURVIVING)
+        return (
+            f"{np.mean(self.iou):.3f} | {np.mean(self.lasted):.0f} | {np.mean(self.survived):.2f} "
+            f"| {held:.2f} | {np.median(self.ms):.1f} | {np.percentile(self.ms, 95):.0f}"
+        )
+
+    def calibration(self) -> str:
+        """Cells: of sure frames the share that is good, of bad ones the share flagged; counts."""
+        iou, sure = np.array(self.iou), np.array(self.confidence) > 0.9
+        bad, flagged = iou < SURVIVING, np.array(self.flagged)
+        return (
+            f"{_share(iou[sure] > 0.8)} | {np.mean(sure):.2f} "
+            f"| {_share(flagged[bad])} | {_share(flagged[iou > 0.8])}"
+        )
+
+
+def together(scores: Iterable[Score]) -> Score:
+    """One score over several kinds."""
+    total = Score()
+    for score in scores:
+        for name in vars(total):
+            getattr(total, name).extend(getattr(score, name))
+    return total
+
+
+def _share(which: np.ndarray) -> str:
+    return f"{np.mean(which):.2f} of {len(which)}" if len(which) else "none"
