@@ -1,5 +1,6 @@
-/** The page's end of the worker: typed messages in and out, nothing else. */
+/** The page's end of the worker: typed messages in and out. */
 import type { ClientMessage, Open } from '../protocol/messages';
+import { begins } from './outbox';
 import type { FromWorker, Pace, ToWorker } from './wire';
 
 const MOST_FREE = 4;
@@ -11,8 +12,13 @@ export class Link {
     name: 'pointbrush-net',
   });
 
-  constructor(listen: (message: FromWorker) => void) {
-    this.worker.onmessage = (event: MessageEvent<FromWorker>) => listen(event.data);
+  /** Edits begun here; the worker hears of them a little later. */
+  private begun = 0;
+  /** How many edits more than it had heard of the worker last said to be without an answer. */
+  private unanswered = 0;
+
+  constructor(private readonly listen: (message: FromWorker) => void) {
+    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
   }
 
   connect(): void {
@@ -24,6 +30,9 @@ export class Link {
 
   send(message: ClientMessage): void {
     this.post({ t: 'send', message });
+    if (!begins(message)) return;
+    this.begun += 1;
+    this.reportPending();
   }
 
   open(message: Open): void {
@@ -49,6 +58,21 @@ export class Link {
     if (this.free.length <= MOST_FREE) return;
     const all = this.free.splice(0);
     this.post({ t: 'recycle', buffers: all }, all);
+  }
+
+  private receive(message: FromWorker): void {
+    if (message.t !== 'pending') {
+      this.listen(message);
+      return;
+    }
+    this.unanswered = message.count - message.heard;
+    this.reportPending();
+  }
+
+  /** What the worker has not heard of yet has no answer either. */
+  private reportPending(): void {
+    const count = this.unanswered + this.begun;
+    this.listen({ t: 'pending', count, heard: this.begun });
   }
 
   private post(message: ToWorker, transfer: Transferable[] = []): void {

@@ -118,11 +118,10 @@ function messagesOf(entry: OutboxEntry): ClientMessage[] {
   return messages;
 }
 
-export function isEdit(message: ClientMessage): message is Edit {
+/** Whether an edit begins with a message; a stroke goes on in others. */
+export function begins(message: ClientMessage): message is OutboxEntry['first'] {
   switch (message.type) {
     case 'stroke_begin':
-    case 'stroke_samples':
-    case 'stroke_end':
     case 'undo':
     case 'redo':
     case 'track':
@@ -130,4 +129,8 @@ export function isEdit(message: ClientMessage): message is Edit {
     default:
       return false;
   }
+}
+
+export function isEdit(message: ClientMessage): message is Edit {
+  return begins(message) || message.type === 'stroke_samples' || message.type === 'stroke_end';
 }

@@ -43,6 +43,5 @@ export type FromWorker =
   | { t: 'message'; message: PlainMessage }
   | { t: 'segment'; segment: Segment }
   | { t: 'labels'; update: LabelUpdate }
-  | { t: 'pending'; count: number }
-  /** Strokes of an earlier page that are being sent again. */
-  | { t: 'settled'; id: string };
+  /** Edits without an answer, of those that the worker had `heard` begin. */
+  | { t: 'pending'; count: number; heard: number };

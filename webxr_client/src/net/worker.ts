@@ -12,7 +12,7 @@ import {
 import { Backoff } from './backoff';
 import { decodeFrame, ready } from './decode';
 import { HeldFrames } from './held';
-import { isEdit, Outbox } from './outbox';
+import { begins, isEdit, Outbox } from './outbox';
 import { BufferPool } from './pool';
 import { MemoryStorage, openStorage } from './storage';
 import type { FromWorker, LinkState, Pace, ToWorker } from './wire';
@@ -26,6 +26,8 @@ const SEND_LIMIT = 1 << 20;
 const pool = new BufferPool(POOL_BYTES);
 const backoff = new Backoff();
 let outbox = new Outbox(new MemoryStorage());
+/** Edits that the page has begun. */
+let heard = 0;
 let socket: WebSocket | null = null;
 let address = '';
 let probe = '';
@@ -127,8 +129,8 @@ function transmit(message: ClientMessage): void {
 
 function send(message: ClientMessage): void {
   if (isEdit(message)) {
-    if (!opened) return;
-    outbox.note(opened.sequence, message);
+    if (begins(message)) heard += 1;
+    if (opened) outbox.note(opened.sequence, message);
     report();
     if (!live) return;
   }
@@ -137,13 +139,11 @@ function send(message: ClientMessage): void {
 }
 
 function report(): void {
-  post({ t: 'pending', count: outbox.size });
+  post({ t: 'pending', count: outbox.size, heard });
 }
 
 function settle(id: string): void {
-  if (!outbox.settle(id)) return;
-  report();
-  post({ t: 'settled', id });
+  if (outbox.settle(id)) report();
 }
 
 function receive(data: ArrayBuffer): void {
