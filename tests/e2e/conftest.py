@@ -14,6 +14,8 @@ from pointbrush.formats import read
 from pointbrush.sequences import import_frames
 from tests.e2e.chromium import EXECUTABLE, FLAGS
 from tests.e2e.desk import Desk, launch
+from tests.e2e.headset import Headset, wear
+from tests.e2e.recording import SEQUENCE, Truth
 from tests.e2e.server import LiveServer
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
@@ -34,8 +36,8 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "sequences").mkdir(parents=True)
     import_frames(
         read(DATA),
-        folder / "sequences" / "juggling",
-        sequence_id="juggling",
+        folder / "sequences" / SEQUENCE,
+        sequence_id=SEQUENCE,
         name="Juggling",
         fps=30.0,
     )
@@ -90,8 +92,28 @@ def desk(open_desk: Callable[..., Desk]) -> Desk:
     return open_desk()
 
 
+@pytest.fixture
+def palette() -> dict[str, str]:
+    """Labels that the recording has when a headset goes in: name → colour."""
+    return {"person": "#ff5d5d"}
+
+
+@pytest.fixture
+def headset(browser: Browser, server: LiveServer, palette: dict[str, str]) -> Iterator[Headset]:
+    """Inside the recording, with the first label of the palette chosen."""
+    for name, colour in palette.items():
+        server.create_label(SEQUENCE, name, colour)
+    worn = wear(browser, server.page_url)
+    worn.ready()
+    worn.until("pb.state.activeLabel.value === 1")
+    worn.enter()
+    yield worn
+    worn.context.close()
+    assert worn.complaints == []
+
+
 @pytest.fixture(scope="session")
-def truth() -> Callable[[int, int], list[float]]:
+def truth() -> Truth:
     """The middle of a labelled object in a frame, source coordinates."""
 
     def middle(frame: int, label: int) -> list[float]:

@@ -8,16 +8,10 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.e2e.desk import Desk
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, name_person, painted, shows_paint
 from tests.e2e.server import LiveServer
 
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
 Open = Callable[..., Desk]
-
-
-def painted(server: LiveServer, frame: int, label: int) -> int:
-    return int((server.annotation(SEQUENCE, frame) == label).sum())
 
 
 def paint_person(desk: Desk, truth: Truth, frame: int = 0, dx: float = 0.12) -> None:
@@ -110,8 +104,7 @@ def test_another_window_sees_the_paint_and_the_palette(
 
 
 def test_undo_and_redo(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     paint_person(desk, truth)
     count = painted(server, 0, 1)
     desk.until("pb.state.undo.value !== null")
@@ -126,8 +119,7 @@ def test_undo_and_redo(desk: Desk, server: LiveServer, truth: Truth) -> None:
 
 
 def test_eraser_and_deleting_noise(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     paint_person(desk, truth, dx=0.2)
     before = painted(server, 0, 1)
     desk.press("e")
@@ -159,29 +151,23 @@ def test_a_locked_label_keeps_its_points(desk: Desk, server: LiveServer, truth: 
 
 
 def test_lasso_takes_what_is_inside(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     desk.press("o")
     x, y, z = truth(0, PERSON)
     r = 0.25
     desk.paint([[x - r, y - r, z], [x + r, y - r, z], [x + r, y + r, z], [x - r, y + r, z]])
     desk.settled()
-    count = painted(server, 0, 1)
-    assert count > 200
-    desk.until(f"pb.labels()[1] === {count}")
+    shows_paint(desk, server, 200)
 
 
 def test_fill_takes_the_region_under_the_cursor(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     desk.press("f")
     desk.paint([truth(0, PERSON)])
     desk.settled()
-    count = painted(server, 0, 1)
-    assert count > 50
-    desk.until(f"pb.labels()[1] === {count}")
+    shows_paint(desk, server, 50)
 
 
 # ── faults ───────────────────────────────────────────────────────────────────────────────────
@@ -190,17 +176,15 @@ def test_fill_takes_the_region_under_the_cursor(
 def test_answered_strokes_survive_a_killed_server(
     server: LiveServer, open_desk: Open, truth: Truth
 ) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
     desk = open_desk()
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     paint_person(desk, truth)
     server.kill()
     desk.until("pb.state.connection.value.state === 'offline'")
     server.start()
-    count = painted(server, 0, 1)
-    assert count > 20
+    assert painted(server, 0) > 20
     desk.until("pb.state.connection.value.state === 'online'")
-    desk.until(f"pb.labels()[1] === {count}")
+    shows_paint(desk, server, 20)
     # The browser itself logs that it could not reach the server.
     desk.complaints.clear()
 
@@ -208,9 +192,8 @@ def test_answered_strokes_survive_a_killed_server(
 def test_strokes_painted_offline_arrive_once(
     server: LiveServer, open_desk: Open, truth: Truth
 ) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
     desk = open_desk()
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     server.kill()
     desk.until("pb.state.connection.value.state === 'offline'")
     x, y, z = truth(0, PERSON)
@@ -229,9 +212,8 @@ def test_strokes_painted_offline_arrive_once(
 
 
 def test_strokes_survive_a_closed_window(server: LiveServer, open_desk: Open, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
     desk = open_desk()
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     server.kill()
     desk.until("pb.state.connection.value.state === 'offline'")
     paint = truth(0, PERSON)
@@ -297,8 +279,7 @@ def test_a_lost_graphics_context_comes_back(desk: Desk) -> None:
 
 
 def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     paint_person(desk, truth, dx=0.3)
     desk.until("(pb.state.timeline.value.rows.get(1)?.points[0] ?? 0) > 20")
     button = desk.page.get_by_role("button", name="Track")
@@ -319,8 +300,7 @@ def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Tr
 
 
 def test_exports(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until("pb.state.activeLabel.value === 1")
+    name_person(desk, server)
     paint_person(desk, truth)
     count = painted(server, 0, 1)
     with desk.page.expect_download() as started:

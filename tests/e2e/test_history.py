@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from tests.e2e.desk import Desk
+from tests.e2e.recording import PERSON, Truth, name_person
 from tests.e2e.server import LiveServer
-
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
 
 
 def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    label = server.create_label(SEQUENCE, "person", "#ff5d5d")
-    desk.until(f"pb.state.activeLabel.value === {label}")
+    name_person(desk, server)
     desk.press("ArrowRight")
     desk.until("pb.shown().frame === 1 && pb.shown().points === pb.shown().total")
     x, y, z = truth(1, PERSON)

@@ -11,10 +11,9 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.e2e.desk import Desk, launch
+from tests.e2e.recording import SEQUENCE, painted
 from tests.e2e.server import LiveServer
-from tests.e2e.test_desktop import painted
 
-SEQUENCE = "juggling"
 # Pixels of the names beside the strips.
 GUTTER = 136
 DATA = Path(__file__).parents[2] / "data" / "juggling"

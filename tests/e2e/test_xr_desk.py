@@ -8,10 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.e2e.desk import Desk
+from tests.e2e.recording import PERSON, SEQUENCE
 from tests.e2e.server import LiveServer
-
-SEQUENCE = "juggling"
-PERSON = 7
 
 
 def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk: Desk) -> None:

@@ -2,36 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-
 import numpy as np
-import pytest
-from playwright.sync_api import Browser
 
-from tests.e2e.headset import PAINTING, TICK, Headset, wear
+from tests.e2e.headset import PAINTING, TICK, Headset
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
-
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
-
-
-@pytest.fixture
-def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
-    """Inside the recording, with one label."""
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    worn = wear(browser, server.page_url)
-    worn.ready()
-    worn.until("pb.state.activeLabel.value === 1")
-    worn.enter()
-    yield worn
-    worn.context.close()
-    assert worn.complaints == []
-
-
-def painted(server: LiveServer, frame: int, label: int) -> int:
-    return int((server.annotation(SEQUENCE, frame) == label).sum())
-
 
 # ── painting ─────────────────────────────────────────────────────────────────────────────────
 

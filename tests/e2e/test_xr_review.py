@@ -3,36 +3,13 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Iterator
 from io import BytesIO
 
 import numpy as np
-import pytest
-from playwright.sync_api import Browser
 
-from tests.e2e.headset import PAINTING, Headset, wear
+from tests.e2e.headset import PAINTING, Headset
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
-
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
-
-
-@pytest.fixture
-def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
-    """Inside the recording, with one label."""
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    worn = wear(browser, server.page_url)
-    worn.ready()
-    worn.until("pb.state.activeLabel.value === 1")
-    worn.enter()
-    yield worn
-    worn.context.close()
-    assert worn.complaints == []
-
-
-def painted(server: LiveServer, frame: int) -> int:
-    return int((server.annotation(SEQUENCE, frame) == 1).sum())
 
 
 def paint_over_rest(server: LiveServer, frame: int, center: list[float], radius: float) -> None:

@@ -9,11 +9,9 @@ from playwright.sync_api import Browser
 
 from tests.e2e.desk import Desk
 from tests.e2e.headset import QUEST, VIVE, Headset, wear
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
 Wear = Callable[..., Headset]
 
 
@@ -33,10 +31,6 @@ def put_on(browser: Browser, server: LiveServer) -> Iterator[Wear]:
     for headset in worn:
         headset.context.close()
         assert headset.complaints == []
-
-
-def painted(server: LiveServer, frame: int, label: int = 1) -> int:
-    return int((server.annotation(SEQUENCE, frame) == label).sum())
 
 
 RIG = "hs.headset.cockpit.rig"

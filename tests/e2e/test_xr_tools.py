@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Browser
 
-from tests.e2e.headset import Headset, wear
+from tests.e2e.headset import Headset
+from tests.e2e.recording import PERSON, SEQUENCE, Truth
 from tests.e2e.server import LiveServer
-
-SEQUENCE = "juggling"
-PERSON = 7
-Truth = Callable[[int, int], list[float]]
 
 
 @pytest.fixture
-def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
-    """Inside the recording, with two labels."""
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
-    server.create_label(SEQUENCE, "other", "#5ea2ff")
-    worn = wear(browser, server.page_url)
-    worn.ready()
-    worn.until("pb.state.activeLabel.value === 1")
-    worn.enter()
-    yield worn
-    worn.context.close()
-    assert worn.complaints == []
+def palette() -> dict[str, str]:
+    return {"person": "#ff5d5d", "other": "#5ea2ff"}
 
 
 def counts(server: LiveServer, layer: str = "label") -> dict[int, int]:
