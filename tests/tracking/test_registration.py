@@ -10,7 +10,7 @@ from pointbrush.tracking.registration import (
     Target,
     best_rigid_motion,
     icp,
-    robust_fit,
+    robust_fits,
     transform,
 )
 
@@ -52,7 +52,9 @@ def test_robust_fit_leaves_what_is_not_the_object_alone() -> None:
     colour = rng.random((400, 3)).astype(np.float32)
     both = np.vstack([colour, rng.random((400, 3))]).astype(np.float32)
     target = Target(np.vstack([transform(T, thing), clutter]), both, 0.5)
-    fit = robust_fit(thing, colour, target, np.eye(4), [0.05, 0.05, 0.03, 0.02, 0.02])
-    off = np.linalg.norm(transform(fit.T, thing) - transform(T, thing), axis=1)
+    seen = np.ones((1, 400), bool)
+    scales = [0.05, 0.05, 0.03, 0.02, 0.02]
+    fits = robust_fits(thing, colour, seen, target, np.eye(4)[None], scales)
+    off = np.linalg.norm(transform(fits.T[0], thing) - transform(T, thing), axis=1)
     assert off.mean() < 0.01
-    assert fit.cost < 0.5
+    assert fits.cost[0] < 0.5

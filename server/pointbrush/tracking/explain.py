@@ -1,4 +1,4 @@
-"""How well a pose explains what the sensor saw: model points matched, hidden and seen through."""
+"""How well poses explain what the sensor saw: model points matched, hidden and seen through."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.registration import Target, transform
+from pointbrush.tracking.registration import Target, transform_each
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -17,44 +17,45 @@ NEUTRAL, LEAN = 0.6, 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """Sample points of the model at a pose.
+    """Sample points (M,) of the model at each of K poses.
 
-    ``world`` (M, 3); ``seen`` those that face the sensor with nothing before them; ``through``
-    those where the sensor saw something behind them; ``facing`` share that faces the sensor.
+    ``world`` (K, M, 3); ``seen`` (K, M) those that face the sensor with nothing before them;
+    ``through`` (K, M) those where the sensor saw something behind them; ``facing`` (K,) share that
+    faces the sensor.
     """
 
     world: F64
     seen: Mask
     through: Mask
-    facing: float
+    facing: F64
 
 
-def look(thing: Thing, view: View, sample: I64, pose: F64) -> Look:
-    """Project ``sample`` (M,) model points at ``pose`` into the frame."""
-    world = transform(pose, thing.model.xyz[sample])
-    facing = thing.model.facing(pose, view.eye, sample)
-    seen, through = facing, np.zeros(len(sample), np.bool_)
+def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
+    """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame."""
+    world = transform_each(poses, thing.model.xyz[sample])
+    facing = thing.model.facing(poses, view.eye, sample)
+    seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
-        cell, depth = view.project(world)
+        cell, depth = (each.reshape(facing.shape) for each in view.project(world.reshape(-1, 3)))
         measured = view.depth[cell]
         with np.errstate(invalid="ignore"):
             seen = facing & ~(measured < depth - 4 * thing.unit) & (cell >= 0)
             through = measured > depth + 4 * thing.unit
-    return Look(world, seen, through, float(facing.mean()))
+    return Look(world, seen, through, np.asarray(facing.mean(axis=1)))
 
 
-def cost_of(
-    thing: Thing, view: View, target: Target, sample: I64, pose: F64, scale: float
-) -> float:
-    """0..1: mean squared distance, in place and colour, of what should be seen; a side that was
-    never seen must at least not stand before what was measured."""
-    at = look(thing, view, sample, pose)
-    wrong = at.through & ~at.seen
-    total = float(np.count_nonzero(wrong))
-    count = total + float(np.count_nonzero(at.seen))
-    if at.seen.any():
-        colour = thing.model.colour[sample[at.seen]]
-        distance, _ = target.nearest(at.world[at.seen], colour, 3.0 * scale)
-        total += float(((distance / (3.0 * scale)) ** 2).sum())
+def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) -> F64:
+    """(K,) 0..1: mean squared distance, in place and colour, of what should be seen at each pose.
+
+    A side that was never seen must at least not stand before what was measured.
+    """
+    total = np.count_nonzero(at.through & ~at.seen, axis=1).astype(np.float64)
+    count = total + np.count_nonzero(at.seen, axis=1)
+    pose, point = np.nonzero(at.seen)
+    if len(pose):
+        colour = thing.model.colour[sample[point]]
+        distance, _ = target.nearest(at.world[pose, point], colour, 3.0 * scale)
+        square = (distance / (3.0 * scale)) ** 2
+        total += np.bincount(pose, weights=square, minlength=len(total))
     lean = LEAN * len(sample)
-    return (total + lean * NEUTRAL) / (count + lean)
+    return np.asarray((total + lean * NEUTRAL) / (count + lean))

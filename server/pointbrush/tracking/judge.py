@@ -40,7 +40,7 @@ def judge(
     nothing = np.zeros(n, np.bool_)
     if pose is None or world is None or found is None:
         return Verdict(False, 0.0, 0.0, nothing, nothing, 0.0)
-    facing = thing.model.facing(pose, view.eye)
+    facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
         tree = cKDTree(view.xyz[found.indices], balanced_tree=False, compact_nodes=False)

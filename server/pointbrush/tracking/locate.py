@@ -10,17 +10,18 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.background import Background
-from pointbrush.tracking.explain import cost_of, look
-from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.explain import Look, costs_of, look
+from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
 from pointbrush.tracking.registration import (
-    Fit,
+    Fits,
     Target,
     excess,
-    robust_fit,
+    robust_fits,
     transform,
+    transform_each,
 )
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -49,7 +50,8 @@ class Search:
     ``near`` are those in front of the background, ``moving`` those that were not there either
     in the last frame.
 
-    ``few`` numbers the model points that guesses are judged by; ``costs`` of ``guesses``.
+    ``few`` numbers the model points that guesses are judged by; ``guesses`` (K, 4, 4) and their
+    ``costs`` (K,).
     """
 
     thing: Thing
@@ -58,28 +60,31 @@ class Search:
     around: I64
     near: I64
     moving: I64
-    guesses: list[F64]
+    guesses: F64
     few: I64
     many: I64
     target: Target
-    costs: list[float] = field(default_factory=list)
+    costs: F64 = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Weigh the guesses."""
+        self.costs = _costs(self)
 
     @cached_property
-    def facing(self) -> float:
-        """Share of the model that faces the sensor, where it is predicted."""
-        return look(self.thing, self.view, self.few, self.guesses[0]).facing
+    def at(self) -> Look:
+        """The few at each of the guesses."""
+        return look(self.thing, self.view, self.few, self.guesses)
 
     @property
     def best(self) -> F64:
         """The likeliest prediction."""
-        return self.guesses[int(np.argmin(self.costs))]
+        return np.asarray(self.guesses[np.argmin(self.costs)])
 
 
 def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search | None:
     """Cut out what may be the thing, without what stood still; None where nothing is."""
-    guesses = thing.motion.predictions()
-    centre = thing.motion.centre[None]
-    at = np.vstack([transform(g, centre) for g in guesses])
+    guesses = np.stack(thing.motion.predictions())
+    at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
     margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
     margin += (0.4 * thing.motion.speed + 2 * unit) * gap
@@ -98,7 +103,7 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     if len(moving) < FEWEST:
         return None
     count = len(thing.model.xyz)
-    search = Search(
+    return Search(
         thing,
         view,
         (lo, hi),
@@ -110,8 +115,6 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
         np.arange(0, count, max(1, count // FINE)),
         target_of(view, moving, thing.weight),
     )
-    search.costs = _costs(search, guesses)
-    return search
 
 
 def target_of(view: View, indices: I64, weight: float) -> Target:
@@ -122,126 +125,124 @@ def target_of(view: View, indices: I64, weight: float) -> Target:
 
 def share_out(searches: Iterable[Search]) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
+    searches = list(searches)
     sure = [s for s in searches if min(s.costs) < DOUBT and not s.thing.motion.fresh]
+    trees = {id(s): _tree(s) for s in searches}
     new: list[tuple[Search, Target]] = []
     for search in searches:
-        mine = _at(search)
-        drop = np.zeros(len(search.target.xyz), np.bool_)
+        left = search.target
+        drop = np.zeros(len(left.xyz), np.bool_)
         for other in sure:
             if other is search or not _overlap(search, other):
                 continue
-            theirs = _to_model(other, search.target)
-            drop |= (theirs < 3 * other.thing.unit) & (theirs < 0.5 * mine)
+            reach = 3 * other.thing.unit
+            theirs = _gap(trees[id(other)], left, np.arange(len(left.xyz)), reach)
+            near = np.flatnonzero(theirs < reach)
+            drop[near] |= theirs[near] < 0.5 * _gap(
+                trees[id(search)], left, near, 20 * search.thing.unit
+            )
         if drop.any() and (~drop).sum() >= FEWEST:
-            left = search.target
-            kept = Target(left.xyz[~drop], left.colour[~drop], left.weight)
-            new.append((search, kept))
+            new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
         search.target = target
-        search.costs = _costs(search, search.guesses)
+        search.costs = _costs(search)
 
 
 def find(search: Search) -> Place:
     """Register a thing, and bend it where it bends."""
     thing = search.thing
-    fit = register(search)
-    world = transform(fit.T, thing.model.xyz)
+    pose, cost = register(search)
+    world = transform(pose, thing.model.xyz)
     if thing.bends:
         apart = max(thing.model.radius / 5, 3 * thing.unit)
         world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
     near = search.near if thing.motion.slow(thing.unit) else search.moving
-    return Place(fit.T, world, search.box, search.around, near, search.moving, fit.cost)
+    return Place(pose, world, search.box, search.around, near, search.moving, cost)
 
 
-def register(search: Search) -> Fit:
-    """The best of the robust fits from the likeliest guesses."""
-    motion = search.thing.motion
-    order = np.argsort(search.costs, kind="stable")
-    poses = [_fit(search, search.few, search.guesses[i], NARROW).T for i in order[:2]]
-    scores = [_score(search, T) for T in poses]
+def register(search: Search) -> tuple[F64, float]:
+    """Pose and cost of the best of the robust fits from the likeliest guesses."""
+    motion, model = search.thing.motion, search.thing.model
+    likely = search.guesses[np.argsort(search.costs, kind="stable")[:2]]
+    poses = _fits(search, search.few, likely, NARROW).T
+    scores = _scores(search, poses)
     doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
     if motion.gap > 1 or motion.fresh or min(scores) > doubt:
-        others = proposals(search.thing.model, search.target, search.guesses[0])
-        _try(search, others + search.guesses, TRIES, poses, scores)
+        others = [*proposals(model, search.target, search.guesses[0]), *search.guesses]
+        poses, scores = _try(search, others, TRIES, poses, scores)
         if motion.fresh or min(scores) > doubt:
-            best = poses[int(np.argmin(scores))]
-            _try(search, nudges(search.thing.model, best), TRIES // 2, poses, scores)
-    best = poses[int(np.argmin(scores))]
-    return _fit(search, search.many, best, (2.5, 2.0, 2.0))
+            others = nudges(model, poses[np.argmin(scores)])
+            poses, scores = _try(search, others, TRIES // 2, poses, scores)
+    best = poses[np.argmin(scores)]
+    fit = _fits(search, search.many, best[None], (2.5, 2.0, 2.0))
+    return fit.T[0], float(fit.cost[0])
 
 
-def _try(
-    search: Search, guesses: list[F64], most: int, poses: list[F64], scores: list[float]
-) -> None:
+def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
     """Fit the likeliest of the guesses, and add them with their scores."""
-    known = search.guesses
-    thing, some = search.thing, search.few
-    costs = [
-        cost_of(thing, search.view, search.target, some, T, 6 * thing.unit)
-        + _surprise(thing, T, known)
-        for T in guesses
-    ]
-    for i in np.argsort(costs, kind="stable")[:most]:
-        poses.append(_fit(search, search.few, guesses[i], WIDE).T)
-        scores.append(_score(search, poses[-1]))
+    thing, some, tried = search.thing, search.few, np.stack(guesses)
+    at = look(thing, search.view, some, tried)
+    costs = costs_of(thing, search.target, some, at, 6 * thing.unit) + _surprise(search, tried)
+    likely = tried[np.argsort(costs, kind="stable")[:most]]
+    new = _fits(search, some, likely, WIDE).T
+    return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
 
 
-def _score(search: Search, pose: F64) -> float:
-    """What a pose costs in all, the less the better."""
-    thing, few = search.thing, search.few
-    return (
-        _cost(search, pose, 3 * thing.unit)
-        + _surprise(thing, pose, search.guesses)
-        + excess(transform(pose, thing.model.xyz[few]), search.target, thing.unit)
-        + AVERTED * max(0.0, search.facing - look(thing, search.view, few, pose).facing)
+def _scores(search: Search, poses: F64) -> F64:
+    """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
+    thing = search.thing
+    at = look(thing, search.view, search.few, poses)
+    beside = [excess(world, search.target, thing.unit) for world in at.world]
+    return np.asarray(
+        costs_of(thing, search.target, search.few, at, 3 * thing.unit)
+        + _surprise(search, poses)
+        + beside
+        + AVERTED * np.maximum(0.0, search.at.facing[0] - at.facing)
     )
 
 
-def _fit(search: Search, sample: I64, pose: F64, scales: Sequence[float]) -> Fit:
-    """Fit what the sensor should see of the thing at ``pose``; ``scales`` in units."""
+def _fits(search: Search, sample: I64, poses: F64, scales: Sequence[float]) -> Fits:
+    """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units."""
     model = search.thing.model
-    seen = sample[look(search.thing, search.view, sample, pose).seen]
-    if len(seen) < LEAST:
-        seen = sample
+    seen = look(search.thing, search.view, sample, poses).seen
+    seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
-    return robust_fit(model.xyz[seen], model.colour[seen], search.target, pose, steps)
+    return robust_fits(model.xyz[sample], model.colour[sample], seen, search.target, poses, steps)
 
 
-def _cost(search: Search, pose: F64, scale: float) -> float:
-    return cost_of(search.thing, search.view, search.target, search.few, pose, scale)
+def _costs(search: Search) -> F64:
+    thing = search.thing
+    return costs_of(thing, search.target, search.few, search.at, 4 * thing.unit)
 
 
-def _costs(search: Search, poses: list[F64]) -> list[float]:
-    return [_cost(search, T, 4 * search.thing.unit) for T in poses]
+def _surprise(search: Search, poses: F64) -> F64:
+    """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
+    motion, model, guesses = search.thing.motion, search.thing.model, search.guesses
+    at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
+    reach = 3 * max(model.radius, search.thing.unit) * motion.gap
+    off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
+    if motion.fresh:
+        return np.asarray(0.5 * SURPRISE * np.minimum(1.0, off))
+    turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
+    turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
+    return np.asarray(SURPRISE * np.minimum(1.0, off) + TURNED * turned)
 
 
-def _surprise(thing: Thing, pose: F64, predicted: list[F64]) -> float:
-    """How far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
-    centre = thing.motion.centre[None]
-    at = transform(pose, centre)[0]
-    reach = 3 * max(thing.model.radius, thing.unit) * thing.motion.gap
-    off = min(float(np.linalg.norm(transform(p, centre)[0] - at)) for p in predicted) / reach
-    if thing.motion.fresh:
-        return 0.5 * SURPRISE * min(1.0, off)
-    turn = max(float(np.einsum("ij,ij", p[:3, :3], pose[:3, :3])) for p in predicted)
-    return SURPRISE * min(1.0, off) + TURNED * (3.0 - turn) / (4.0 * thing.motion.gap)
+def _tree(search: Search) -> cKDTree:
+    """Place and colour of the thing where it is predicted."""
+    model, many = search.thing.model, search.many
+    colour = model.colour[many] * search.target.weight
+    world = transform(search.best, model.xyz[many])
+    return cKDTree(np.hstack([world, colour]), balanced_tree=False, compact_nodes=False)
 
 
-def _at(search: Search) -> F64:
-    return _to_model(search, search.target)
-
-
-def _to_model(search: Search, target: Target) -> F64:
-    """Distance in place and colour from target points to the thing where it is predicted."""
-    model, weight = search.thing.model, target.weight
-    world = transform(search.best, model.xyz[search.many])
-    colour: F32 = model.colour[search.many]
-    tree = cKDTree(np.hstack([world, colour * weight]), balanced_tree=False, compact_nodes=False)
+def _gap(tree: cKDTree, target: Target, points: I64, most: float) -> F64:
+    """Distances in place and colour, ``most`` at most, from some of the target to a thing."""
     distance, _ = tree.query(
-        np.hstack([target.xyz, target.colour * weight]),
-        distance_upper_bound=20 * search.thing.unit,
+        np.hstack([target.xyz[points], target.colour[points] * target.weight]),
+        distance_upper_bound=most,
     )
-    return np.minimum(np.asarray(distance, np.float64), 20 * search.thing.unit).astype(np.float64)
+    return np.minimum(np.asarray(distance, np.float64), most)
 
 
 def _overlap(one: Search, other: Search) -> bool:

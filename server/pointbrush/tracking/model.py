@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.registration import transform
 
 MOST_POINTS = 2500
 SURE = 12.0
@@ -62,15 +61,17 @@ class Model:
             )
         return self._radius
 
-    def facing(self, pose: F64, eye: F64 | None, which: I64 | None = None) -> Mask:
-        """(M,) points, or ``which`` of them, whose side faces ``eye`` when the object is at
-        ``pose``."""
-        xyz, seen = (self.xyz, self.seen) if which is None else (self.xyz[which], self.seen[which])
+    def facing(self, poses: F64, eye: F64 | None, which: I64 | slice = slice(None)) -> Mask:
+        """(K, M) points, or ``which`` of them, whose side faces ``eye`` at each of ``poses``
+        (K, 4, 4)."""
+        xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
-            return np.ones(len(xyz), np.bool_)
-        now = _towards(xyz, transform(np.linalg.inv(pose), eye[None])[0])
+            return np.ones((len(poses), len(xyz)), np.bool_)
+        own_eye = np.einsum("kji,kj->ki", poses[:, :3, :3], eye - poses[:, :3, 3])
+        way = own_eye[:, None] - xyz
+        distance = np.sqrt(np.einsum("kmi,kmi->km", way, way)) + 1e-9
         unknown = ~seen.any(axis=1)
-        return np.asarray((np.einsum("ij,ij->i", now, seen) > FACING) | unknown)
+        return np.asarray((np.einsum("kmi,mi->km", way, seen) > FACING * distance) | unknown)
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
@@ -35,25 +35,39 @@ def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
     return np.asarray(xyz @ T[:3, :3].T + T[:3, 3], np.float64)
 
 
+def transform_each(T: F64, xyz: F64) -> F64:
+    """(K, N, 3): the points (N, 3) moved by each of K motions (K, 4, 4)."""
+    return np.asarray(xyz @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3])
+
+
 def best_rigid_motion(source: F64, target: F64, weight: F64 | None = None) -> F64:
     """The (4, 4) motion that brings ``source`` (M, 3) nearest to ``target`` in least squares.
 
     ``weight`` (M,) non-negative.  Identity rotation where fewer than three pairs carry weight.
-    Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
     """
     w = np.full(len(source), 1.0) if weight is None else weight
-    total = float(w.sum())
-    T = np.eye(4)
-    if total <= 0.0:
-        return T
-    centre_s = w @ source / total
-    centre_t = w @ target / total
-    if np.count_nonzero(w) >= 3:
-        H = (source - centre_s).T @ (w[:, None] * (target - centre_t))
-        U, _, Vt = np.linalg.svd(H)
-        flip = np.diag([1.0, 1.0, float(np.sign(np.linalg.det(Vt.T @ U.T))) or 1.0])
-        T[:3, :3] = Vt.T @ flip @ U.T
-    T[:3, 3] = centre_t - T[:3, :3] @ centre_s
+    return np.asarray(best_rigid_motions(source[None], target[None], w[None])[0])
+
+
+def best_rigid_motions(source: F64, target: F64, weight: F64, fewest: int = 3) -> F64:
+    """K such motions (K, 4, 4) at once, of (K, M, 3) onto (K, M, 3) by (K, M) weights.
+
+    Identity rotation where fewer than ``fewest`` pairs carry weight, identity where none does.
+    Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
+    """
+    total = weight.sum(axis=1)
+    share = weight[:, None] / np.where(total > 0.0, total, 1.0)[:, None, None]
+    centre_s, centre_t = share @ source, share @ target
+    H = (source - centre_s).transpose(0, 2, 1) @ (weight[:, :, None] * (target - centre_t))
+    U, _, Vt = np.linalg.svd(H)
+    # A reflection turns the weakest direction round.
+    Vt[:, 2] *= np.where(np.linalg.det(U) * np.linalg.det(Vt) < 0.0, -1.0, 1.0)[:, None]
+    R = (U @ Vt).transpose(0, 2, 1)
+    R[np.count_nonzero(weight, axis=1) < fewest] = np.eye(3)
+    T = np.zeros((len(weight), 4, 4))
+    T[:, 3, 3] = 1.0
+    T[:, :3, :3] = R
+    T[:, :3, 3] = (centre_t - centre_s @ R.transpose(0, 2, 1))[:, 0]
     return T
 
 
@@ -94,49 +108,57 @@ class Target:
 
     @cached_property
     def tree(self) -> cKDTree:
-        """Over place and weighted colour, (N, 6)."""
-        both = np.hstack([self.xyz, self.colour * self.weight])
-        return cKDTree(both, balanced_tree=False, compact_nodes=False)
+        """Over place and, where it counts, weighted colour: (N, 3) or (N, 6)."""
+        return cKDTree(
+            self._placed(self.xyz, self.colour), balanced_tree=False, compact_nodes=False
+        )
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
         """Distances (M,), ``most`` where nothing is nearer, and indices (0 there)."""
-        both = np.hstack([xyz, colour * self.weight])
-        distance, index = self.tree.query(both, distance_upper_bound=most)
-        found = np.asarray(index) < len(self.xyz)
-        return (
-            np.where(found, distance, most).astype(np.float64),
-            np.where(found, index, 0).astype(np.int64),
-        )
+        distance, index = self.tree.query(self._placed(xyz, colour), distance_upper_bound=most)
+        distance, index = np.asarray(distance, np.float64), np.asarray(index, np.int64)
+        index[index == len(self.xyz)] = 0
+        return np.minimum(distance, most), index
+
+    def _placed(self, xyz: F64, colour: F32) -> F64:
+        if self.weight == 0.0:
+            return xyz
+        both = np.empty((len(xyz), 6))
+        both[:, :3] = xyz
+        np.multiply(colour, self.weight, out=both[:, 3:])
+        return both
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
-    """A robust registration: ``cost`` 0..1, the mean of each point's squared distance, capped."""
+class Fits:
+    """Robust registrations: motions ``T`` (K, 4, 4); ``cost`` (K,) 0..1, the mean of each point's
+    squared distance, capped."""
 
     T: F64
-    cost: float
+    cost: F64
 
 
-def robust_fit(source: F64, colour: F32, target: Target, T: F64, scales: Sequence[float]) -> Fit:
-    """ICP in place and colour from ``T``, one iteration per entry of ``scales`` (metres).
+def robust_fits(
+    source: F64, colour: F32, seen: Mask, target: Target, T: F64, scales: Sequence[float]
+) -> Fits:
+    """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
 
-    ``source`` (M, 3) model points, moved by ``T`` onto the target.  Each pair weighs less the
-    farther it is apart in units of the scale, which shrinks (Geman and McClure 1985).
+    ``source`` (M, 3) model points, those ``seen`` (K, M) moved onto the target by each motion;
+    ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the scale,
+    which shrinks (Geman and McClure 1985).
     """
-    cost = 1.0
+    distance, index = np.zeros(seen.shape), np.zeros(seen.shape, np.int64)
+    colours = np.broadcast_to(colour, (*seen.shape, 3))[seen]
+    count = np.maximum(np.count_nonzero(seen, axis=1), 1)
+    cost = np.ones(len(T))
     for scale in scales:
-        moved = transform(T, source)
-        distance, index = target.nearest(moved, colour, 3.0 * scale)
+        moved = transform_each(T, source)
+        distance[seen], index[seen] = target.nearest(moved[seen], colours, 3.0 * scale)
         weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
-        weight[distance >= 3.0 * scale] = 0.0
-        cost = float(np.mean(np.minimum(distance / (3.0 * scale), 1.0) ** 2))
-        if np.count_nonzero(weight) >= 6:
-            T = best_rigid_motion(moved, target.xyz[index], weight) @ T
-        elif weight.any():
-            shift = weight @ (target.xyz[index] - moved) / weight.sum()
-            T = T.copy()
-            T[:3, 3] += shift
-    return Fit(T, cost)
+        weight[(distance >= 3.0 * scale) | ~seen] = 0.0
+        cost = ((distance / (3.0 * scale)) ** 2).sum(axis=1) / count
+        T = best_rigid_motions(moved, target.xyz[index], weight, fewest=6) @ T
+    return Fits(T, cost)
 
 
 def excess(moved: F64, target: Target, unit: float) -> float:
@@ -144,8 +166,10 @@ def excess(moved: F64, target: Target, unit: float) -> float:
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
+    lo, hi = moved.min(axis=0) - 6 * unit, moved.max(axis=0) + 6 * unit
+    around = target.xyz[((target.xyz >= lo) & (target.xyz <= hi)).all(axis=1)]
     tree = cKDTree(moved, balanced_tree=False, compact_nodes=False)
-    gap, _ = tree.query(target.xyz, distance_upper_bound=6 * unit)
+    gap, _ = tree.query(around, distance_upper_bound=6 * unit)
     on = int(np.count_nonzero(np.asarray(gap) < 3 * unit))
     beside = int(np.count_nonzero(np.isfinite(np.asarray(gap)))) - on
     return 0.3 * min(1.0, float(beside) / float(max(on, 1)))
