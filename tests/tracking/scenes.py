@@ -395,6 +395,21 @@ def walking(seed=0, frames=60, people=3, sensor=None, rate=30.0) -> list[Frame]:
     return out
 
 
+def passing(frames=14) -> list[Frame]:
+    """Person 1 walks by close to the sensor, and for a while hides person 2, who stands behind."""
+    rng = np.random.default_rng(4)
+    cam = Camera(Sensor(192, 168, 130.0, origin=np.array([0.0, 1.0, 0.0])), room())
+    tints = [(60, 110, 200), (190, 80, 60)]
+    out = []
+    for i in range(frames):
+        t = i / (frames - 1)
+        near, far = np.array([1.2 * t - 0.6, 0, 1.6]), np.array([0.19 - 0.38 * t, 0, 2.8])
+        parts = person(1, near, np.pi / 2, 6.0 * t, tints[0])
+        parts += person(2, far, -np.pi / 2, 6.0 * t + 1, tints[1])
+        out.append(cam.shoot(parts, rng))
+    return out
+
+
 def tabletop(seed=0, frames=60, sensor=None) -> list[Frame]:
     rng = np.random.default_rng(seed)
     e = np.eye(3)

@@ -1,0 +1,73 @@
+"""The scene behind what was painted: drawn on where it was hidden, and how much it wavers."""
+
+from __future__ import annotations
+
+import numpy as np
+import scenes
+
+from pointbrush.tracking import FrameResult
+from pointbrush.tracking.scenery import BLOCK, LEAST, MOST, drawn_on, wavering
+
+SHAPE = (96, 128)
+
+
+def room_corner() -> np.ndarray:
+    """(H, W) depth of a floor 1.2 m below the sensor that ends at a wall 4 m away."""
+    down = (np.arange(SHAPE[0])[:, None] - 48) / 90.0
+    with np.errstate(divide="ignore"):
+        floor = np.where(down > 0, 1.2 / down, np.inf)
+    return np.broadcast_to(np.minimum(floor, 4.0), SHAPE).astype(np.float32)
+
+
+def test_scenery_just_uncovered_is_not_the_objects(
+    passing: list[scenes.Frame], followed: list[FrameResult]
+) -> None:
+    """The wall and the floor behind two people were never seen before they walked on."""
+    taken = [passing[r.frame].truth[p] for r in followed for p in r.assignments.values()]
+    truth = np.concatenate(taken)
+    assert (truth == 0).sum() < 0.005 * len(truth)
+
+
+def test_floors_and_walls_go_on_behind_what_hides_them() -> None:
+    scene = room_corner()
+    hidden = np.zeros(SHAPE, np.bool_)
+    hidden[20:60, 50:70] = True  # before the wall
+    hidden[80:88, 20:60] = True  # on the floor
+    seen = np.where(hidden, 1.0, scene).astype(np.float32)
+    depth = drawn_on(seen.ravel(), SHAPE, hidden.ravel()).reshape(SHAPE)
+    wrong = np.abs(depth[hidden] / scene[hidden] - 1)
+    assert wrong.max() < 0.03
+    assert np.median(wrong) < 0.005
+    assert np.isnan(depth[0]).all()
+    assert np.isnan(depth[:, :40][:80]).all()
+
+
+def test_what_was_not_measured_is_drawn_on_too_and_nothing_is_made_of_nothing() -> None:
+    scene = room_corner()
+    seen = scene.copy()
+    seen[10:25, 90:110] = np.nan
+    nothing = np.zeros(scene.size, np.bool_)
+    depth = drawn_on(seen.ravel(), SHAPE, nothing).reshape(SHAPE)
+    np.testing.assert_allclose(depth[10:25, 90:110], 4.0, rtol=0.01)
+    assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing)).all()
+
+
+def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
+    rng = np.random.default_rng(0)
+    deviation = np.full(SHAPE, 0.01, np.float32)
+    true = deviation.copy()
+    true[:, :64] *= 1.8
+    true[64:, 96:] *= 20.0
+    true[64:, 64:96] *= 0.05
+    images = [(room_corner() + rng.normal(0, true)).astype(np.float32) for _ in range(4)]
+    images[3][:, 64:] -= 1.5  # somebody passes
+    for image in images:
+        image[:32, :32] = np.nan  # and here an object is known to be
+    found = wavering([i.ravel() for i in images], deviation.ravel(), SHAPE).reshape(SHAPE)
+    np.testing.assert_allclose(found[32:, :64], 1.8 * 1.15, rtol=0.35)
+    np.testing.assert_allclose(found[:64, 64:], 1.15, rtol=0.35)
+    assert (found[64:, 96:] == np.float32(MOST)).all()
+    assert (found[64:, 64:96] == np.float32(LEAST)).all()
+    assert (found[:32, :32] == 1.0).all()
+    assert found.shape == SHAPE
+    assert SHAPE[0] % BLOCK == 0
