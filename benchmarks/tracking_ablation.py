@@ -21,7 +21,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
     "rivals": (
         "pointbrush.tracking.belong.contested",
-        lambda _v, found, _r: np.zeros(len(found.indices), bool),
+        lambda _v, found, *_: np.zeros(len(found.indices), bool),
     ),
     "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: _NONE),
 }

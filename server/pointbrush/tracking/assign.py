@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.registration import Target
-from pointbrush.tracking.view import View
+from pointbrush.tracking.view import View, within
 
 NEIGHBOURS = 3
 STEPS = 10
+MANY = 4000
+"""Points from which it pays to leave out those that cannot be near, before they are searched."""
 
 
 @dataclass(eq=False)
@@ -42,7 +44,9 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
         none = np.empty(0, np.int64)
         return Claim(none, np.empty(0, np.float32), np.empty(0), none)
     k = min(NEIGHBOURS, len(place))
-    tree = cKDTree(place, balanced_tree=False, compact_nodes=False)
+    if len(indices) > MANY:
+        indices = indices[perhaps_near(view.xyz[indices], place, reach)]
+    tree = cKDTree(place, balanced_tree=False)
     gap, near = tree.query(view.xyz[indices], k=np.arange(1, k + 1), distance_upper_bound=reach)
     gap, near = np.asarray(gap), np.asarray(near)
     close = gap[:, 0] < reach
@@ -53,18 +57,12 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
     return Claim(indices, cost.min(axis=1).astype(np.float32), gap[:, 0], near[:, 0])
 
 
-def contested(view: View, found: Claim, rivals: list[Target], factor: float = 0.7) -> Mask:
-    """Which claimed points are more like something known to be unlabelled."""
-    lost = np.zeros(len(found.indices), np.bool_)
-    if not len(found.indices):
-        return lost
-    xyz, colour = view.xyz[found.indices].astype(np.float64), view.colour(found.indices)
-    most = float(found.cost.max()) + 1e-9
-    for rival in rivals:
-        if len(rival.xyz):
-            distance, _ = rival.nearest(xyz, colour, most)
-            lost |= distance < factor * found.cost
-    return lost
+def together(one: I64, other: I64) -> I64:
+    """The points of both, sorted, each once; each is sorted already."""
+    if not len(other):
+        return one
+    both = np.sort(np.concatenate([one, other]))
+    return np.asarray(both[np.concatenate([[True], both[1:] != both[:-1]])])
 
 
 def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
@@ -109,7 +107,7 @@ def blob(
     front = view.xyz[core].astype(np.float64)
     xyz = view.xyz[rest].astype(np.float64)
     lo, hi = front.min(axis=0) - STEPS * reach, front.max(axis=0) + STEPS * reach
-    inside = ((xyz >= lo) & (xyz <= hi)).all(axis=1)
+    inside = np.flatnonzero(within(xyz, lo, hi))
     rest, xyz = rest[inside], xyz[inside]
     joined = np.zeros(len(rest), np.bool_)
     lo, hi = front.min(axis=0), front.max(axis=0)
@@ -117,7 +115,7 @@ def blob(
         # Points far from the core are of no interest until the front has come that far.
         lo = np.minimum(lo, front.min(axis=0) - reach)
         hi = np.maximum(hi, front.max(axis=0) + reach)
-        open_ = np.flatnonzero(~joined & ((xyz >= lo) & (xyz <= hi)).all(axis=1))
+        open_ = np.flatnonzero(~joined & within(xyz, lo, hi))
         if not len(open_):
             return rest[joined]
         tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
@@ -126,8 +124,10 @@ def blob(
         if not len(new):
             return rest[joined]
         joined[new] = True
-        outside = (xyz[new] < box[0] + reach) | (xyz[new] > box[1] - reach)
-        if np.count_nonzero(joined) > most or outside.any():
+        if (
+            np.count_nonzero(joined) > most
+            or not within(xyz[new], box[0] + reach, box[1] - reach).all()
+        ):
             return None
         front = xyz[new]
     return None

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, decide
+from pointbrush.tracking.assign import Claim, decide, together
 from pointbrush.tracking.background import (
     Background,
     ImageBackground,
@@ -149,12 +149,14 @@ class Run:
         lo, hi = view.xyz[indices].min(axis=0), view.xyz[indices].max(axis=0)
         margin = 0.5 * thing.model.radius + 4 * thing.unit
         around = view.box(lo - margin, hi + margin)
-        labelled = np.concatenate([_EMPTY, *view.labels.values()])
-        self._set_rivals(thing, view, np.setdiff1d(around, labelled))
+        labelled = np.zeros(len(view.xyz), np.bool_)
+        for points in view.labels.values():
+            labelled[points] = True
+        self._set_rivals(thing, view, around[~labelled[around]])
 
     def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
         some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
-        thing.rivals = Rivals(view.xyz[some].astype(np.float64), view.colour(some))
+        thing.rivals = Rivals(view.xyz[some].astype(np.float64), view.colour(some), thing.weight)
 
     def step(self, number: int) -> FrameResult:
         """Find everything in the next frame."""
@@ -191,7 +193,7 @@ class Run:
                 tracks[label], points = self._settle(
                     thing, view, places.get(label), claims.get(label), grown.get(label, _EMPTY)
                 )
-                points = np.union1d(points, rules.anchors(label))
+                points = together(points, rules.anchors(label))
                 if len(points) and tracks[label].state != "lost":
                     view.labels[label] = points
                     tracks[label] = _counted(tracks[label], len(points))
@@ -318,7 +320,7 @@ class Run:
             state: State = "lost" if lost else "occluded"
             return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY
         thing.missing = 0
-        points = np.union1d(found.indices, grown)
+        points = together(found.indices, grown)
         here = likelihood(evidence(thing, place, found, len(points), verdict))
         trust = min(here, thing.trust + REGAIN)
         thing.trust, thing.last = trust, len(points)
@@ -340,8 +342,10 @@ def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
     """What the model may learn of ``found``: no new points that something unlabelled explains."""
     if place.whole or thing.bends or thing.large:
         return found
-    new = found.gap >= 0.9 * thing.model.spacing
-    return found.pick(~new | unexplained(thing, view, place, found.indices))
+    keep = found.gap < 0.9 * thing.model.spacing
+    new = np.flatnonzero(~keep)
+    keep[new] = unexplained(thing, view, place, found.indices[new])
+    return found.pick(keep)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -87,18 +87,18 @@ class ImageBackground:
     """How many times ``waver`` each cell wavers."""
     hidden: F32 = field(init=False)
     """Where the scene should be behind what was labelled in the first frame."""
-    nearest: F32 = field(init=False)
-    """The least of each cell's and its neighbours' ``depth``: at an edge either is seen."""
+    nearest: F32 | None = None
+    """See ``_least``; None where ``depth`` has changed since."""
     anchor: F32 = field(init=False)
     """The depth that each cell, labelled or not, has had for ``age`` frames."""
-    age: NDArray[np.int64] = field(init=False)
+    age: NDArray[np.int32] = field(init=False)
     previous: F32 = field(init=False)
     """The last frame's depth, labelled or not."""
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
-        self.hidden = self.previous = self.nearest = np.full_like(self.depth, np.nan)
-        self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int64)
+        self.hidden = self.previous = np.full_like(self.depth, np.nan)
+        self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
@@ -135,7 +135,19 @@ class ImageBackground:
         """See ``Background``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit = NEAR * self.waver(depth) * self.scale[cell]
+        if view.lens is None:
+            return np.zeros(len(indices), np.bool_)
+        if self.nearest is None:
+            self.nearest = self._least(view.lens.shape)
         return np.asarray(depth < self.nearest[cell] - limit)
+
+    def _least(self, shape: tuple[int, int]) -> F32:
+        """The least of each cell's and its neighbours' ``depth``: at an edge either is seen."""
+        least = self.depth.copy()
+        depth = np.nan_to_num(self.depth[:-1], nan=np.inf).reshape(shape)
+        least[:-1] = minimum_filter(depth, 3).ravel()
+        least[np.isnan(self.depth)] = np.nan
+        return least
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """See ``Background``."""
@@ -152,11 +164,11 @@ class ImageBackground:
             beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.previous = view.depth
-        with np.errstate(invalid="ignore"):
-            limit = NEAR * self.waver(view.depth) * self.scale
-            moved = ~(np.abs(view.depth - self.anchor) < limit) & ~np.isnan(view.depth)
-        self.age = np.where(moved, 0, self.age + 1)
-        self.anchor = np.where(moved, view.depth, self.anchor)
+        limit = np.float32(NEAR) * self.waver(seen)
+        moved = ~(np.abs(seen - self.anchor) < limit * self.scale) & ~np.isnan(seen)
+        self.age += 1
+        self.age[moved] = 0
+        np.copyto(self.anchor, seen, where=moved)
         if not first and labelled.any():
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(height, width)
@@ -165,18 +177,13 @@ class ImageBackground:
             part = image[top : rows[-1] + 4, left : columns[-1] + 4]
             part[...] = binary_dilation(part, iterations=3)
         seen[labelled] = np.nan
-        with np.errstate(invalid="ignore"):
-            limit = NEAR * self.waver(seen)
-            same = np.abs(seen - self.depth) < limit
-            farther = ~np.isnan(seen) & ~(seen <= self.depth + limit)
+        change = seen - self.depth
+        same = np.flatnonzero(np.abs(change) < limit)
+        farther = ~np.isnan(seen) & ~(change <= limit)
         self.last = seen
-        self.depth[farther] = seen[farther]
-        self.depth[same] += np.float32(0.2) * (seen[same] - self.depth[same])
-        if height:
-            self.nearest = self.depth.copy()
-            depth = np.nan_to_num(self.depth[:-1], nan=np.inf).reshape(height, width)
-            self.nearest[:-1] = minimum_filter(depth, 3).ravel()
-            self.nearest[np.isnan(self.depth)] = np.nan
+        np.copyto(self.depth, seen, where=farther)
+        self.depth[same] += np.float32(0.2) * change[same]
+        self.nearest = None
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, blob, claim, connected, contested, cut_off
+from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.interface import F64, I64, Mask
@@ -23,6 +23,8 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
+YIELD = 0.7
+"""Share of its cost at which something unlabelled takes a point from a claim."""
 AGAIN = 7.0
 """Units within which something unlabelled is taken to be where it was."""
 WAS_CUT, WAS_OPEN = 0.45, 0.7
@@ -35,11 +37,12 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     near = claim(
         view, place.near, place.world, thing.model.colour, thing.weight, WIDE * thing.reach
     )
-    lost = contested(view, near, thing.rivals.targets(_step(thing, place), thing.weight))
+    lost = contested(view, near, thing, place)
     place.neutral = near.indices[~lost]
     lost &= near.cost > thing.reach
-    still = np.isin(near.indices, place.moving, assume_unique=True, invert=True)
-    lost |= still & (near.cost > 1.5 * thing.reach)
+    moving = np.zeros(len(view.xyz), np.bool_)
+    moving[place.moving] = True
+    lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
     return near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
 
@@ -72,14 +75,19 @@ def grow(
     return grown | hang_together(view, things, large, claims, taken, background)
 
 
+def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:
+    """Which claimed points are more like something known to be unlabelled."""
+    return _explained(thing, view, place, found.indices, YIELD * found.cost.astype(np.float64))
+
+
 def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which points nothing unlabelled explains, where it was or gone along with the thing."""
-    xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
-    alone = np.ones(len(points), np.bool_)
-    for rival in thing.rivals.targets(_step(thing, place), thing.weight):
-        distance, _ = rival.nearest(xyz, colour, 4 * thing.unit)
-        alone &= distance >= 4 * thing.unit
-    return alone
+    return ~_explained(thing, view, place, points, np.full(len(points), 4 * thing.unit))
+
+
+def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
+    xyz = view.xyz[points].astype(np.float64)
+    return thing.rivals.explain(xyz, view.colour(points), reach, _step(thing, place))
 
 
 def _step(thing: Thing, place: Place) -> F64:
@@ -90,7 +98,9 @@ def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I6
     """The rest of a closed blob around the core, None where it is not one object."""
     if thing.bends:
         return None
-    near = np.setdiff1d(place.around, core, assume_unique=True)
+    other = np.ones(len(view.xyz), np.bool_)
+    other[core] = False
+    near = place.around[other[place.around]]
     most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
     new = blob(view, core, near, 2.5 * thing.unit, most, place.box)
     if new is None or not len(new):
@@ -105,13 +115,8 @@ def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I6
 
 def _was_there(thing: Thing, view: View, points: I64) -> Mask:
     """Which points lie where something unlabelled was in the last frame."""
-    rivals = thing.rivals.targets(np.eye(4), thing.weight)
-    if not rivals:
-        return np.zeros(len(points), np.bool_)
-    reach = AGAIN * thing.unit
-    xyz = view.xyz[points].astype(np.float64)
-    distance, _ = rivals[0].nearest(xyz, view.colour(points), reach)
-    return np.asarray(distance < reach)
+    reach = np.full(len(points), AGAIN * thing.unit)
+    return thing.rivals.explain(view.xyz[points].astype(np.float64), view.colour(points), reach)
 
 
 def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:

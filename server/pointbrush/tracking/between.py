@@ -181,7 +181,9 @@ def _result(frame: int, found: dict[int, Found]) -> FrameResult:
     for label, (points, track) in found.items():
         if points is not None:
             # A forward and a backward run may both have claimed a point: the first keeps it.
-            free = np.setdiff1d(points, np.concatenate(taken)) if taken else points
+            free = points
+            if taken:
+                free = np.setdiff1d(points, np.concatenate(taken), assume_unique=True)
             taken.append(free)
             assignments[label] = free
         if track is not None:

@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.background import Background
+from pointbrush.tracking.grid import cells_of, perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
@@ -62,10 +63,7 @@ class Foreground:
     def of(view: View, indices: I64, size: float) -> Foreground:
         """The cells, ``size`` metres, of some points of a frame."""
         xyz = view.xyz[indices].astype(np.float64)
-        key = np.floor((xyz - xyz.min(axis=0)) / size).astype(np.int64)
-        extent = key.max(axis=0) + 1
-        flat = (key[:, 0] * extent[1] + key[:, 1]) * extent[2] + key[:, 2]
-        _, cell = np.unique(flat, return_inverse=True)
+        cell = cells_of(xyz, size)
         count = np.bincount(cell)
         mean = [
             np.stack([np.bincount(cell, weights=v[:, a]) for a in range(3)], axis=1)
@@ -224,7 +222,9 @@ def hang_together(
     for label in cores:
         moved = _movers(things[label].rivals, scene, 1.5 * size)
         other[rest[_was_there(things[label], moved, view, places[label], rest)]] = True
-    every = np.union1d(np.flatnonzero(inside), ground)
+    either = inside.copy()
+    either[ground] = True
+    every = np.flatnonzero(either)
     foreground = Foreground.of(view, every, size)
     far = {n: FAR * things[n].span for n in cores}
     seeds = {}
@@ -234,9 +234,11 @@ def hang_together(
         seeds[label] = mask[every]
     sure = background.certain(view, every) & inside[every]
     found = foreground.spread(seeds, outside[every], other[every], sure, size, far)
-    beside = every[found == OTHER]
+    other_moving = np.zeros(len(view.xyz), np.bool_)
+    other_moving[every[found == OTHER]] = True
     for label in cores:
-        places[label].beside = np.intersect1d(beside, places[label].moving, assume_unique=True)
+        moving = places[label].moving
+        places[label].beside = moving[other_moving[moving]]
     return {label: every[(found == label) & ~seed] for label, seed in seeds.items()}
 
 
@@ -284,7 +286,8 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
     some = moving[:: max(1, len(moving) // 4000)]
     if not len(some) or not len(still):
         return still[:0]
-    tree = cKDTree(view.xyz[some], balanced_tree=False, compact_nodes=False)
+    still = still[perhaps_near(view.xyz[still], view.xyz[some], 2 * size)]
+    tree = cKDTree(view.xyz[some], balanced_tree=False)
     distance, _ = tree.query(view.xyz[still], distance_upper_bound=2 * size)
     beside: I64 = still[np.isfinite(np.asarray(distance))]
     return beside
@@ -296,15 +299,11 @@ def _movers(rivals: Rivals, scene: cKDTree, apart: float) -> Rivals:
         return rivals
     distance, _ = scene.query(rivals.xyz, distance_upper_bound=apart)
     away = ~np.isfinite(np.asarray(distance))
-    return Rivals(rivals.xyz[away], rivals.colour[away])
+    return Rivals(rivals.xyz[away], rivals.colour[away], rivals.weight)
 
 
 def _was_there(thing: Thing, rivals: Rivals, view: View, place: Place, rest: I64) -> Mask:
     """Which points are where something unlabelled was, or where it went along with the thing."""
     step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
-    near = np.zeros(len(rest), np.bool_)
-    xyz, colour = view.xyz[rest].astype(np.float64), view.colour(rest)
-    for rival in rivals.targets(step, thing.weight):
-        distance, _ = rival.nearest(xyz, colour, 3 * thing.unit)
-        near |= distance < 3 * thing.unit
-    return near
+    reach = np.full(len(rest), 3 * thing.unit)
+    return rivals.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

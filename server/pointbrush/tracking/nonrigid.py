@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.grid import cells_of
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.registration import Target
 
@@ -14,10 +15,7 @@ ROUNDS = 3
 
 def nodes_of(xyz: F64, apart: float) -> F64:
     """(K, 3) means of the points (M, 3) of each cell of ``apart`` metres."""
-    key = np.floor((xyz - xyz.min(axis=0)) / apart).astype(np.int64)
-    size = key.max(axis=0) + 1
-    flat = (key[:, 0] * size[1] + key[:, 1]) * size[2] + key[:, 2]
-    _, cell = np.unique(flat, return_inverse=True)
+    cell = cells_of(xyz, apart)
     count = np.bincount(cell)
     sums = [np.bincount(cell, weights=xyz[:, a]) for a in range(3)]
     return np.stack(sums, axis=1) / count[:, None]

@@ -60,8 +60,8 @@ def best_rigid_motions(source: F64, target: F64, weight: F64, fewest: int = 3) -
     centre_s, centre_t = share @ source, share @ target
     H = (source - centre_s).transpose(0, 2, 1) @ (weight[:, :, None] * (target - centre_t))
     U, _, Vt = np.linalg.svd(H)
-    # A reflection turns the weakest direction round.
-    Vt[:, 2] *= np.where(np.linalg.det(U) * np.linalg.det(Vt) < 0.0, -1.0, 1.0)[:, None]
+    mirrored = np.linalg.det(U @ Vt) < 0.0
+    Vt[mirrored, 2] *= -1.0
     R = (U @ Vt).transpose(0, 2, 1)
     R[np.count_nonzero(weight, axis=1) < fewest] = np.eye(3)
     T = np.zeros((len(weight), 4, 4))
@@ -109,9 +109,7 @@ class Target:
     @cached_property
     def tree(self) -> cKDTree:
         """Over place and, where it counts, weighted colour: (N, 3) or (N, 6)."""
-        return cKDTree(
-            self._placed(self.xyz, self.colour), balanced_tree=False, compact_nodes=False
-        )
+        return cKDTree(self._placed(self.xyz, self.colour), balanced_tree=False)
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
         """Distances (M,), ``most`` where nothing is nearer, and indices (0 there)."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
 from pointbrush.tracking.registration import Target, transform
@@ -28,15 +29,38 @@ class Rivals:
 
     xyz: F64
     colour: F32
+    weight: float = 0.0
 
-    def targets(self, step: F64, weight: float) -> list[Target]:
-        """Where they may be now: where they were, or gone along with the object's ``step``."""
-        if not len(self.xyz):
-            return []
-        return [
-            Target(self.xyz, self.colour, weight),
-            Target(transform(step, self.xyz), self.colour, weight),
-        ]
+    @cached_property
+    def target(self) -> Target:
+        """Where they were, with a tree that serves all questions about them."""
+        return Target(self.xyz, self.colour, self.weight)
+
+    def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
+        """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
+
+        Where they were, or, with a ``step``, gone along with the object's.
+        """
+        explained = np.zeros(len(xyz), np.bool_)
+        if not len(self.xyz) or not len(xyz):
+            return explained
+        for back in [None] if step is None else [None, np.linalg.inv(step)]:
+            for part in _alike(within, np.flatnonzero(~explained)):
+                at = xyz[part] if back is None else transform(back, xyz[part])
+                most = float(within[part].max())
+                distance, _ = self.target.nearest(at, colour[part], most)
+                explained[part] = distance < within[part]
+        return explained
+
+
+def _alike(within: F64, points: I64) -> list[I64]:
+    """The points in groups of like reach: a search is cheap where its reach is short."""
+    own = within[points]
+    if not len(points) or own.min() == own.max():
+        return [points] if len(points) else []
+    group = np.searchsorted(np.quantile(own, (0.5, 0.8, 0.95)), own)
+    parts = (points[group == n] for n in range(4))
+    return [part for part in parts if len(part)]
 
 
 @dataclass(eq=False)
