@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import io
+import resource
 import subprocess
 import sys
 import tempfile
@@ -125,6 +126,12 @@ def mean_iou(api: httpx.Client, labels: list[int], truths: list[Labels]) -> floa
     return float(np.mean(values))
 
 
+def processor_seconds() -> float:
+    """Of all child processes that have ended, and theirs."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def described(strokes: list[tuple[float, float]], start: float, end: float) -> str:
     """Answers to the strokes that began in a stretch of time."""
     waits = [1e3 * wait for moment, wait in strokes if start <= moment < end]
@@ -155,10 +162,13 @@ def run(frames: int, seed: int, method: str, folder: Path) -> None:
         with painter(url, token, tenth + 1, folder / "places.npy") as strokes:
             time.sleep(ALONE)
             start, end, steps = track(api, labels, frames - 1, method)
+        painted = processor_seconds()
         iou = mean_iou(api, labels, truths)
+    spent = processor_seconds() - painted
     sizes = sorted(np.sum(truths[0] == n) for n in labels)
     print(f"{len(labels)} labels of {sizes[0]} to {sizes[-1]} points, {frames} frames, {method}")
     print(f"done in {end - start:.1f} s (goal 15), {steps} steps of progress seen, IoU {iou:.3f}")
+    print(f"processor time of server and worker from start to stop: {spent:.1f} s")
     print(f"painting alone: {described(strokes, 0, start)}")
     print(f"during the run: {described(strokes, start, end)} (goal p95 50 ms)")
 

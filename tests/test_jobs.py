@@ -105,6 +105,22 @@ def test_a_job_reports_and_hands_over_everything_before_it_finishes(
     assert (seen.finished, seen.done) == ([False], 1)
 
 
+@dataclass(frozen=True)
+class Priority:
+    """Work that hands over the priority it runs at."""
+
+    def __call__(self, channel: Channel) -> None:
+        channel.item(os.getpriority(os.PRIO_PROCESS, 0))
+
+
+def test_work_gives_way_to_the_server(seen: Seen) -> None:
+    with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
+        job = runner.submit("tracking", "s", Priority(), seen.finish, seen.item)
+        assert runner.wait(job.id, 60).state == "done"
+    server = os.getpriority(os.PRIO_PROCESS, 0)
+    assert seen.items[0] > server or server == 19  # which nothing can give way to
+
+
 def test_cancel_stops_the_work_and_still_finishes(runner: JobRunner, seen: Seen) -> None:
     job = submit(runner, seen, Count(1000, pause=0.01))
     while not seen.items:

@@ -31,6 +31,8 @@ ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
 KEPT_JOBS = 1000
 """Ended jobs that are remembered; older ones are forgotten first."""
+NICENESS = 5
+"""By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
 
 
 @dataclass(frozen=True)
@@ -292,9 +294,13 @@ class JobRunner:
 def _local_processes(workers: int) -> ProcessPoolExecutor:
     # Not fork: the server's threads and locks must not be copied half-way into a worker.
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(
-        max_workers=workers, mp_context=context, initializer=_end_with_parent
-    )
+    return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)
+
+
+def _begin_worker() -> None:
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    _end_with_parent()
 
 
 def _end_with_parent() -> None:
