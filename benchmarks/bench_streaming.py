@@ -86,13 +86,14 @@ def pointbrush(workspace: Path) -> AbstractContextManager[str]:
     )  # fmt: skip
 
 
-def add_label(url: str) -> None:
-    """Something to paint with."""
-    httpx.post(
+def add_label(url: str) -> int:
+    """Something new to paint with."""
+    answer = httpx.post(
         f"{url}/api/v1/sequences/kinect/labels",
         json={"name": "pin"},
         headers={"Authorization": f"Bearer {TOKEN}"},
     )
+    return int(answer.raise_for_status().json()["id"])
 
 
 async def pull(client: Viewer, seconds: float) -> tuple[float, float]:
@@ -195,12 +196,12 @@ async def four(workspace: Path) -> None:
 
 async def paint(url: str, seconds: float) -> list[float]:
     """Seconds from a stroke's end to its durable answer."""
-    times = []
+    times, label = [], add_label(url)
     async with viewer(url, TOKEN) as client:
         await client.open("kinect")
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            _, start = await stroke(client, len(times))
+            _, start = await stroke(client, len(times), label)
             await client.until("stroke_result", final=True)
             times.append(time.perf_counter() - start)
             await asyncio.sleep(0.1)
@@ -235,7 +236,6 @@ async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
 async def hundred(workspace: Path) -> None:
     """A hundred followers of one recording, and somebody who paints meanwhile."""
     with pointbrush(workspace) as url:
-        add_label(url)
         alone = await painter(url, 2)
         times, clients = await asyncio.gather(painter(url, SECONDS), crowd(url, 100, SECONDS))
     rates = [len(client.arrivals) / SECONDS for client in clients]
@@ -254,7 +254,7 @@ async def hundred(workspace: Path) -> None:
 async def others(workspace: Path) -> None:
     """From the end of a stroke until other people's viewers have its delta, and hands that move."""
     with pointbrush(workspace) as url:
-        add_label(url)
+        label = add_label(url)
         edits, hands = [], []
         async with AsyncExitStack() as stack:
             painter, *watchers = [
@@ -264,7 +264,7 @@ async def others(workspace: Path) -> None:
                 await client.open("kinect")
                 await client.until("frame", frame=0, final=True)
             for turn in range(60):
-                edit, start = await stroke(painter, turn)
+                edit, start = await stroke(painter, turn, label)
                 edits += await asyncio.gather(
                     *(seen(client, start, "annotation", edit=edit) for client in watchers)
                 )
@@ -284,13 +284,13 @@ async def seen(client: Viewer, start: float, kind: str, **fields: object) -> flo
     return time.perf_counter() - start
 
 
-async def stroke(client: Viewer, turn: int) -> tuple[str, float]:
+async def stroke(client: Viewer, turn: int, label: int) -> tuple[str, float]:
     """A stroke of one sample on the wall; its id and the time of its end."""
     edit = str(uuid.uuid4())
     # Elsewhere than the last ones, so that there is always something to change.
     v, u = divmod(6 * turn, 480)
     origin = WALL[212 + 12 * v, 16 + u].tolist()
-    await client.send(type="stroke_begin", id=edit, frame=0, brush={"label": 1, "radius": 0.05})
+    await client.send(type="stroke_begin", id=edit, frame=0, brush={"label": label, "radius": 0.05})
     await client.send(type="stroke_samples", id=edit, samples=[{"origin": origin}])
     start = time.perf_counter()
     await client.send(type="stroke_end", id=edit)
