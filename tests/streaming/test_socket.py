@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.decoder import decode_points
 from tests.serving import Served
-from tests.streaming.client import Viewer, viewer
+from tests.streaming.client import HeldFrame, Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
 
 Scenario = Callable[[], Awaitable[None]]
@@ -48,6 +48,14 @@ async def settled(client: Viewer, frame: int, revision: int) -> None:
     """Wait until the viewer has a frame's values of a revision."""
     while client.frames[frame].revision < revision:
         await client.receive()
+
+
+async def shown(served: Served, frame: int) -> tuple[int, dict[int, HeldFrame]]:
+    """The revision and the frames of a viewer who has seen all of a frame, and left."""
+    async with viewer(served.url, served.token) as client:
+        info = await client.open("wall", frame=frame)
+        await client.until("frame", frame=frame, final=True)
+    return info["revision"], client.frames
 
 
 def test_opening_shows_the_frame_coarse_to_complete(served: Served) -> None:
@@ -228,14 +236,11 @@ def test_resuming_brings_what_was_missed(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as anna:
             await anna.open("wall", frame=6)
-            async with viewer(served.url, served.token) as ben:
-                info = await ben.open("wall", frame=6)
-                await ben.until("frame", frame=6, final=True)
-            kept = ben.frames
+            revision, kept = await shown(served, 6)
             done = [await paint(anna, 6) for _ in range(3)][-1]
             async with viewer(served.url, served.token) as again:
                 again.frames = kept
-                await again.open("wall", frame=6, revision=info["revision"])
+                await again.open("wall", frame=6, revision=revision)
                 await asyncio.wait_for(settled(again, 6, done["revision"]), 5)
                 assert again.gaps == 0
                 np.testing.assert_array_equal(again.frames[6].values, stored_values(served, 6))
@@ -247,15 +252,13 @@ def test_points_that_a_viewer_kept_are_not_sent_again(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as anna:
             await anna.open("wall", frame=6)
-            async with viewer(served.url, served.token) as ben:
-                info = await ben.open("wall", frame=6)
-                await ben.until("frame", frame=6, final=True)
+            revision, kept = await shown(served, 6)
             done = await paint(anna, 6)
             unseen = await paint(anna, 3)
             async with viewer(served.url, served.token) as again:
-                again.frames = {6: ben.frames[6]}
-                held = [[6, len(ben.frames[6].chunks)]]
-                await again.open("wall", frame=6, revision=info["revision"], held=held)
+                again.frames = {6: kept[6]}
+                held = [[6, len(kept[6].chunks)]]
+                await again.open("wall", frame=6, revision=revision, held=held)
                 await asyncio.wait_for(settled(again, 6, done["revision"]), 5)
                 await again.send(type="seek", frame=3)
                 await again.until("frame", frame=3, final=True)
