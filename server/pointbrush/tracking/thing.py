@@ -42,25 +42,17 @@ class Rivals:
         Where they were, or, with a ``step``, gone along with the object's.
         """
         explained = np.zeros(len(xyz), np.bool_)
-        if not len(self.xyz) or not len(xyz):
+        if not len(self.xyz):
             return explained
         for back in [None] if step is None else [None, np.linalg.inv(step)]:
-            for part in _alike(within, np.flatnonzero(~explained)):
-                at = xyz[part] if back is None else transform(back, xyz[part])
-                most = float(within[part].max())
-                distance, _ = self.target.nearest(at, colour[part], most)
-                explained[part] = distance < within[part]
+            rest = np.flatnonzero(~explained)
+            if not len(rest):
+                break
+            at = xyz[rest] if back is None else transform(back, xyz[rest])
+            most = float(within[rest].max())
+            distance, _ = self.target.nearest(at, colour[rest], most)
+            explained[rest] = distance < within[rest]
         return explained
-
-
-def _alike(within: F64, points: I64) -> list[I64]:
-    """The points in groups of like reach: a search is cheap where its reach is short."""
-    own = within[points]
-    if not len(points) or own.min() == own.max():
-        return [points] if len(points) else []
-    group = np.searchsorted(np.quantile(own, (0.5, 0.8, 0.95)), own)
-    parts = (points[group == n] for n in range(4))
-    return [part for part in parts if len(part)]
 
 
 @dataclass(eq=False)

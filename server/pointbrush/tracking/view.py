@@ -45,9 +45,13 @@ class Lens:
         v = local[:, down] * inverse * np.float32(1 / self.pitch[1]) + offset[1]
         height, width = self.shape
         inside = (u >= 0) & (u < width) & (v >= 0) & (v < height) & (depth > 1e-3)
-        u, v = np.where(inside, u, 0), np.where(inside, v, 0)
-        cell = v.astype(np.int32) * np.int32(width) + u.astype(np.int32)
-        return np.where(inside, cell, np.int32(-1)), depth
+        whole = bool(inside.all())
+        if not whole:
+            u, v = np.where(inside, u, 0), np.where(inside, v, 0)
+        cell = v.astype(np.int32)
+        cell *= np.int32(width)
+        cell += u.astype(np.int32)
+        return cell if whole else np.where(inside, cell, np.int32(-1)), depth
 
 
 def find_lens(frame: TrackFrame) -> Lens | None:
