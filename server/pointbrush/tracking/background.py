@@ -42,6 +42,12 @@ class Background(Protocol):
     def certain(self, view: View, indices: I64) -> Mask:
         """Which of the points (M,) lie before a background that has been seen."""
 
+    def uncovered(self, view: View) -> tuple[I64, I64]:
+        """The points (M,) that something labelled hid in the last frame, and its label (M,).
+
+        Without background, and what lies where the scene goes on behind the first objects.
+        """
+
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """Take in a frame whose ``labels`` are decided; ``first``: by a person.
 
@@ -94,11 +100,14 @@ class ImageBackground:
     age: NDArray[np.int32] = field(init=False)
     previous: F32 = field(init=False)
     """The last frame's depth, labelled or not."""
+    owner: NDArray[np.int32] = field(init=False)
+    """The last frame's label of each cell, 0 for none."""
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
         self.hidden = self.previous = np.full_like(self.depth, np.nan)
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
+        self.owner = np.zeros(len(self.depth), np.int32)
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
@@ -149,14 +158,27 @@ class ImageBackground:
         least[np.isnan(self.depth)] = np.nan
         return least
 
+    def uncovered(self, view: View) -> tuple[I64, I64]:
+        """See ``Background``."""
+        hider = self.owner[view.cells[0]]
+        points = np.flatnonzero(hider)
+        cell, depth = view.cells[0][points], view.cells[1][points]
+        limit = NEAR * self.waver(depth)
+        shown = depth > self.previous[cell] + limit
+        shown &= ~(depth > HIDDEN * self.hidden[cell] - limit)
+        points = points[shown]
+        points = points[~self.static(view, points)[0]]
+        return points, hider[points].astype(np.int64)
+
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
         height, width = view.lens.shape if view.lens else (0, 0)
         cell = view.cells[0]
-        labelled = np.zeros(len(seen), np.bool_)
-        for points in view.labels.values():
-            labelled[cell[points]] = True
+        self.owner[:] = 0
+        for label, points in view.labels.items():
+            self.owner[cell[points]] = label
+        labelled = self.owner != 0
         if keep is not None:
             labelled[keep] = True
             labelled[-1] = False
@@ -221,6 +243,10 @@ class TreeBackground:
     def certain(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
+
+    def uncovered(self, view: View) -> tuple[I64, I64]:  # noqa: ARG002
+        """See ``Background``; without a depth image nothing is known to have hidden a point."""
+        return np.empty(0, np.int64), np.empty(0, np.int64)
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
         """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off
+from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off, together
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.interface import F64, I64, Mask
@@ -23,6 +23,10 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
+STRIP = 20
+"""Steps by which the surface that another object uncovers may go on in a frame."""
+MAINLY = 0.3
+"""Share of what another object uncovers from which it may be a thing's."""
 YIELD = 0.7
 """Share of its cost at which something unlabelled takes a point from a claim."""
 AGAIN = 7.0
@@ -59,6 +63,7 @@ def grow(
     taken = ~free
     for found in claims.values():
         taken[found.indices] = True
+    shown, hider = background.uncovered(view)
     grown: dict[int, I64] = {}
     for label, place in places.items():
         thing, core = things[label], claims[label].indices
@@ -69,6 +74,9 @@ def grow(
         place.whole = new is not None
         if new is None:
             new = _adjoin(thing, view, place, core, rest)
+            mine = (hider != label) & ~taken[shown]
+            place.uncovered = _shown(thing, view, core, shown[mine], hider[mine])
+            new = together(new, place.uncovered)
         grown[label] = new
         taken[new] = True
     large = {n: p for n, p in places.items() if things[n].large}
@@ -131,6 +139,20 @@ def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64
         8 if bends else 1,
     )
     return rest[joined]
+
+
+def _shown(thing: Thing, view: View, core: I64, shown: I64, hider: I64) -> I64:
+    """What others uncovered of a thing at rest: it hangs together with it, alike in colour.
+
+    It has to be a good part of all that the other, its ``hider``, uncovered: beside a thing in
+    a hand that is mostly what holds it, and whom.
+    """
+    if thing.bends or not thing.motion.rests(thing.unit):
+        return shown[:0]
+    front, rest = (_placed(view, points, thing.weight) for points in (core, shown))
+    joined = connected(front, rest, 2.5 * thing.unit, STRIP)
+    own, every = (np.bincount(h, minlength=2**16) for h in (hider[joined], hider))
+    return np.asarray(shown[joined & (own > MAINLY * every)[hider]])
 
 
 def _placed(view: View, indices: I64, weight: float) -> F64:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim, claim
 from pointbrush.tracking.confidence import Evidence
-from pointbrush.tracking.interface import I64
+from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.place import Place
@@ -38,11 +39,11 @@ def learn(
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
     if verdict.confidence > 0.8:
         thing.size = max(thing.size, float(len(found.indices) + len(grown)))
-    back = np.linalg.inv(place.pose)
+    back = np.asarray(np.linalg.inv(place.pose), np.float64)
     eye = view.eye
     own_eye = None if eye is None else transform(back, eye[None])[0]
     total = len(found.indices) + len(grown)
-    unlike = 0 if place.whole else len(grown)
+    unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
     points = np.concatenate([found.indices, grown])
@@ -75,3 +76,14 @@ def learn(
         thing.model.gather(
             xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
         )
+        _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:
+    """What another object hid until now is as sure as what a person painted."""
+    if not len(points):
+        return
+    xyz = transform(back, view.xyz[points].astype(np.float64))
+    distance, index = cKDTree(thing.model.xyz).query(xyz)
+    gap, nearest = np.asarray(distance, np.float64), np.asarray(index, np.int64)
+    thing.model.gather(xyz, view.colour(points), gap, nearest, eye, sure=True)

@@ -56,6 +56,13 @@ class Motion:
         """Whether it stays nearly where it is: only then can it be where something else was."""
         return len(self.poses) > 1 and self.speed < unit
 
+    def rests(self, unit: float) -> bool:
+        """Whether it has stayed where it is for all the frames that are remembered."""
+        if len(self.poses) < MEMORY:
+            return False
+        path = np.vstack([transform(T, self.centre[None]) for T in self.poses])
+        return bool(np.linalg.norm(path - path[-1], axis=1).max() < 2 * unit)
+
     def _at(self, which: int) -> F64:
         at: F64 = transform(self.poses[which], self.centre[None])[0]
         return at

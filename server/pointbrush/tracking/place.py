@@ -24,5 +24,7 @@ class Place:
     """The moving points that hang together there are the thing and nothing else."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
+    uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Its points that another label hid until the last frame."""
     beside: I64 | None = None
     """Points of other moving things beside a large one; None where that is not known."""
