@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import socket
 import sys
@@ -24,6 +25,7 @@ def main() -> None:
         try:
             for message in itertools.cycle(messages):
                 await send({"type": "websocket.send", "bytes": message})
+                await asyncio.sleep(0)  # or it never hears that the client has gone
         except OSError:
             return
 

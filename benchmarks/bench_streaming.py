@@ -22,8 +22,7 @@ import numpy as np
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
-from bare_websocket import PROTOCOL  # noqa: E402
-from light_viewer import LightViewer, connect_light  # noqa: E402
+from light_viewer import Drinker, LightViewer, Puller, connect_light  # noqa: E402
 
 from pointbrush.frame import PointFrame  # noqa: E402
 from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
@@ -96,31 +95,26 @@ def add_label(url: str) -> int:
     return int(answer.raise_for_status().json()["id"])
 
 
-async def pull(client: Viewer, seconds: float) -> tuple[float, float]:
+async def pull(url: str, seconds: float) -> tuple[float, float]:
     """Complete frames and megabytes a second, one frame after the other as fast as they come."""
-    await client.open("kinect")
-    frame, done, nbytes = 0, 0, client.nbytes
-    start = time.perf_counter()
-    while time.perf_counter() - start < seconds:
-        held = client.frames.get(frame)
-        if held is None or not held.final:
-            await client.receive()
-            continue
-        del client.frames[frame]
-        await client.send(type="forget", frames=[frame])
-        frame, done = (frame + 1) % FRAMES, done + 1
-        await client.send(type="seek", frame=frame)
-    elapsed = time.perf_counter() - start
-    return done / elapsed, (client.nbytes - nbytes) / elapsed / 1e6
+    client = await connect_light(Puller, url, TOKEN)
+    client.frames = FRAMES
+    client.send(type="open", sequence="kinect")
+    await asyncio.sleep(WARM)
+    done, nbytes = client.done, client.nbytes
+    await asyncio.sleep(seconds)
+    client.close()
+    return (client.done - done) / seconds, (client.nbytes - nbytes) / seconds / 1e6
 
 
-async def drink(client: Viewer, seconds: float) -> float:
+async def drink(url: str, seconds: float) -> float:
     """Megabytes a second that a bare socket pushes at the same client."""
-    start = time.perf_counter()
-    while time.perf_counter() - start < seconds:
-        await client.receive()
-        client.frames.clear()
-    return client.nbytes / (time.perf_counter() - start) / 1e6
+    client = await connect_light(Drinker, url, "")
+    await asyncio.sleep(WARM)
+    nbytes = client.nbytes
+    await asyncio.sleep(seconds)
+    client.close()
+    return (client.nbytes - nbytes) / seconds / 1e6
 
 
 async def throughput(workspace: Path) -> None:
@@ -128,7 +122,7 @@ async def throughput(workspace: Path) -> None:
     sequence = open_sequence(workspace / "sequences" / "kinect")
     messages = Path(workspace.parent / "messages")
     messages.mkdir(exist_ok=True)
-    for i in range(9):
+    for i in range(FRAMES):
         data = encode_frame("kinect", sequence[i], 0, len(sequence[i].chunks), final=True)
         (messages / f"{i}").write_bytes(data)
     with (
@@ -137,12 +131,10 @@ async def throughput(workspace: Path) -> None:
     ):
         ours, bare, rates = [], [], []
         for _ in range(4):
-            async with viewer(bare_url, "", protocol=PROTOCOL, auto_credit=False) as client:
-                bare.append(await drink(client, SECONDS / 2))
-            async with viewer(our_url, TOKEN) as client:
-                rate, megabytes = await pull(client, SECONDS / 2)
-                rates.append(rate)
-                ours.append(megabytes)
+            bare.append(await drink(bare_url, SECONDS / 2))
+            rate, megabytes = await pull(our_url, SECONDS / 2)
+            rates.append(rate)
+            ours.append(megabytes)
     ratio = statistics.median(o / b for o, b in zip(ours, bare, strict=True))
     print(
         f"throughput: {statistics.median(rates):.0f} frames/s, {statistics.median(ours):.0f} MB/s; "
@@ -219,7 +211,7 @@ async def painter(url: str, seconds: float) -> list[float]:
 
 async def crowd(url: str, count: int, seconds: float) -> list[LightViewer]:
     """``count`` light viewers that start playing in the same moment."""
-    clients = [await connect_light(url, TOKEN) for _ in range(count)]
+    clients = [await connect_light(LightViewer, url, TOKEN) for _ in range(count)]
     for client in clients:
         client.send(type="open", sequence="kinect")
     await asyncio.sleep(1.0)

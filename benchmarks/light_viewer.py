@@ -10,8 +10,10 @@ import asyncio
 import base64
 import os
 import time
+from typing import TypeVar
 
 import msgpack
+from bare_websocket import PROTOCOL as BARE
 
 from pointbrush.streaming.schema import subprotocol
 
@@ -22,6 +24,8 @@ FORGET_EVERY = 24
 
 class LightViewer(asyncio.Protocol):
     """One socket; ``arrivals`` holds time, frame and bytes of each frame message."""
+
+    protocol = subprotocol()
 
     def __init__(self, host: str, token: str) -> None:
         self.arrivals: list[tuple[float, int, int]] = []
@@ -41,7 +45,7 @@ class LightViewer(asyncio.Protocol):
         transport.write(
             f"GET /api/v1/stream HTTP/1.1\r\nHost: {self._host}\r\nUpgrade: websocket\r\n"
             f"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n"
-            f"Sec-WebSocket-Protocol: {subprotocol()}\r\n"
+            f"Sec-WebSocket-Protocol: {self.protocol}\r\n"
             f"Authorization: Bearer {self._token}\r\n\r\n".encode()
         )
 
@@ -87,12 +91,19 @@ class LightViewer(asyncio.Protocol):
         unpacker = msgpack.Unpacker(max_buffer_size=PEEK)
         unpacker.feed(peek)
         unpacker.read_map_header()
-        # type, sequence and frame come first.
-        number = {unpacker.unpack(): unpacker.unpack() for _ in range(3)}["frame"]
-        self.arrivals.append((time.monotonic(), number, length))
+        # type, sequence, frame, total and final come first.
+        head = {unpacker.unpack(): unpacker.unpack() for _ in range(5)}
         self.nbytes += length
+        self.frame(head["frame"], head["final"], length)
+
+    def frame(self, number: int, _final: bool, length: int) -> None:
+        """A frame message came: give its credit, and drop the frame so that it comes again."""
+        self.arrivals.append((time.monotonic(), number, length))
         self.send(type="credit", frames=1, nbytes=length)
         self._forgotten.append(number)
+        self._forget()
+
+    def _forget(self) -> None:
         if len(self._forgotten) >= FORGET_EVERY:
             self.send(type="forget", frames=self._forgotten)
             self._forgotten = []
@@ -109,12 +120,44 @@ class LightViewer(asyncio.Protocol):
         self._transport.abort()
 
 
-async def connect_light(url: str, token: str) -> LightViewer:
+class Puller(LightViewer):
+    """Asks for the next frame as soon as one is complete."""
+
+    def __init__(self, host: str, token: str) -> None:
+        super().__init__(host, token)
+        self.frames = self.done = self._wanted = 0
+        self._complete: set[int] = set()
+
+    def frame(self, number: int, final: bool, length: int) -> None:
+        self.send(type="credit", frames=1, nbytes=length)
+        if final:
+            self._complete.add(number)
+        while self._wanted in self._complete:
+            self._complete.discard(self._wanted)
+            self._forgotten.append(self._wanted)
+            self._wanted, self.done = (self._wanted + 1) % self.frames, self.done + 1
+            self.send(type="seek", frame=self._wanted)
+        self._forget()
+
+
+class Drinker(LightViewer):
+    """Takes what a bare socket pushes at it, and says nothing."""
+
+    protocol = BARE
+
+    def frame(self, _number: int, _final: bool, _length: int) -> None:
+        """Only the bytes count."""
+
+
+Light = TypeVar("Light", bound=LightViewer)
+
+
+async def connect_light(kind: type[Light], url: str, token: str) -> Light:
     """A connected light viewer."""
     host = url.removeprefix("http://")
     name, port = host.split(":")
     loop = asyncio.get_running_loop()
-    _, protocol = await loop.create_connection(lambda: LightViewer(host, token), name, int(port))
+    _, protocol = await loop.create_connection(lambda: kind(host, token), name, int(port))
     while not protocol._shaken:
         await asyncio.sleep(0.005)
     return protocol
