@@ -88,12 +88,16 @@ def test_a_cap_on_points_holds_until_the_page_lifts_it(served: Served) -> None:
             await client.send(type="credit", frames=0, points=1)
             await client.open("wall", frame=2)
             await client.drain(0.3)
+            taken = len(client.arrivals)
+            await client.send(type="credit", frames=taken, nbytes=client.nbytes, points=1)
+            await client.drain(0.3)
             capped = client.frames[2]
             assert not capped.final
             first = sum(chunk["count"] for chunk in capped.chunks)
             assert first < capped.total
             # A credit for no frame says only how the page keeps up.
             await client.send(type="credit", frames=0)
+            client.auto_credit = True
             while not client.frames[2].final:
                 await client.receive()
             assert sum(chunk["count"] for chunk in client.frames[2].chunks) == capped.total
