@@ -1,0 +1,201 @@
+"""Random interleavings of several people's edits, looks and lost links: all end with the same."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import closing
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.metrics import Metrics
+from pointbrush.streaming.session import ViewerSession
+from pointbrush.workspace import Workspace
+from tests.serving import add_sequence, settings_in
+from tests.streaming.client import HeldFrame, Message, Viewer
+
+PEOPLE, FRAMES, LABELS = 3, 3, 2
+PATIENCE = 30.0
+
+
+class Pipe:
+    """The client's end of a socket that is two queues."""
+
+    def __init__(self) -> None:
+        self.up: asyncio.Queue[bytes | None] = asyncio.Queue()
+        self.down: asyncio.Queue[bytes] = asyncio.Queue()
+
+    async def send(self, data: bytes) -> None:
+        self.up.put_nowait(data)
+
+
+class PageLike(Viewer):
+    """Takes frames in as the page does: only what joins on; asks again for what does not."""
+
+    async def _apply(self, message: Message, nbytes: int) -> None:
+        if message["type"] == "frame":
+            held = self.frames.setdefault(message["frame"], HeldFrame(message["total"]))
+            first = message["chunks"][0]["index"]
+            if first != len(held.chunks):
+                await self.send(type="credit", frames=1, nbytes=nbytes)
+                if first > len(held.chunks):
+                    del self.frames[message["frame"]]
+                    await self.send(type="forget", frames=[message["frame"]])
+                return
+        await super()._apply(message, nbytes)
+
+
+class Person:
+    """Somebody at a page whose link breaks now and then."""
+
+    def __init__(self, hub: Hub, name: str) -> None:
+        self.hub, self.name = hub, name
+        self.frames: dict[int, HeldFrame] = {}
+        self.revision: int | None = None
+        self.gaps = 0
+
+    async def connect(self) -> None:
+        self._pipe = pipe = Pipe()
+        session = ViewerSession(
+            self.hub, self._sender(pipe), author=self.name, role="admin", shared=True
+        )
+        self.view = PageLike(pipe, on_message=self._heard, frames=self.frames)  # type: ignore[arg-type]
+        self._tasks = [
+            asyncio.create_task(session.run(pipe.up.get)),
+            asyncio.create_task(self._read()),
+        ]
+        await self.view.send(type="hello", name=self.name)
+        known: dict[str, Any] = {}
+        if self.revision is not None:
+            held = [[index, len(frame.chunks)] for index, frame in self.frames.items()]
+            # One back: of the newest edit perhaps not every frame's part has come.
+            known = {"revision": max(0, self.revision - 1), "held": [h for h in held if h[1]]}
+        await self.view.send(type="open", sequence="wall", **known)
+
+    def _sender(self, pipe: Pipe) -> Any:
+        async def send(data: bytes) -> None:
+            pipe.down.put_nowait(data)
+
+        return send
+
+    async def _read(self) -> None:
+        while True:
+            data = await self._pipe.down.get()
+            await self.view._apply(msgpack.unpackb(data), len(data))
+
+    def _heard(self, message: Message) -> None:
+        if message["type"] == "sequence" and self.revision is None:
+            self.revision = message["revision"]
+        if message["type"] == "annotation" and message["base"] is not None:
+            self.revision = max(self.revision or 0, message["revision"])
+
+    async def leave(self) -> None:
+        """The link breaks: what is on its way is lost."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        self.gaps += self.view.gaps
+
+    async def do(self, action: str, number: int) -> None:
+        send, frame = self.view.send, number % FRAMES
+        if action in ("paint", "erase", "delete", "restore"):
+            edit, x = str(uuid.uuid4()), (number % 7) / 2 - 1.5
+            brush = {"tool": action, "label": 1 + number % LABELS, "radius": 0.5}
+            await send(type="stroke_begin", id=edit, frame=frame, brush=brush)
+            await send(type="stroke_samples", id=edit, samples=[{"origin": [x, 0.0, 3.0]}])
+            await send(type="stroke_end", id=edit)
+        elif action in ("undo", "redo"):
+            await send(type=action, id=str(uuid.uuid4()))
+        elif action == "seek":
+            await send(type="seek", frame=frame)
+        elif action == "play":
+            await send(type="play", frame=frame)
+        elif action == "forget" and frame in self.frames and self.frames[frame].chunks:
+            del self.frames[frame]
+            await send(type="forget", frames=[frame])
+        elif action == "relink":
+            await self.leave()
+            await asyncio.sleep(0.002 * (number % 10))  # while others go on
+            await self.connect()
+        else:
+            await asyncio.sleep(0.001 * (number % 10))
+
+    async def ask(self) -> None:
+        """An edit that is refused: its answer comes after all that was sent before."""
+        self._end = str(uuid.uuid4())
+        await self.view.send(type="stroke_end", id=self._end)
+
+    @property
+    def unheard(self) -> bool:
+        """Whether the server has not yet answered what was sent last."""
+        return not any(m["type"] == "error" and m["about"] == self._end for m in self.view.log)
+
+    def stale(self, wanted: list[np.ndarray[Any, Any]]) -> list[int]:
+        """Frames that are shown otherwise than they are."""
+        shown = {i: held for i, held in self.frames.items() if held.points}
+        return [
+            index
+            for index, held in shown.items()
+            if held.values is None
+            or not np.array_equal(held.values[: held.points], wanted[index][: held.points])
+        ]
+
+
+ACTIONS = st.sampled_from(
+    ["paint", "paint", "erase", "delete", "restore", "undo", "redo", "seek", "play", "forget",
+     "relink", "wait"]
+)  # fmt: skip
+STEPS = st.lists(st.tuples(st.integers(0, PEOPLE - 1), ACTIONS, st.integers(0, 41)), max_size=40)
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
+    chosen = settings_in(tmp_path_factory.mktemp("converging"))
+    add_sequence(chosen, "wall", frames=FRAMES, points=9_000)
+    with closing(Workspace(chosen)) as opened:
+        for number in range(LABELS):
+            opened.create_label("wall", "setup", name=f"label {number}")
+        yield opened
+
+
+def stored(workspace: Workspace) -> list[np.ndarray[Any, Any]]:
+    found = [workspace.store.values("wall", frame) for frame in range(FRAMES)]
+    return [np.where(v.deleted, np.uint16(65535), v.label) for v in found]
+
+
+async def play_out(workspace: Workspace, steps: list[tuple[int, str, int]]) -> None:
+    async with Hub(workspace, Metrics()).running() as hub:
+        people = [Person(hub, f"person {number}") for number in range(PEOPLE)]
+        for person in people:
+            await person.connect()
+        for who, action, number in steps:
+            await people[who].do(action, number)
+        for person in people:
+            await person.ask()
+        while any(person.unheard for person in people):
+            await asyncio.sleep(0.001)
+        wanted, end = stored(workspace), time.monotonic() + PATIENCE
+        while any(p.stale(wanted) or not p.frames for p in people) and time.monotonic() < end:
+            await asyncio.sleep(0.005)
+        assert [person.stale(wanted) for person in people] == [[]] * PEOPLE
+        for person in people:
+            await person.leave()
+        assert [person.gaps for person in people] == [0] * PEOPLE
+
+
+@given(steps=STEPS)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_everybody_ends_with_what_is_stored(
+    workspace: Workspace, steps: list[tuple[int, str, int]]
+) -> None:
+    asyncio.run(asyncio.wait_for(play_out(workspace, steps), 4 * PATIENCE))
