@@ -19,14 +19,22 @@ class MessageCache:
         self._making: dict[Hashable, asyncio.Task[Versioned]] = {}
         self.nbytes = 0
 
-    async def get(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
-        """The bytes of ``key``; ``make`` is awaited when they are not here.
+    async def get(
+        self, key: Hashable, make: Callable[[], Awaitable[Versioned]], least: int = 0
+    ) -> Versioned:
+        """The bytes of ``key``, of revision ``least`` or newer; ``make`` is awaited if need be.
 
         It runs in a task of its own: an asker that goes away takes nothing from the others.
         """
-        if key in self._entries:
+        found = self._entries.get(key)
+        if found is not None and found[0] >= least:
             self._entries.move_to_end(key)
-            return self._entries[key]
+            return found
+        made = await self._join(key, make)
+        # What others had begun to make may have been read before the change.
+        return made if made[0] >= least else await self._join(key, make)
+
+    async def _join(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
         task = self._making.get(key)
         if task is None:
             task = asyncio.create_task(self._make(key, make))
@@ -34,25 +42,16 @@ class MessageCache:
         return await asyncio.shield(task)
 
     async def _make(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
-        mine = asyncio.current_task()
         try:
             made = await make()
-            if self._making.get(key) is mine:
-                self._put(key, made)
+            self._put(key, made)
             return made
         finally:
-            if self._making.get(key) is mine:
-                del self._making[key]
+            del self._making[key]
 
-    def _put(self, key: Hashable, data: Versioned) -> None:
-        self._entries[key] = data
-        self.nbytes += len(data[1])
+    def _put(self, key: Hashable, made: Versioned) -> None:
+        _, old = self._entries.pop(key, (0, b""))
+        self._entries[key] = made
+        self.nbytes += len(made[1]) - len(old)
         while self.nbytes > self._budget:
             self.nbytes -= len(self._entries.popitem(last=False)[1][1])
-
-    def drop(self, matches: Callable[[Hashable], bool]) -> None:
-        """Forget entries, also those being made just now."""
-        for key in [key for key in self._entries if matches(key)]:
-            self.nbytes -= len(self._entries.pop(key)[1])
-        for key in [key for key in self._making if matches(key)]:
-            del self._making[key]

@@ -110,12 +110,8 @@ class Room:
             values = self.workspace.store.values(self.id, frame, first, count)
             return values.revision, encode_whole(self.id, frame, first, values)
 
-        floor = self._touched.get(frame, self._start)
-        revision, data = await self.cache.get(key, lambda: self._run(read))
-        while revision < floor:
-            # Kept from a room that was closed when the frame was changed.
-            self.cache.drop(key.__eq__)
-            revision, data = await self.cache.get(key, lambda: self._run(read))
+        least = self._touched.get(frame, self._start)
+        revision, data = await self.cache.get(key, lambda: self._run(read), least)
         for _ in range(CATCH_UP_TRIES):
             if self.revision >= revision:
                 break
@@ -123,30 +119,25 @@ class Room:
             await asyncio.sleep(CATCH_UP_PAUSE)
         return revision, data
 
-    def drop_values(self, frames: Iterable[int]) -> None:
-        """Values of these frames changed."""
-        changed = set(frames)
-        self.cache.drop(
-            lambda key: key[0] == "values" and key[1] == self.id and key[2] in changed  # type: ignore[index]
-        )
-
     # ── events ───────────────────────────────────────────────────────────────────────────
 
     async def committed(self, commit: Commit) -> None:
         """Hand a commit to every viewer, in the order of revisions."""
         if commit.revision <= self.revision:
             return
-        self.drop_values(commit.frames)
         if commit.revision > self.revision + 1:
             # Something in between did not come by here: what viewers hold is sent whole.
             for viewer in self.viewers:
                 viewer.all_stale()
-            self.drop_values(range(len(self.recording)))
+            self._start = commit.revision - 1
+            self._touched.clear()
             self._palette_stale = self._tracks_stale = True
         held = [f for f in commit.frames if any(viewer.holds(f) for viewer in self.viewers)]
-        encoded = await self._encoded(commit, held)
-        self.revision = commit.revision
+        bases = {frame: self._touched.get(frame, self._start) for frame in held}
+        # From here on nobody gets older values, also while the deltas are encoded.
         self._touched.update(dict.fromkeys(commit.frames, commit.revision))
+        encoded = await self._encoded(commit, bases)
+        self.revision = commit.revision
         for delta in encoded:
             for viewer in self.viewers:
                 if viewer.holds(delta.frame):
@@ -158,15 +149,14 @@ class Room:
         for viewer in self.viewers:
             viewer.cells_changed(changed, everything=commit.tracks_changed)
 
-    async def _encoded(self, commit: Commit, frames: list[int]) -> list[QueuedDelta]:
-        """A commit's part in each of ``frames``, encoded once for all viewers."""
-        bases = {frame: self._touched.get(frame, self._start) for frame in frames}
+    async def _encoded(self, commit: Commit, bases: dict[int, int]) -> list[QueuedDelta]:
+        """A commit's part in each frame of ``bases``, encoded once for all viewers."""
 
         def encode_all() -> list[QueuedDelta]:
             return [delta_message(commit, frame, base) for frame, base in bases.items()]
 
         # A tracking run touches many frames: too much to do while everybody waits.
-        if sum(len(commit.frames[frame]) for frame in frames) > AT_ONCE:
+        if sum(len(commit.frames[frame]) for frame in bases) > AT_ONCE:
             found: list[QueuedDelta] = await self._run(encode_all)
             return found
         return encode_all()
