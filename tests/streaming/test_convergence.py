@@ -50,7 +50,15 @@ class PageLike(Viewer):
                     del self.frames[message["frame"]]
                     await self.send(type="forget", frames=[message["frame"]])
                 return
+        if message["type"] == "sequence":
+            for held in self.frames.values():
+                held.revision = max(held.revision, message["revision"])
         await super()._apply(message, nbytes)
+
+    def _annotation(self, message: Message) -> None:
+        # It was on its way when the frame was given up.
+        if message["base"] is None or message["frame"] in self.frames:
+            super()._annotation(message)
 
 
 class Person:

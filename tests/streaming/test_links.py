@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+from pointbrush.streaming.session import CREDITS
 from tests.serving import Served
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
@@ -112,7 +113,8 @@ def test_a_page_that_is_too_slow_gets_fewer_points(served: Served) -> None:
                     await client.send(type="credit", frames=1, points=POINTS // 6)
                     await client.send(type="forget", frames=list(client.frames))
                     client.frames.clear()
-            assert max(shown[5:]) <= POINTS // 6
+            # The first ones may have left before the wish was heard.
+            assert max(shown[CREDITS:]) <= POINTS // 6
 
     run(scenario)
 
@@ -147,11 +149,9 @@ def test_a_viewer_that_does_not_read_is_right_again_when_it_does(served: Served)
             await sleeper.open("wall", frame=2)
             await sleeper.until("frame", frame=2, final=True)
             await anna.open("wall", frame=2)
-            done = await paint(anna, 2)
+            await paint(anna, 2)
             for i in range(30):
-                tool = ("paint", "erase")[i % 2]
-                answer = await paint(anna, 2, radius=1.5, tool=tool)
-                done = answer if answer["changed"] else done
+                done = await paint(anna, 2, radius=1.5, tool=("erase", "paint")[i % 2])
             await asyncio.wait_for(settled(sleeper, 2, done["revision"]), 10)
             values = sleeper.frames[2].values
             assert values is not None

@@ -22,6 +22,7 @@ from tests.streaming.client import HeldFrame, Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
 
 Scenario = Callable[[], Awaitable[None]]
+RANDOM = np.random.default_rng(1)
 
 
 def run(scenario: Scenario) -> None:
@@ -34,14 +35,17 @@ def stored_values(served: Served, frame: int) -> np.ndarray[Any, Any]:
 
 
 async def paint(client: Viewer, frame: int, radius: float = 0.3, **brush: Any) -> dict[str, Any]:
-    """A whole stroke; the final answer."""
-    stroke = str(uuid.uuid4())
+    """A whole stroke somewhere where it changes something; the final answer."""
     chosen = {"label": 1, "radius": radius, **brush}
-    await client.send(type="stroke_begin", id=stroke, frame=frame, brush=chosen)
-    x = float(np.random.default_rng().uniform(-2, 2))
-    await client.send(type="stroke_samples", id=stroke, samples=[{"origin": [x, 0.0, 3.0]}])
-    await client.send(type="stroke_end", id=stroke)
-    return await client.until("stroke_result", final=True, id=stroke)
+    while True:
+        stroke = str(uuid.uuid4())
+        await client.send(type="stroke_begin", id=stroke, frame=frame, brush=chosen)
+        x, y = RANDOM.uniform(-2, 2, 2).tolist()
+        await client.send(type="stroke_samples", id=stroke, samples=[{"origin": [x, y, 3.0]}])
+        await client.send(type="stroke_end", id=stroke)
+        answer = await client.until("stroke_result", final=True, id=stroke)
+        if answer["changed"]:
+            return answer
 
 
 async def settled(client: Viewer, frame: int, revision: int) -> None:

@@ -62,4 +62,14 @@ describe('what the page holds', () => {
     // Of a frame that is not here nothing can be missed.
     expect(held.values(values(2, 12, 11))).toBe(true);
   });
+
+  it('misses nothing that the answer to a resumed connection announces', () => {
+    const held = new HeldFrames();
+    held.values(values(0, 3, null));
+    held.values(values(1, 8, null));
+    held.resumed(8);
+    // Edits 4 to 8 were of other frames: the server's delta builds on what was announced.
+    expect(held.values(values(0, 9, 7))).toBe(true);
+    expect(held.values(values(1, 12, 11))).toBe(false);
+  });
 });

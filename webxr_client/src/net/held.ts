@@ -19,6 +19,11 @@ export class HeldFrames {
     for (const frame of frames) this.frames.delete(frame);
   }
 
+  /** The server answered `open`: what changed up to this revision is on its way, without a gap. */
+  resumed(revision: number): void {
+    for (const held of this.frames.values()) held.revision = Math.max(held.revision, revision);
+  }
+
   points(message: Frame): void {
     const held = this.frames.get(message.frame);
     // What does not join on is left out by the page as well.

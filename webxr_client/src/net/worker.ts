@@ -167,6 +167,7 @@ function receive(data: ArrayBuffer): void {
     case 'sequence':
       post({ t: 'message', message });
       if (opened?.sequence !== message.id) return;
+      if (!live) held.resumed(message.revision);
       live = true;
       revision ??= message.revision;
       for (const edit of outbox.resend(message.id)) transmit(edit);

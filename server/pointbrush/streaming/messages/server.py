@@ -83,9 +83,11 @@ class Annotation(Message):
     A value is a label id, 0 unlabeled, or 65535 for a deleted point.
     whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
     delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
-    single one for all; ``base`` is the revision that last changed this frame.  Who applies all of
-    them in the order they come is always right; who holds the frame at a revision below ``base``
-    has missed something and sends ``open`` with the last revision it is sure of.
+    single one for all.  Who applies all of them in the order they come is always right.  ``base``
+    is no older than the last change of the frame and no newer than what the viewer has: who holds
+    the frame at a revision below it has missed something and sends ``open`` with the last revision
+    it is sure of.  The answer to that, ``sequence``, counts for all that is held: the deltas up to
+    its revision follow.
     """
 
     type: Literal["annotation"] = "annotation"
