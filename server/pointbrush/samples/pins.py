@@ -12,7 +12,6 @@ from pointbrush.samples.render import Solid
 from pointbrush.samples.shapes import Lathe
 from pointbrush.samples.textures import Color, Material, banded, linear
 
-LENGTH = 0.52
 BALANCE = 0.29
 """Height of the centre of mass above the knob's end, metres."""
 GRIP = 0.12 - BALANCE

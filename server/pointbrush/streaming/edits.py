@@ -132,8 +132,12 @@ class Editor:
         if isinstance(stroke, Commit):
             return
         samples = [sample.model_dump() for sample in edit.samples]
-        touched = await self._session.hub.edit(stroke.add, samples)
-        self._answer(edit.id, stroke.frame, touched, changed=stroke.changing)
+
+        def add() -> tuple[int, int]:
+            return stroke.add(samples), stroke.changing
+
+        touched, changed = await self._session.hub.edit(add)
+        self._answer(edit.id, stroke.frame, touched, changed=changed)
 
     async def _end(self, edit: messages.StrokeEnd) -> None:
         session = self._session

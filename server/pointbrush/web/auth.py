@@ -153,5 +153,4 @@ def require(role: Role) -> Callable[..., Principal]:
 
 Viewer = Annotated[Principal, Depends(require("viewer"))]
 Annotator = Annotated[Principal, Depends(require("annotator"))]
-Reviewer = Annotated[Principal, Depends(require("reviewer"))]
 Admin = Annotated[Principal, Depends(require("admin"))]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,33 +15,50 @@ LAYER_BLOCK = 65_536
 """Points whose values are looked up at once."""
 
 
+def by_block(numbers: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """The first point of each block that ``numbers`` meet, and which of them lie in it."""
+    blocks = numbers // LAYER_BLOCK
+    for block in np.unique(blocks).tolist():
+        yield block * LAYER_BLOCK, blocks == block
+
+
 class Changing:
     """Counts the points that a brush will change in one frame.
 
-    Each block of values is read once and kept for the stroke: what somebody else changes in the
-    same second shows in the commit's own count, which is exact.
+    It is done when somebody asks.  Each block of values is read once and kept for the stroke: what
+    somebody else changes in the same second shows in the commit's own count, which is exact.
     """
 
     def __init__(self, store: LabelStore, sequence: str, frame: int, brush: Stroke) -> None:
         self._store, self._sequence, self._frame, self._brush = store, sequence, frame, brush
         self._blocks: dict[int, NDArray[np.bool_]] = {}
-        self._locked = [label.id for label in store.palette(sequence) if label.locked]
-        self.count = 0
+        self._waiting: list[NDArray[np.int64]] = []
+        self._locked: list[int] | None = None
+        self._count = 0
 
     def add(self, numbers: NDArray[np.int64]) -> None:
         """Take in stored numbers that the stroke has newly touched."""
-        blocks = numbers // LAYER_BLOCK
-        for block in np.unique(blocks).tolist():
-            if block not in self._blocks:
-                values = self._store.values(
-                    self._sequence, self._frame, block * LAYER_BLOCK, LAYER_BLOCK
-                )
-                self._blocks[block] = self._changes(values)
-            mine = numbers[blocks == block] - block * LAYER_BLOCK
-            self.count += int(np.count_nonzero(self._blocks[block][mine]))
+        self._waiting.append(numbers)
+
+    def count(self) -> int:
+        """How many of the points taken in so far will change."""
+        while self._waiting:
+            numbers = self._waiting.pop()
+            for first, mine in by_block(numbers):
+                self._count += int(np.count_nonzero(self._block(first)[numbers[mine] - first]))
+        return self._count
+
+    def _block(self, first: int) -> NDArray[np.bool_]:
+        if first not in self._blocks:
+            values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)
+            self._blocks[first] = self._changes(values)
+        return self._blocks[first]
 
     def _changes(self, values: FrameValues) -> NDArray[np.bool_]:
         """Which points of a block the brush would change: the rules of ``Write``."""
+        if self._locked is None:
+            palette = self._store.palette(self._sequence)
+            self._locked = [label.id for label in palette if label.locked]
         brush, free = self._brush, ~np.isin(values.label, self._locked)
         if brush.tool == "restore":
             return np.asarray(values.deleted & free)

@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
-from pointbrush.labels.types import Only
+from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Points, Selector, Stroke
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.changing import LAYER_BLOCK, Changing
-
-PAINTED = 1
+from pointbrush.work.changing import LAYER_BLOCK, Changing, by_block
 
 
 def frame_points(frame: StoredFrame) -> Points:
@@ -86,8 +84,8 @@ class LiveStroke:
 
     @property
     def changing(self) -> int:
-        """Those of the points taken so far that the stroke will change."""
-        return self._changing.count
+        """Those of the points taken so far that the stroke will change; reads the store."""
+        return self._changing.count()
 
     def commit(self, author: str) -> Commit:
         """Write the stroke as one edit, durable when this returns."""
@@ -113,11 +111,8 @@ class LiveStroke:
     def _deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
         deleted = np.zeros(len(numbers), np.bool_)
         sequence = self._recording.manifest.id
-        blocks = numbers // LAYER_BLOCK
-        for block in np.unique(blocks):
-            first = int(block) * LAYER_BLOCK
+        for first, mine in by_block(numbers):
             values = self._store.values(sequence, self.frame, first, LAYER_BLOCK)
-            mine = blocks == block
             deleted[mine] = values.deleted[numbers[mine] - first]
         return deleted
 
