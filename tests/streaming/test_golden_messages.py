@@ -38,6 +38,7 @@ SERVER: list[m.Message] = [
     m.Welcome(viewer="v1", author="Ada", role="annotator", version="0.1.0", credits=8),
     m.SequenceInfo(
         id="juggling",
+        identity="9f86d081884c7d65",
         name="Juggling",
         frames=3,
         fps=29.97,

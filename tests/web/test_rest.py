@@ -332,9 +332,13 @@ def test_chunks_are_immutable_and_complete(api: httpx.Client) -> None:
     table = api.get("/sequences/wall/frames/0/chunks").json()
     assert sum(chunk["count"] for chunk in table["chunks"]) == table["points"] == 3000
     for chunk in table["chunks"]:
-        response = api.get(f"/sequences/wall/frames/0/chunks/{chunk['index']}")
+        url = f"/sequences/wall/frames/0/chunks/{chunk['index']}"
+        response = api.get(url, params={"identity": table["identity"]})
         assert len(response.content) == chunk["nbytes"]
         assert "immutable" in response.headers["cache-control"]
+        unnamed = api.get(url)
+        assert unnamed.content == response.content
+        assert unnamed.headers["cache-control"] == "private, no-cache"
         tag = response.headers["etag"]
         assert not tag.startswith("W/")
         again = api.get(response.request.url.path[7:], headers={"If-None-Match": tag})

@@ -60,6 +60,12 @@ class Manifest:
     created: str
 
     @property
+    def identity(self) -> str:
+        """16 hex digits that tell this import from every other, also from one of the same id."""
+        told = [self.id, self.created, self.source, self.lo, self.hi]
+        return blake2b(json.dumps(told).encode(), digest_size=8).hexdigest()
+
+    @property
     def T_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction
         """``room`` as a (4, 4) array."""
         return np.array(self.room).reshape(4, 4)

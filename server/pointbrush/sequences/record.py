@@ -95,5 +95,5 @@ def make_manifest(
         viewpoints=[record.viewpoint for record in records],
         source=source,
         large=any(record.large for record in records),
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        created=datetime.now(UTC).isoformat(timespec="microseconds"),
     )

@@ -26,7 +26,7 @@ from pointbrush.sequences.manifest import Manifest, read_manifest
 FRAMES = "frames"
 _OPEN_FRAMES = 256
 _TREE_POINTS = 6_000_000
-_trees: Cache[tuple[str, int], cKDTree[None]] = Cache(_TREE_POINTS)
+_trees: Cache[tuple[str, str, int], cKDTree[None]] = Cache(_TREE_POINTS)
 """Trees of all sequences together, bounded by their points (about 45 bytes each)."""
 
 
@@ -66,6 +66,7 @@ class StoredFrame:
 
     def __init__(self, path: Path, index: int, manifest: Manifest) -> None:
         self.index = index
+        self._identity = manifest.identity
         self.large = path.is_dir()
         self._path = path
         self._shift = np.array(manifest.shift)
@@ -237,7 +238,7 @@ class StoredFrame:
                 f"got {self.count:,} points"
             )
         return _trees.get(
-            (str(self._path), self.index),
+            (str(self._path), self._identity, self.index),
             lambda: kdtree.unpack(self._arrays, self.xyz),
             size=max(self.count, 1),
         )
@@ -249,6 +250,7 @@ class Sequence:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.manifest = read_manifest(path)
+        self.identity = self.manifest.identity
         self._frames: OrderedDict[int, StoredFrame] = OrderedDict()
         self._lock = Lock()
 

@@ -106,14 +106,14 @@ class Hub:
         """Put a viewer into a sequence's room; raises NotFoundError."""
         recording = await self.read(self.workspace.recording, sequence)
         async with self._opening:
-            room = self.rooms.get(sequence)
+            old = room = self.rooms.get(sequence)
             if room is None or room.recording is not recording:
-                room = Room(self.workspace, recording, self.cache, self.read)
-                old = self.rooms.get(sequence)
-                self.rooms[sequence] = room
+                room = self.rooms[sequence] = Room(self.workspace, recording, self.cache, self.read)
                 await room.load()
                 if old is not None:
                     room.viewers |= old.viewers
+                    # Whoever changed it may be another server, which tells nobody here.
+                    self._events.put_nowait(SequencesChanged(sequence))
         if viewer.room is not room:
             self.exit(viewer)
         room.viewers.add(viewer)

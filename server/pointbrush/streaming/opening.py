@@ -1,4 +1,4 @@
-"""What opening a sequence needs: its description, and a revision that is one of its own."""
+"""What opening a sequence needs: its description, and a past that is its own."""
 
 from __future__ import annotations
 
@@ -12,14 +12,23 @@ if TYPE_CHECKING:
     from pointbrush.streaming.hub import Hub
 
 
-async def require_known(hub: Hub, sequence: str, revision: int) -> None:
-    """Refuse a revision from another life of the database, before anything is opened.
+async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
+    """``message``, without what the viewer has of another import under the same id.
 
-    Raises BadInputError, or NotFoundError for an unknown sequence.
+    Raises BadInputError for a revision from another life of the database, before anything is
+    opened, or for held frames without one; NotFoundError for an unknown sequence.
     """
-    newest = await hub.read(hub.workspace.store.revision, sequence)
-    if revision > newest:
-        raise BadInputError(f"revision: expected at most {newest}, got {revision}")
+    recording = await hub.read(hub.workspace.recording, message.sequence)
+    if message.identity not in (None, recording.identity):
+        return message.model_copy(update={"revision": None, "held": None})
+    if message.revision is None:
+        if message.held is not None:
+            raise BadInputError("held: expected together with the revision it was held at")
+        return message
+    newest = await hub.read(hub.workspace.store.revision, message.sequence)
+    if message.revision > newest:
+        raise BadInputError(f"revision: expected at most {newest}, got {message.revision}")
+    return message
 
 
 def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
@@ -27,6 +36,7 @@ def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
     manifest = room.recording.manifest
     return messages.SequenceInfo(
         id=manifest.id,
+        identity=room.recording.identity,
         name=manifest.name,
         frames=manifest.frames,
         fps=manifest.fps,

@@ -49,6 +49,7 @@ class Room:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
         self.workspace, self.recording, self.cache, self._run = workspace, recording, cache, run
         self.id = recording.manifest.id
+        self._identity = recording.identity
         self.viewers: set[ViewerSession] = set()
         self.revision = 0
         self.palette: list[Label] = []
@@ -88,7 +89,7 @@ class Room:
 
     async def frame_message(self, frame: int, first: int, stop: int, *, final: bool) -> bytes:
         """Chunks [first, stop) of a frame, encoded."""
-        key = ("frame", self.id, frame, first, stop, final)
+        key = ("frame", self._identity, frame, first, stop, final)
 
         async def make() -> Versioned:
             return 0, await self._run(
@@ -104,7 +105,7 @@ class Room:
 
         Every commit up to that revision has been handed to the viewers' outboxes.
         """
-        key = ("values", self.id, frame, first, count)
+        key = ("values", self._identity, frame, first, count)
 
         def read() -> Versioned:
             values = self.workspace.store.values(self.id, frame, first, count)
@@ -223,7 +224,7 @@ class Room:
             )
             return revision, encode(message)
 
-        return (await self.cache.get(("labels", self.id, revision, author), make))[1]
+        return (await self.cache.get(("labels", self._identity, revision, author), make))[1]
 
     async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
         """The given cells (frame, label), or all that are not empty."""
@@ -232,7 +233,7 @@ class Room:
         async def make() -> Versioned:
             return revision, encode(self.timeline(cells))
 
-        return (await self.cache.get(("timeline", self.id, revision, cells), make))[1]
+        return (await self.cache.get(("timeline", self._identity, revision, cells), make))[1]
 
     @property
     def states_period(self) -> float:

@@ -19,7 +19,7 @@ from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, Editor
 from pointbrush.streaming.encoding import decode, encode
-from pointbrush.streaming.opening import require_known, sequence_info
+from pointbrush.streaming.opening import of_this_import, sequence_info
 from pointbrush.streaming.outbox import Outbox
 from pointbrush.streaming.plan import Plan
 from pointbrush.streaming.presence import color_of
@@ -31,6 +31,8 @@ from pointbrush.streaming.status import status_of
 if TYPE_CHECKING:
     from pointbrush.streaming.hub import Hub
 
+HEARD_A_TURN = 8
+"""Messages of one viewer that are heard in one turn of the event loop."""
 CREDITS = 8
 """Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
 
@@ -106,12 +108,15 @@ class ViewerSession:
         self.closing.set()
 
     async def _listen(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
+        heard = 0
         while (data := await receive()) is not None:
             if self._deaf:
                 continue  # not answered, so that the page sends it again to the next server
             await self.receive(data)
-            # Thousands of small messages can come in one piece: everybody's turn after each.
-            await asyncio.sleep(0)
+            heard += 1
+            if heard % HEARD_A_TURN == 0:
+                # Thousands of small messages can come in one piece: everybody's turn meanwhile.
+                await asyncio.sleep(0)
             while self.outbox.crowded:
                 # Who does not read its answers is not heard until it does.
                 await asyncio.sleep(0.05)
@@ -170,17 +175,30 @@ class ViewerSession:
         self.outbox.wake.set()
 
     async def reopen(self) -> None:
-        """The sequence's manifest changed, or the sequence has gone."""
-        if self.room is None:
+        """The sequence's manifest changed, or the sequence has gone, or is another by now."""
+        old = self.room
+        if old is None:
             return
         try:
-            self.room = await self.hub.enter(self, self.room.id)
+            self.room = room = await self.hub.enter(self, old.id)
         except PointbrushError as error:
             self.refuse(error)
             self.hub.exit(self)
             self.room = None
             return
-        self.outbox.reply(encode(sequence_info(self.room, self.plan.focus)))
+        if room is old:
+            return
+        if room.recording.identity != old.recording.identity:
+            self._begin(room, min(self.plan.focus, len(room.recording) - 1))
+            self.outbox.labels = self.outbox.all_cells = True
+        self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
+        self.outbox.wake.set()
+
+    def _begin(self, room: Room, frame: int) -> None:
+        """Nothing of the room's sequence is here yet."""
+        self.outbox.restart()
+        self.plan = Plan(len(room.recording), self.plan.link, self.plan.load, self.plan.page)
+        self.plan.focus, self.wanted, self.resumed = frame, None, False
 
     # ── messages ─────────────────────────────────────────────────────────────────────────
 
@@ -202,21 +220,16 @@ class ViewerSession:
         )
 
     async def _open(self, message: messages.Open) -> None:
-        if message.revision is not None:
-            await require_known(self.hub, message.sequence, message.revision)
-        elif message.held is not None:
-            raise BadInputError("held: expected together with the revision it was held at")
+        message = await of_this_import(self.hub, message)
         room = await self.hub.enter(self, message.sequence)
         again = self.room is room and message.revision is not None
         self.room = room
-        manifest = room.recording.manifest
-        frame = min(message.frame, manifest.frames - 1)
+        frames = len(room.recording)
+        frame = min(message.frame, frames - 1)
         if not again:
-            self.outbox.restart()
-            old = self.plan
-            self.plan = Plan(manifest.frames, old.link, load=old.load, page=old.page)
+            self._begin(room, frame)
             held = message.held or []
-            self.plan.held = {frame: chunks for frame, chunks in held if frame < manifest.frames}
+            self.plan.held = {frame: chunks for frame, chunks in held if frame < frames}
             self.resumed = message.revision is not None and message.held is None
         self.plan.focus, self.wanted = frame, None
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))

@@ -10,6 +10,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 from numpy.typing import NDArray
 
+from pointbrush.errors import NotFoundError
 from pointbrush.sequences import Chunk
 from pointbrush.streaming.messages import Uuid
 from pointbrush.web import npy
@@ -27,6 +28,7 @@ WIDEST = 8
 """Bytes a value of the widest type that is read, to say that the type is wrong."""
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
+REVALIDATED = "private, no-cache"
 
 
 @router.get(
@@ -84,7 +86,7 @@ def get_annotation(
 ) -> Response:
     """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted."""
     values, revision = workspace.annotation(seq, i, layer)
-    headers = {"ETag": etag(revision), "Cache-Control": "private, no-cache"}
+    headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
     length, pieces = npy.stream_array(values)
@@ -139,9 +141,10 @@ def put_annotation(
 @router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
 def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws, _who: Viewer) -> ChunkTable:
     """Where each wire chunk is, which points it holds and how to dequantise them."""
-    frame = workspace.recording(seq)[i]
+    recording = workspace.recording(seq)
+    frame = recording[i]
     rows = [_row(chunk) for chunk in frame.chunks]
-    return ChunkTable(frame=i, points=frame.count, chunks=rows)
+    return ChunkTable(frame=i, points=frame.count, identity=recording.identity, chunks=rows)
 
 
 def _row(chunk: Chunk) -> ChunkOut:
@@ -164,12 +167,20 @@ def get_chunk(
     request: Request,
     workspace: Ws,
     _who: Viewer,
+    identity: Annotated[
+        str | None, Query(max_length=64, description="the import's, from the table")
+    ] = None,
 ) -> Response:
-    """One chunk's bytes; they never change, so that a cache or CDN can stand in front."""
+    """One chunk's bytes.  With ``identity`` they never change: a cache or CDN can stand in front.
+
+    Without it the URL may come to mean another recording, and is asked for again each time.
+    """
     recording = workspace.recording(seq)
+    if identity not in (None, recording.identity):
+        raise NotFoundError(f"identity: expected {recording.identity}, got {identity}")
     data = recording[i].wire(c, c + 1)
-    tag = f'"{recording.manifest.created}-{i}-{c}-{len(data)}"'
-    headers = {"ETag": tag, "Cache-Control": FOREVER}
+    tag = f'"{recording.identity}-{i}-{c}"'
+    headers = {"ETag": tag, "Cache-Control": REVALIDATED if identity is None else FOREVER}
     if tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     return Response(bytes(data), media_type="application/octet-stream", headers=headers)

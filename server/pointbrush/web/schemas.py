@@ -270,6 +270,7 @@ class ChunkTable(BaseModel):
 
     frame: int
     points: int
+    identity: Annotated[str, Field(description="of the import: makes a chunk's URL its own")]
     chunks: list[ChunkOut]
 
 

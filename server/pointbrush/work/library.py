@@ -1,4 +1,4 @@
-"""The recordings of a workspace: a folder each, opened once, renamed before they are removed."""
+"""The recordings of a workspace: a folder each, kept open, renamed before they are removed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from typing import Any
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.sequences import Manifest, clean_temporary, open_sequence, update_manifest
 from pointbrush.sequences import Sequence as Recording
+
+MANIFEST = "manifest.json"
+Stamp = tuple[int, int]
+"""A file's inode and time: every change of a manifest puts a new file in its place."""
 
 
 class Library:
@@ -26,7 +30,7 @@ class Library:
                 f"workspace: expected a folder to write in, got {folder}: {error.strerror}"
             ) from None
         self._lock = threading.Lock()
-        self._open: dict[str, Recording] = {}
+        self._open: dict[str, tuple[Stamp, Recording]] = {}
         self._reserved: set[str] = set()
 
     def manifests(self) -> list[Manifest]:
@@ -34,20 +38,24 @@ class Library:
         found = [
             self.recording(path.name).manifest
             for path in self.folder.iterdir()
-            if not path.name.startswith(".") and (path / "manifest.json").is_file()
+            if not path.name.startswith(".") and (path / MANIFEST).is_file()
         ]
         return sorted(found, key=lambda manifest: manifest.name.lower())
 
     def recording(self, sequence: str) -> Recording:
         """The stored recording; raises NotFoundError."""
+        path = self.folder / sequence
+        plain = path.parent == self.folder and not sequence.startswith(".")
         with self._lock:
-            if sequence not in self._open:
-                path = self.folder / sequence
-                plain = path.parent == self.folder and not sequence.startswith(".")
-                if not plain or not (path / "manifest.json").is_file():
-                    raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
-                self._open[sequence] = open_sequence(path)
-            return self._open[sequence]
+            stamp = stamp_of(path / MANIFEST) if plain else None
+            if stamp is None:
+                self._open.pop(sequence, None)
+                raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+            known = self._open.get(sequence)
+            if known is None or known[0] != stamp:
+                # Also another server may have changed it, or put another in its place.
+                known = self._open[sequence] = (stamp, open_sequence(path))
+            return known[1]
 
     def update(self, sequence: str, **fields: Any) -> Manifest:
         """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
@@ -89,3 +97,12 @@ class Library:
         """Give a reserved id back."""
         with self._lock:
             self._reserved.discard(sequence)
+
+
+def stamp_of(path: Path) -> Stamp | None:
+    """Which state of a file this is; None when there is no such file."""
+    try:
+        found = path.stat()
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return None
+    return found.st_ino, found.st_mtime_ns

@@ -54,7 +54,7 @@ export class Detail {
     if (!info?.large || now < this.next) return;
     this.next = now + PERIOD_MS;
     const frame = state.frame.peek();
-    const key = `${info.id}/${frame}`;
+    const key = `${info.identity}/${frame}`;
     if (key !== this.key) {
       this.key = key;
       this.nodes = [];

@@ -92,8 +92,8 @@ export class Inbox {
         return;
       case 'error':
         if (message.about !== null) this.deps.strokes.drop(message.about);
-        // A recording that is not there (any more) does not stay "opening" for ever.
-        else if (state.opening.peek() !== null) actions.closeSequence();
+        // A recording that is not there (any more) stays neither "opening" nor open.
+        else if (state.opening.peek() !== null || message.status === 404) actions.closeSequence();
         // Nothing to undo is an answer, not a fault.
         notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
     }
@@ -110,7 +110,7 @@ export class Inbox {
 
   private takeSequence(info: SequenceInfo): void {
     const before = state.sequence.peek();
-    const again = before?.id === info.id && before.frames === info.frames;
+    const again = before?.id === info.id && before.identity === info.identity;
     state.sequence.value = info;
     state.opening.value = null;
     if (again) {

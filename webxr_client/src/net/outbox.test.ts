@@ -18,11 +18,11 @@ class Disk implements OutboxStorage {
 
 const brush: Brush = { label: 1, tool: 'paint', shape: 'ray', radius: 0.05 };
 
-function stroke(outbox: Outbox, id: string, sequence = 's'): void {
-  outbox.note(sequence, { type: 'stroke_begin', id, frame: 0, brush });
-  outbox.note(sequence, { type: 'stroke_samples', id, samples: [{ origin: [0, 0, 0] }] });
-  outbox.note(sequence, { type: 'stroke_samples', id, samples: [{ origin: [1, 0, 0] }] });
-  outbox.note(sequence, { type: 'stroke_end', id });
+function stroke(outbox: Outbox, id: string, recording = 's'): void {
+  outbox.note(recording, { type: 'stroke_begin', id, frame: 0, brush });
+  outbox.note(recording, { type: 'stroke_samples', id, samples: [{ origin: [0, 0, 0] }] });
+  outbox.note(recording, { type: 'stroke_samples', id, samples: [{ origin: [1, 0, 0] }] });
+  outbox.note(recording, { type: 'stroke_end', id });
 }
 
 describe('the outbox', () => {
@@ -47,6 +47,16 @@ describe('the outbox', () => {
     stroke(outbox, 'a', 'other');
     expect(outbox.resend('s')).toEqual([]);
     expect(outbox.size).toBe(1);
+  });
+
+  it('gives up the edits of a recording that is gone', () => {
+    const outbox = new Outbox(new Disk());
+    stroke(outbox, 'a');
+    stroke(outbox, 'b', 'other');
+    expect(outbox.abandon('s')).toBe(true);
+    expect(outbox.abandon('s')).toBe(false);
+    expect(outbox.resend('s')).toEqual([]);
+    expect(outbox.resend('other')).toHaveLength(3);
   });
 
   it('survives a closed page', async () => {

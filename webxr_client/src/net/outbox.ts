@@ -17,7 +17,8 @@ export type Edit = StrokeBegin | StrokeSamples | StrokeEnd | Undo | Redo | Track
 
 export interface OutboxEntry {
   readonly id: string;
-  readonly sequence: string;
+  /** The import that it edits: another recording under the same name must not get it. */
+  readonly recording: string;
   /** Time of the first message, which orders the entries. */
   readonly at: number;
   readonly first: StrokeBegin | Undo | Redo | Track;
@@ -62,7 +63,7 @@ export class Outbox {
   }
 
   /** Note an edit on its way out. */
-  note(sequence: string, message: Edit): void {
+  note(recording: string, message: Edit): void {
     if (message.type === 'stroke_samples' || message.type === 'stroke_end') {
       const entry = this.entries.get(message.id);
       if (!entry) return;
@@ -74,7 +75,7 @@ export class Outbox {
     // Two edits within a millisecond keep their order.
     this.last = Math.max(this.now(), this.last + 0.001);
     const ended = message.type !== 'stroke_begin';
-    const entry = { id: message.id, sequence, at: this.last, first: message, samples: [], ended };
+    const entry = { id: message.id, recording, at: this.last, first: message, samples: [], ended };
     this.entries.set(message.id, entry);
     this.save(entry);
   }
@@ -91,6 +92,12 @@ export class Outbox {
     return true;
   }
 
+  /** A recording is gone, and with it what its edits were about. */
+  abandon(recording: string): boolean {
+    const ids = this.of(recording).map((entry) => entry.id);
+    return ids.filter((id) => this.settle(id)).length > 0;
+  }
+
   /** A tracking run shows as a job, whose id is its own: one that runs answers the request. */
   settleTracks(): string[] {
     const ids = [...this.entries.values()]
@@ -99,11 +106,14 @@ export class Outbox {
     return ids.filter((id) => this.settle(id));
   }
 
-  /** Everything to send again after (re)opening a sequence, in order. */
-  resend(sequence: string): ClientMessage[] {
-    const entries = [...this.entries.values()].filter((entry) => entry.sequence === sequence);
-    entries.sort((a, b) => a.at - b.at);
-    return entries.flatMap(messagesOf);
+  /** Everything to send again after (re)opening a recording, in order. */
+  resend(recording: string): ClientMessage[] {
+    return this.of(recording).flatMap(messagesOf);
+  }
+
+  private of(recording: string): OutboxEntry[] {
+    const entries = [...this.entries.values()].filter((entry) => entry.recording === recording);
+    return entries.sort((a, b) => a.at - b.at);
   }
 }
 

@@ -7,6 +7,7 @@ import {
   type ClientMessage,
   type Credit,
   type Open,
+  type SequenceInfo,
   type ServerMessage,
 } from '../protocol/messages';
 import { Backoff } from './backoff';
@@ -33,6 +34,8 @@ let address = '';
 let probe = '';
 /** What is open, or to be opened once online; kept for resuming. */
 let opened: Open | null = null;
+/** The import that `opened` named when the server last answered. */
+let identity: string | null = null;
 /** The server confirmed `opened`; edits may go out. */
 let live = false;
 const held = new HeldFrames();
@@ -117,7 +120,7 @@ function reopen(): void {
   live = false;
   // One back: of the newest edit perhaps not every frame's part has come.
   if (revision === null) transmit(opened);
-  else transmit({ ...opened, revision: Math.max(0, revision - 1), held: held.list() });
+  else transmit({ ...opened, identity, revision: Math.max(0, revision - 1), held: held.list() });
 }
 
 function transmit(message: ClientMessage): void {
@@ -130,7 +133,7 @@ function transmit(message: ClientMessage): void {
 function send(message: ClientMessage): void {
   if (isEdit(message)) {
     if (begins(message)) heard += 1;
-    if (opened) outbox.note(opened.sequence, message);
+    if (identity !== null) outbox.note(identity, message);
     report();
     if (!live) return;
   }
@@ -166,16 +169,26 @@ function receive(data: ArrayBuffer): void {
       return;
     case 'sequence':
       post({ t: 'message', message });
-      if (opened?.sequence !== message.id) return;
-      if (!live) held.resumed(message.revision);
-      live = true;
-      revision ??= message.revision;
-      for (const edit of outbox.resend(message.id)) transmit(edit);
+      if (opened?.sequence === message.id) confirmed(message);
       return;
     default:
       post({ t: 'message', message });
       settleBy(message);
   }
+}
+
+function confirmed(info: SequenceInfo): void {
+  if (identity !== null && identity !== info.identity) {
+    // Another recording was imported in its place: nothing from before is of use.
+    held.clear();
+    revision = null;
+    if (outbox.abandon(identity)) report();
+  }
+  identity = info.identity;
+  if (!live) held.resumed(info.revision);
+  live = true;
+  revision ??= info.revision;
+  for (const edit of outbox.resend(identity)) transmit(edit);
 }
 
 function settleBy(message: ServerMessage): void {
@@ -229,6 +242,7 @@ async function handle(message: ToWorker): Promise<void> {
     case 'open':
       opened = message.message;
       live = false;
+      identity = null;
       revision = null;
       held.clear();
       transmit(opened);
@@ -236,6 +250,7 @@ async function handle(message: ToWorker): Promise<void> {
     case 'close':
       opened = null;
       live = false;
+      identity = null;
       return;
     case 'send':
       send(message.message);

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'e54fa171f460';
+export const SCHEMA_HASH = 'a1d4bb96bcd2';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -65,11 +65,13 @@ export interface Hello {
  *
  * ``held`` lists the frames that it still has, each with the number of chunks from the first on:
  * these are not sent again.  Without it, edits in all frames are told and points come anew.
+ * ``identity`` is the import's that both are of: another one of this name is opened from new.
  */
 export interface Open {
   type: 'open';
   sequence: string;
   frame?: number;
+  identity?: string | null;
   revision?: number | null;
   held?: [number, number][] | null;
 }
@@ -263,6 +265,7 @@ export interface Labels {
 export interface SequenceInfo {
   type: 'sequence';
   id: string;
+  identity: string;
   name: string;
   frames: number;
   fps: number;

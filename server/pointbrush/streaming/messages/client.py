@@ -35,11 +35,13 @@ class Open(Message):
 
     ``held`` lists the frames that it still has, each with the number of chunks from the first on:
     these are not sent again.  Without it, edits in all frames are told and points come anew.
+    ``identity`` is the import's that both are of: another one of this name is opened from new.
     """
 
     type: Literal["open"] = "open"
     sequence: Id
     frame: FrameIndex = 0
+    identity: Id | None = None
     revision: Count | None = None
     held: Annotated[list[Pair], Field(max_length=65536)] | None = None
 

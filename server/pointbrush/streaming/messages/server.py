@@ -41,6 +41,8 @@ class SequenceInfo(Message):
 
     type: Literal["sequence"] = "sequence"
     id: Id
+    identity: Id
+    """Of this import: what is held of another one, also under the same ``id``, is void."""
     name: str
     frames: Count
     fps: float
