@@ -123,6 +123,7 @@ def test_undo_redo_and_history(api: httpx.Client) -> None:
     assert entry["author"] == "owner"
     assert entry["frames"] == [2]
     assert entry["points"] == done["changed"]
+    assert re.fullmatch(r"paint [\d,]+ points as 'pin'", entry["summary"])
     page = api.get(f"/sequences/wall/edits?before={history[1]['revision']}&limit=1").json()
     assert page == history[2:3]
 

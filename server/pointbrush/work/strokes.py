@@ -102,8 +102,14 @@ class LiveStroke:
             author=author,
             kind=self._brush.tool,
             writes={self.frame: _write(self._brush, numbers)},
-            summary=f"{self._brush.tool} {count:,} points",
+            summary=f"{self._brush.tool} {count:,} points{self._as_what()}",
         )
+
+    def _as_what(self) -> str:
+        if self._brush.tool != "paint":
+            return ""
+        palette = self._store.palette(self._recording.manifest.id)
+        return "".join(f" as '{label.name}'" for label in palette if label.id == self._brush.label)
 
     def _alive(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
         return ~self._deleted(numbers)
