@@ -7,7 +7,7 @@ import { canEdit, state } from '../state';
 import { Button } from './controls';
 import { plural } from './format';
 import { Icon } from './icon';
-import { renaming } from './palette';
+import { renaming } from './renaming';
 import { Popover } from './popover';
 
 interface LabelMenuProps {

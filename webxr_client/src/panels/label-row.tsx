@@ -8,7 +8,7 @@ import { Button } from './controls';
 import { count, plural, shortCount } from './format';
 import { Icon } from './icon';
 import { LabelMenu } from './label-menu';
-import { renaming } from './palette';
+import { renaming } from './renaming';
 
 const NUMBER_KEYS = 9;
 

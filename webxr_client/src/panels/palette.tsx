@@ -1,5 +1,5 @@
 /** The labels, at the side. */
-import { computed, signal } from '@preact/signals';
+import { computed } from '@preact/signals';
 import { actions } from '../actions';
 import { canEdit, state } from '../state';
 import { Button } from './controls';
@@ -7,9 +7,7 @@ import { suggestColor, suggestName } from './colors';
 import { count, plural } from './format';
 import { Icon } from './icon';
 import { LabelRow } from './label-row';
-
-/** The label whose name is being typed. */
-export const renaming = signal<number | null>(null);
+import { renaming } from './renaming';
 
 export function Palette() {
   if (!state.sequence.value) return null;
