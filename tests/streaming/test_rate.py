@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pointbrush.streaming.load import Load
+from pointbrush.streaming.load import SENDS_A_TURN, Load
 from pointbrush.streaming.rate import UNLIMITED, Link, Pace, PageBudget
 
 
@@ -119,3 +121,43 @@ def test_a_busy_loop_sends_less(lag: float, busy: float) -> None:
     for _ in range(200):
         load.note(0.001, 0.1)
     assert load.share() == 1.0
+
+
+def test_points_are_sent_a_few_at_a_time_and_in_the_order_asked() -> None:
+    async def scenario() -> None:
+        load, sent = Load(), []
+
+        async def send(viewer: int) -> None:
+            await load.turn()
+            sent.append(viewer)
+
+        tasks = [asyncio.create_task(send(viewer)) for viewer in range(20)]
+        counts = []
+        while len(sent) < 20:
+            before = len(sent)
+            await asyncio.sleep(0)
+            counts.append(len(sent) - before)
+        assert max(counts) <= SENDS_A_TURN
+        assert sent == list(range(20))
+        await asyncio.gather(*tasks)
+
+    asyncio.run(scenario())
+
+
+def test_points_wait_for_an_edit_but_not_for_ever() -> None:
+    async def scenario() -> None:
+        load = Load()
+        with load.edit():
+            first = asyncio.create_task(load.turn())
+            gone = asyncio.create_task(load.turn())
+            await asyncio.sleep(0)
+            assert not first.done()
+            gone.cancel()
+            assert await first
+            held = asyncio.create_task(load.turn())
+            await asyncio.sleep(0)
+            assert not held.done()
+        assert await held
+        assert not await load.turn()
+
+    asyncio.run(scenario())

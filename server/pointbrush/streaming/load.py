@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -23,7 +24,10 @@ class Load:
 
     def __init__(self) -> None:
         self._share = 1.0
-        self._turns = asyncio.Semaphore(SENDS_A_TURN)
+        self._left = SENDS_A_TURN
+        self._waiting: deque[asyncio.Future[None]] = deque()
+        self._due = False
+        self._yielded = 0
         self._edits = 0
 
     @contextmanager
@@ -35,18 +39,41 @@ class Load:
         finally:
             self._edits -= 1
 
-    async def turn(self) -> None:
-        """Wait for a turn to send points: few in each turn of the loop.
+    async def turn(self) -> bool:
+        """Wait for a turn to send points: few in each turn of the loop.  Whether there was a wait.
 
         A send that fits the socket's buffer returns at once; a hundred of them in one turn would
         keep every stroke waiting at each of its steps.
         """
-        async with self._turns:
-            for _ in range(YIELDS):
-                if not self._edits:
-                    break
-                await asyncio.sleep(YIELD_SECONDS)
-            await asyncio.sleep(0)
+        loop = asyncio.get_running_loop()
+        if not self._due:
+            self._due = True
+            loop.call_soon(self._next_turn)
+        if self._left and not self._edits and not self._waiting:
+            self._left -= 1
+            return False
+        waiter = loop.create_future()
+        self._waiting.append(waiter)
+        await waiter
+        return True
+
+    def _next_turn(self) -> None:
+        """Let those go on who have waited longest, unless an edit is being applied."""
+        loop = asyncio.get_running_loop()
+        if self._edits and self._yielded < YIELDS:
+            self._yielded += 1
+            loop.call_later(YIELD_SECONDS, self._next_turn)
+            return
+        self._yielded = 0
+        self._left = SENDS_A_TURN
+        while self._left and self._waiting:
+            waiter = self._waiting.popleft()
+            if not waiter.done():
+                waiter.set_result(None)
+                self._left -= 1
+        self._due = self._left < SENDS_A_TURN
+        if self._due:
+            loop.call_soon(self._next_turn)
 
     def share(self) -> float:
         """Share 0..1 of what its link carries that a viewer should be sent."""

@@ -26,6 +26,8 @@ class Sender:
         self._outbox = session.outbox
         self._states_time = float("-inf")
         self._idle = True
+        self._turn = False
+        """Waited for a turn to send points, and has not used it yet."""
 
     async def run(self) -> None:
         """Send whatever there is; sleep when there is nothing."""
@@ -130,6 +132,11 @@ class Sender:
             return False
         try:
             piece = await self._next_piece(room)
+            if piece is not None and not self._turn and await session.hub.load.turn():
+                # What was most wanted before the wait may not be so any more: look again.
+                self._turn = True
+                return True
+            self._turn = False
         except UnavailableError:
             raise
         except PointbrushError as error:
@@ -197,5 +204,4 @@ class Sender:
         self._idle = False
         session.hub.metrics.frames.inc()
         session.hub.metrics.sent.inc(len(data))
-        await session.hub.load.turn()
         await session.send(data)

@@ -18,6 +18,7 @@ from pointbrush.web.app import create_app
 from pointbrush.web.patience import PatientProtocol
 from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
+from pointbrush.web.uncopied import UncopiedProtocol
 from pointbrush.workspace import Workspace
 
 DRAIN_SECONDS = 5
@@ -78,7 +79,7 @@ def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.
     return uvicorn.Config(
         app,  # type: ignore[arg-type]
         http=PatientProtocol,
-        ws="websockets-sansio",
+        ws=UncopiedProtocol,
         ws_per_message_deflate=False,
         ws_max_size=settings.max_message,
         ws_ping_interval=20,
