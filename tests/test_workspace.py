@@ -174,6 +174,26 @@ def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
     assert (label(workspace, 3)[WALL:] == 1).mean() > 0.9
 
 
+def test_a_label_ends_where_it_is_lost_unless_it_is_looked_for(workspace: Workspace) -> None:
+    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    paint(workspace, 0)
+    paint(workspace, 3, other)
+    track(workspace, labels=[1])
+    assert not (label(workspace, 4) == 1).any()
+    track(workspace, labels=[1], continue_lost=True)
+    assert (label(workspace, 4)[WALL:] == 1).mean() > 0.9
+
+
+def test_a_correction_changes_no_more_than_up_to_the_next_painted_frame(
+    workspace: Workspace,
+) -> None:
+    paint(workspace, 0)
+    paint(workspace, 3)
+    track(workspace, until_painted=True)
+    assert (label(workspace, 2)[WALL:] == 1).mean() > 0.95
+    assert not label(workspace, 4).any()
+
+
 def test_a_second_run_replaces_the_first_ones_points(workspace: Workspace) -> None:
     # A run that starts from half the ball leaves no points of the run from all of it.
     paint(workspace, 0)

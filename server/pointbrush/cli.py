@@ -63,6 +63,15 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
     track_.add_argument("--method", default="auto", help="icp, color-icp or auto")
     track_.add_argument("--overwrite", default="tracked", choices=("never", "tracked", "all"))
+    track_.add_argument(
+        "--continue-lost", action="store_true", help="look on for a label after it was lost"
+    )
+    track_.add_argument(
+        "--until-painted", action="store_true", help="end a label where it is painted again"
+    )
+    track_.add_argument(
+        "--stop-unsure", action="store_true", help="end the run where a label is doubtful"
+    )
     _settings(track_, "workspace", "database", "workers", "scheduler")
 
     export_ = _command(commands, "export", do.export, "write points with their labels")

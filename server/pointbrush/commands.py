@@ -74,6 +74,9 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             labels=labels,
             method=given.method,
             overwrite=given.overwrite,
+            continue_lost=given.continue_lost,
+            until_painted=given.until_painted,
+            stop_unsure=given.stop_unsure,
             author=AUTHOR,
         )
         result = follow(workspace, job)

@@ -307,12 +307,15 @@ class Workspace:
         method: str = "auto",
         overwrite: str = "tracked",
         continue_lost: bool = False,
+        until_painted: bool = False,
         stop_unsure: bool = False,
         edit: str | None = None,
     ) -> Job:
         """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job.
 
-        ``stop_unsure`` ends the run at the first frame that a person should look at.
+        A label ends at its first lost frame unless ``continue_lost``, and at the next frame where
+        it is painted with ``until_painted``.  ``stop_unsure`` ends the run at the first frame that
+        a person should look at.
         """
         recording = self.recording(sequence)
         tracking.require_method(method)
@@ -326,6 +329,7 @@ class Workspace:
             overwrite=overwrite,  # type: ignore[arg-type]  # checked above
             locked=locked,
             continue_lost=continue_lost,
+            until_painted=until_painted,
         )
         work = tracking.TrackingWork(
             recording.path,

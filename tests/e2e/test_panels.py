@@ -98,9 +98,12 @@ def test_a_new_label_counts_on_and_takes_another_colour(desk: Desk, server: Live
 
 
 def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServer) -> None:
-    with np.load(DATA / "0001.npz") as arrays:
-        truth = np.where(arrays["truth"] == 7, 1, 0).astype(np.uint16)
-    put(server, 1, truth)
+    for frame in (1, 3):
+        with np.load(DATA / f"{frame:04d}.npz") as arrays:
+            truth = np.where(arrays["truth"] == 7, 1, 0).astype(np.uint16)
+        put(server, frame, truth)
+    # What a file brings may be tracked over; what a person vouches for may not.
+    server.request("POST", f"sequences/{SEQUENCE}/frames/3/accept", json={"labels": [1]})
     desk.until("pb.state.timeline.value.rows.get(1)?.points[1] > 0")
     box = desk.page.get_by_role("slider", name="Playhead").bounding_box()
     assert box is not None
@@ -108,17 +111,18 @@ def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServ
     y = box["y"] + 36
     desk.page.mouse.move(left + width * 1.5 / 6, y)
     desk.page.mouse.down()
-    desk.page.mouse.move(left + width * 3.5 / 6, y, steps=4)
+    desk.page.mouse.move(left + width * 4.5 / 6, y, steps=4)
     desk.page.mouse.up()
-    desk.page.get_by_text("Frames 1 – 3").wait_for()
+    desk.page.get_by_text("Frames 1 – 4").wait_for()
     desk.page.locator(".chip").get_by_role("button", name="Track…").click()
     form = desk.page.get_by_role("dialog", name="Track labels")
     expect(form.get_by_role("spinbutton", name="From")).to_have_value("1")
-    expect(form.get_by_role("spinbutton", name="To")).to_have_value("3")
+    expect(form.get_by_role("spinbutton", name="To")).to_have_value("4")
     expect(form.get_by_role("checkbox", name="pin 1")).to_be_checked()
+    form.get_by_role("checkbox", name="Only up to the next painted frame").check()
     form.get_by_role("button", name="Track 1 label").click()
     desk.until("pb.state.jobs.value.some((job) => job.state === 'done')")
-    assert painted(server, 3, 1) > 100
+    assert painted(server, 2, 1) > 100
     assert painted(server, 4, 1) == 0
 
 

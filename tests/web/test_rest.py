@@ -449,6 +449,18 @@ def test_tracking(api: httpx.Client) -> None:
     assert all(0 <= track["confidence"] <= 1 for track in tracks)
 
 
+def test_tracking_up_to_the_next_painted_frame(api: httpx.Client) -> None:
+    label = new_label(api, "corrected")
+    for frame in (0, 1):
+        api.post(f"/sequences/wall/frames/{frame}/strokes", json=stroke(label, radius=0.5))
+    body = {"labels": [label], "start": 0, "stop": 3, "method": "icp"}
+    for until, frames in ((True, {0, 1}), (False, {0, 1, 2, 3})):
+        request = {**body, "until_painted": until, "continue_lost": True}
+        assert wait(api, api.post("/sequences/wall/tracking", json=request).json())["result"]
+        tracks = api.get("/sequences/wall/tracks").json()
+        assert {track["frame"] for track in tracks if track["label"] == label} == frames
+
+
 @pytest.mark.parametrize(
     ("change", "status"),
     [

@@ -20,6 +20,10 @@ export interface TrackRequest {
   readonly stop: number;
   readonly method: string;
   readonly overwrite: 'never' | 'tracked' | 'all';
+  /** Look for a label on after its first lost frame. */
+  readonly continue_lost?: boolean;
+  /** End a label at the next frame where it is painted. */
+  readonly until_painted?: boolean;
   /** End at the first frame that a person should look at. */
   readonly stop_unsure?: boolean;
 }

@@ -173,6 +173,8 @@ class Editor:
                 labels=edit.labels,
                 method=edit.method,
                 overwrite=edit.overwrite,
+                continue_lost=edit.continue_lost,
+                until_painted=edit.until_painted,
                 stop_unsure=edit.stop_unsure,
                 edit=edit.id,
             )

@@ -25,6 +25,8 @@ def start_tracking(
         labels=body.labels,
         method=body.method,
         overwrite=body.overwrite,
+        continue_lost=body.continue_lost,
+        until_painted=body.until_painted,
         stop_unsure=body.stop_unsure,
         edit=body.id,
     )

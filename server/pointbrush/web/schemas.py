@@ -193,13 +193,19 @@ class EditInfoOut(BaseModel):
 
 
 class TrackingBody(Body):
-    """A tracking run; ``stop`` below ``start`` tracks backward."""
+    """A tracking run; ``stop`` below ``start`` tracks backward.
+
+    A label ends at its first lost frame unless ``continue_lost``, and at the next frame where it
+    is painted with ``until_painted``; with ``stop_unsure`` the run ends where a label is doubtful.
+    """
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
     start: FrameIndex
     stop: FrameIndex
     method: Annotated[str, Field(pattern=one_of(METHODS))] = "auto"
     overwrite: Literal["never", "tracked", "all"] = "tracked"
+    continue_lost: bool = False
+    until_painted: bool = False
     stop_unsure: bool = False
     id: Uuid | None = None
 

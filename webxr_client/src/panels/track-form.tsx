@@ -4,7 +4,7 @@ import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
 import { actions, type TrackRequest } from '../actions';
 import { state } from '../state';
-import { Button, Swatch } from './controls';
+import { Button, Check, Swatch } from './controls';
 import { plural } from './format';
 import { Popover } from './popover';
 import { frameRange } from './range';
@@ -28,6 +28,8 @@ const OVERWRITE: readonly (readonly [TrackRequest['overwrite'], string])[] = [
 
 const method = signal('auto');
 const overwrite = signal<TrackRequest['overwrite']>('tracked');
+const continueLost = signal(false);
+const untilPainted = signal(false);
 
 export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> }) {
   const last = (state.sequence.value?.frames ?? 1) - 1;
@@ -44,6 +46,8 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
       stop,
       method: method.value,
       overwrite: overwrite.value,
+      continue_lost: continueLost.value,
+      until_painted: untilPainted.value,
     });
     close();
   };
@@ -103,6 +107,18 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
             ))}
           </select>
         </label>
+        <Check
+          label="Look for lost labels to the end"
+          tip="A label that is lost ends there unless this is on"
+          checked={continueLost.value}
+          onChange={(on) => (continueLost.value = on)}
+        />
+        <Check
+          label="Only up to the next painted frame"
+          tip="What comes after a frame that you painted stays as it is"
+          checked={untilPainted.value}
+          onChange={(on) => (untilPainted.value = on)}
+        />
         <div class="form-end">
           <Button label="Cancel" onClick={close} />
           <button

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'a1d4bb96bcd2';
+export const SCHEMA_HASH = '65c70290387f';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -139,6 +139,8 @@ export interface Track {
   stop: number;
   method?: string;
   overwrite?: 'never' | 'tracked' | 'all';
+  continue_lost?: boolean;
+  until_painted?: boolean;
   stop_unsure?: boolean;
 }
 

@@ -149,6 +149,10 @@ class Track(Message):
     stop: FrameIndex
     method: Annotated[str, Field(max_length=64)] = "auto"
     overwrite: Literal["never", "tracked", "all"] = "tracked"
+    continue_lost: bool = False
+    """Look for a label on after its first lost frame."""
+    until_painted: bool = False
+    """End a label at the next frame where it is painted."""
     stop_unsure: bool = False
     """End the run at the first frame where a label is found with little confidence, or lost."""
 
