@@ -6,6 +6,9 @@ import { state, type HistoryEntry } from '../state';
 import { plural } from './format';
 import { Popover } from './popover';
 
+/** Edits without frames that changed something all the same. */
+const PALETTE: ReadonlySet<string> = new Set(['label', 'undo', 'redo']);
+
 interface HistoryMenuProps {
   anchor: RefObject<HTMLElement | null>;
   onClose: () => void;
@@ -54,14 +57,14 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
       <span class="end">
         {edit.points > 0 && plural(edit.points, 'point')}
         <br />
-        {place(edit.frames)}
+        {place(edit)}
       </span>
     </button>
   );
 }
 
-function place(frames: readonly number[]): string {
-  if (frames.length === 0) return 'palette';
+function place({ frames, kind }: HistoryEntry): string {
+  if (frames.length === 0) return PALETTE.has(kind) ? 'palette' : 'nothing changed';
   const [first, last] = [Math.min(...frames), Math.max(...frames)];
   return first === last ? `frame ${first}` : `frames ${first} – ${last}`;
 }

@@ -107,18 +107,20 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
             ))}
           </select>
         </label>
-        <Check
-          label="Look for lost labels to the end"
-          tip="A label that is lost ends there unless this is on"
-          checked={continueLost.value}
-          onChange={(on) => (continueLost.value = on)}
-        />
-        <Check
-          label="Only up to the next painted frame"
-          tip="What comes after a frame that you painted stays as it is"
-          checked={untilPainted.value}
-          onChange={(on) => (untilPainted.value = on)}
-        />
+        <fieldset>
+          <Check
+            label="Look for lost labels to the end"
+            tip="A label that is lost ends there unless this is on"
+            checked={continueLost.value}
+            onChange={(on) => (continueLost.value = on)}
+          />
+          <Check
+            label="Only up to the next painted frame"
+            tip="What comes after a frame that you painted stays as it is"
+            checked={untilPainted.value}
+            onChange={(on) => (untilPainted.value = on)}
+          />
+        </fieldset>
         <div class="form-end">
           <Button label="Cancel" onClick={close} />
           <button
