@@ -53,8 +53,8 @@ for (const name of ['bufferData', 'bufferSubData']) {
 
 
 @contextmanager
-def ours(workspace: Path, prepare: str = "") -> Iterator[Tab]:
-    with pointbrush(workspace) as url, tab() as page:
+def ours(workspace: Path, prepare: str = "", *flags: str) -> Iterator[Tab]:
+    with pointbrush(workspace) as url, tab(*flags) as page:
         page.open(f"{url}/?token={TOKEN}", prepare)
         page.until(COMPLETE)
         yield page

@@ -17,11 +17,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
+from allocations import allocations
 from bench_headset import IWER, SWAY, WEAR
 from bench_page import COMPLETE, UNDRAWN
 from bench_streaming import TOKEN, kinect, pointbrush
@@ -34,12 +34,12 @@ SIZES = (217_088, 1_000_000)
 FRAMES = 3
 SECONDS = 5.0
 TURN = """
-__pointbrush.engine.viewer.ticks.add(() => {
+__pointbrush.engine.viewer.ticks.push(() => {
   __pointbrush.engine.camera.turn(1, 0);
   __pointbrush.engine.viewer.invalidate();
 })
 """
-SAMPLING_BYTES = 512
+SAMPLED = 3.0
 
 
 def recording(workspace: Path, points: int) -> None:
@@ -85,36 +85,15 @@ def rate(page: Tab) -> tuple[float, float, int]:
     return 1000 / statistics.mean(timing["interval"]), own, drawn
 
 
-def allocated(page: Tab, what: str) -> None:
-    """Bytes that a picture allocates, and where."""
-    page.call("HeapProfiler.enable")
-    page.call(
-        "HeapProfiler.startSampling",
-        samplingInterval=SAMPLING_BYTES,
-        includeObjectsCollectedByMajorGC=True,
-        includeObjectsCollectedByMinorGC=True,
-    )
-    before = page.run("__pointbrush.counters().pictures")
-    time.sleep(SECONDS)
-    pictures = page.run("__pointbrush.counters().pictures") - before
-    tree = page.call("HeapProfiler.stopSampling")["profile"]["head"]
-    ours: dict[str, int] = {}
-    for url, name, size in leaves(tree):
-        # Not the emulated headset's own, nor this benchmark's.
-        if "/assets/" in url:
-            ours[name] = ours.get(name, 0) + size
-    top = sorted(ours.items(), key=lambda item: -item[1])[:3]
-    where = ", ".join(f"{name or '(anonymous)'} {size / pictures:.0f}" for name, size in top)
-    print(f"    {what}: {sum(ours.values()) / pictures:.0f} bytes a picture ({where})")
-
-
-def leaves(node: dict[str, Any]) -> Iterator[tuple[str, str, int]]:
-    """Script, function and bytes of every place that allocates."""
-    frame = node["callFrame"]
-    if node["selfSize"]:
-        yield frame["url"], f"{frame['functionName']}:{frame['columnNumber']}", node["selfSize"]
-    for child in node["children"]:
-        yield from leaves(child)
+def report(page: Tab, what: str) -> None:
+    """Print the bytes that a picture allocates."""
+    shares = allocations(page, "__pointbrush.counters().pictures", SAMPLED)
+    sizes = [
+        f"{party} {share.objects:.0f} + {share.numbers:.0f}"
+        for party, share in shares.items()
+        if party != "emulator"
+    ]
+    print(f"    {what}: bytes a picture, objects + boxed numbers: {', '.join(sizes)}")
 
 
 def memory(page: Tab, browser: int) -> str:
@@ -158,10 +137,10 @@ def measure(points: int, *, headset: bool) -> None:
             pictures, own, _ = rate(page)
             print(f"  {place}, {points:,} points, undrawn: {pictures:.0f} pictures/s, ", end="")
             print(f"{own:.2f} ms of the page's own thread for each")
-            allocated(page, "paused")
+            report(page, "paused")
             page.run("__pointbrush.engine.playback.play()")
             time.sleep(1)
-            allocated(page, "playing from the cache")
+            report(page, "playing from the cache")
             page.run("__pointbrush.engine.playback.pause()")
             print(f"    {memory(page, browser)}")
         with page_on(workspace, headset) as (page, _):

@@ -74,14 +74,15 @@ class Tab:
 
 
 @contextmanager
-def tab(width: int = 1280, height: int = 720) -> Iterator[Tab]:
-    """A page in a browser of its own."""
+def tab(*flags: str, width: int = 1280, height: int = 720) -> Iterator[Tab]:
+    """A page in a browser of its own, which is also given ``flags``."""
     profile = Path(tempfile.mkdtemp(prefix="pointbrush-bench-"))
     process = subprocess.Popen(
         [
             EXECUTABLE,
             "--headless=new",
             *FLAGS,
+            *flags,
             f"--window-size={width},{height}",
             f"--user-data-dir={profile}",
             "--remote-debugging-port=0",

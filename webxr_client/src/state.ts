@@ -89,7 +89,6 @@ export interface TimelineRow {
 }
 
 export const CELL_STATES = ['none', 'painted', 'tracked', 'occluded', 'lost'] as const;
-export type CellState = (typeof CELL_STATES)[number];
 
 /** A new object at every change; the rows are updated in place. */
 export interface TimelineTable {

@@ -103,12 +103,12 @@ describe('the cache of frames', () => {
 
   it('finds the newest frame at or before the clock', () => {
     const store = filled(Infinity);
-    expect(store.newest({ frame: 6, direction: 1 }, true)).toBe(3);
-    expect(store.newest({ frame: 6, direction: -1 }, true)).toBe(8);
+    expect(store.newest(6, 1, true)).toBe(3);
+    expect(store.newest(6, -1, true)).toBe(8);
     const sparse = new FrameStore(10, false, Infinity);
     sparse.add(segmentOf([wall(4, 0)], { frame: 8 }));
-    expect(sparse.newest({ frame: 2, direction: 1 }, true)).toBe(8);
-    expect(sparse.newest({ frame: 2, direction: 1 }, false)).toBe(-1);
+    expect(sparse.newest(2, 1, true)).toBe(8);
+    expect(sparse.newest(2, 1, false)).toBe(-1);
   });
 
   it('tells which frames are here', () => {

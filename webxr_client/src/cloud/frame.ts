@@ -1,6 +1,7 @@
 /** A frame of points in the page's memory, and the label of each point. */
 import { boundBlocks } from './blocks';
 import type { LabelUpdate } from '../net/wire';
+import type { Shown } from '../state';
 import { spacingOf, STRIDE, type Segment, type SegmentChunk } from '../net/segment';
 
 /** The value of a deleted point on the wire. */
@@ -19,8 +20,8 @@ export interface Piece {
   readonly hi: readonly [number, number, number];
   /** 6 uint16 a point: x, y, z quantised; colours; stamp. */
   readonly words: Uint16Array<ArrayBuffer>;
-  /** The same bytes, 12 a point. */
-  readonly bytes: Uint8Array<ArrayBuffer>;
+  /** All bytes of the segment, 12 a point; this piece's begin at `words.byteOffset`. */
+  readonly segment: Uint8Array<ArrayBuffer>;
   /** Bounds of each 256 points; made when a ray or a brush first comes near. */
   blocks: Uint16Array | null;
   /** One id a point; null while all are 0. */
@@ -49,6 +50,9 @@ export class CloudFrame {
   labelsVersion = 0;
   readonly overlays = new Map<string, Overlay>();
   private readonly buffers: ArrayBuffer[] = [];
+  /** What `shown` said last, and the versions then. */
+  private said: Shown | null = null;
+  private saidVersion = -1;
   /** Label values that came before their points. */
   private early: LabelUpdate[] = [];
 
@@ -66,7 +70,8 @@ export class CloudFrame {
     const chunks = segment.chunks.filter((chunk) => !this.has(chunk));
     this.total = segment.total;
     if (!this.large && chunks.length > 0 && chunks[0]!.first !== this.loaded) return false;
-    for (const chunk of chunks) this.addPiece(segment, chunk);
+    const bytes = new Uint8Array(segment.vertices);
+    for (const chunk of chunks) this.addPiece(bytes, chunk);
     this.complete ||= segment.final && (this.large || this.loaded === this.total);
     if (chunks.length === 0) return false;
     this.buffers.push(segment.vertices);
@@ -80,11 +85,9 @@ export class CloudFrame {
     return this.pieces.some((piece) => piece.index === chunk.index);
   }
 
-  private addPiece(segment: Segment, chunk: SegmentChunk): void {
-    const at = chunk.start * STRIDE;
+  private addPiece(segment: Uint8Array<ArrayBuffer>, chunk: SegmentChunk): void {
     const { index, level, first, count, origin, scale, lo, hi } = chunk;
-    const words = new Uint16Array(segment.vertices, at, count * 6);
-    const bytes = new Uint8Array(segment.vertices, at, count * STRIDE);
+    const words = new Uint16Array(segment.buffer, chunk.start * STRIDE, count * 6);
     const piece: Piece = {
       index,
       level,
@@ -95,7 +98,7 @@ export class CloudFrame {
       lo,
       hi,
       words,
-      bytes,
+      segment,
       blocks: null,
       labels: null,
       labelsVersion: 0,
@@ -157,6 +160,44 @@ export class CloudFrame {
   private applyTo(piece: Piece, update: LabelUpdate): void {
     if (update.base === null) applyRuns(piece, update);
     else applyDelta(piece, update.lengths, update.values);
+  }
+
+  /** What to tell of it while it is on screen; another object after each change, and only then. */
+  get shown(): Shown {
+    const { index, loaded, total, version } = this;
+    if (!this.said || this.saidVersion !== version) {
+      this.said = { frame: index, points: loaded, total };
+      this.saidVersion = version;
+    }
+    return this.said;
+  }
+
+  /** Another number after each change of points or labels. */
+  get version(): number {
+    return this.labelsVersion * 4096 + this.pointsVersion;
+  }
+
+  /** Whether nothing has a label, as shown. */
+  get blank(): boolean {
+    if (this.overlays.size > 0) return false;
+    for (let i = 0; i < this.pieces.length; i++) if (this.pieces[i]!.labels) return false;
+    return true;
+  }
+
+  /** Write the labels as shown of the first `count` points into `out`. */
+  gatherLabels(out: Uint16Array, count = this.loaded): void {
+    for (let i = 0; i < this.pieces.length; i++) {
+      const { labels, first, count: points } = this.pieces[i]!;
+      if (first + points > count) continue;
+      if (labels) out.set(labels, first);
+      else out.fill(0, first, first + points);
+    }
+    if (this.overlays.size === 0) return;
+    for (const { indices, values } of this.overlays.values()) {
+      const single = values.length === 1;
+      const stop = lowerBound(indices, count);
+      for (let i = 0; i < stop; i++) out[indices[i]!] = values[single ? 0 : i]!;
+    }
   }
 
   /** Number of the first piece that begins after `number`. */
@@ -277,7 +318,10 @@ export function blocksOf(piece: Piece): Uint16Array {
 /** How much denser the frame's first `shown` points are than the piece's level: scales its spacing. */
 export function densityFactor(frame: CloudFrame, piece: Piece, shown = frame.loaded): number {
   let level = 0;
-  for (const other of frame.pieces) if (other.level === piece.level) level += other.count;
+  const { pieces } = frame;
+  for (let i = 0; i < pieces.length; i++) {
+    if (pieces[i]!.level === piece.level) level += pieces[i]!.count;
+  }
   return Math.sqrt(Math.min(1, level / Math.max(1, shown)));
 }
 

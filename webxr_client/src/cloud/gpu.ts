@@ -2,6 +2,7 @@
 import { BufferGeometry, GLBufferAttribute, InterleavedBufferAttribute, Sphere } from 'three';
 import type { InterleavedBuffer } from 'three';
 import { STRIDE } from '../net/segment';
+import type { Piece } from './frame';
 
 /** Vertices (12 bytes) and labels (uint16) of up to `capacity` points. */
 export class PointBuffers {
@@ -24,10 +25,12 @@ export class PointBuffers {
     return buffer;
   }
 
-  writeVertices(first: number, bytes: Uint8Array): void {
+  /** `count` points, from a piece on; those of its segment lie together. */
+  writeVertices(first: number, { segment, words }: Piece, count: number): void {
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);
-    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, bytes);
+    const { byteOffset } = words;
+    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, segment, byteOffset, count * STRIDE);
   }
 
   /** The first `count` values, to the start of the labels. */

@@ -30,7 +30,7 @@ class Page {
   }
 
   load(piece: Piece): void {
-    this.buffers.writeVertices(0, piece.bytes);
+    this.buffers.writeVertices(0, piece, piece.count);
     const sphere = this.points.geometry.boundingSphere!;
     sphere.center.fromArray(piece.lo).add(corner.fromArray(piece.hi)).multiplyScalar(0.5);
     sphere.radius = sphere.center.distanceTo(corner);

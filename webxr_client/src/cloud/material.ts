@@ -82,7 +82,8 @@ export class ChunkTable {
 
   /** `shown`: points of the frame that are drawn. */
   set(frame: CloudFrame, shown: number): void {
-    for (const piece of frame.pieces) {
+    for (let i = 0; i < frame.pieces.length; i++) {
+      const piece = frame.pieces[i]!;
       const at = (piece.index % MAX_CHUNKS) * 8;
       this.data.set(piece.origin, at);
       this.data[at + 3] = densityFactor(frame, piece, shown);

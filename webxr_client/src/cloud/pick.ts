@@ -23,7 +23,7 @@ export function firstHit(
   origin: Vec,
   direction: Vec,
   radius: number,
-  visible: (label: number) => boolean = (label) => label !== DELETED,
+  visible: (label: number) => boolean = notDeleted,
 ): Hit | null {
   let near = Infinity;
   let nearPoint = -1;
@@ -31,7 +31,8 @@ export function firstHit(
   let widePoint = -1;
   const [ox, oy, oz] = origin;
   const [dx, dy, dz] = direction;
-  for (const piece of frame.pieces) {
+  for (let at = 0; at < frame.pieces.length; at++) {
+    const piece = frame.pieces[at]!;
     if (!rayMeets(origin, direction, piece.lo, piece.hi, radius)) continue;
     const factor = densityFactor(frame, piece);
     const { words } = piece;
@@ -69,6 +70,10 @@ export function firstHit(
     point,
     position: [ox + dx * distance, oy + dy * distance, oz + dz * distance],
   };
+}
+
+function notDeleted(label: number): boolean {
+  return label !== DELETED;
 }
 
 /** Call `found` with each point within `radius` of the segment from `a` to `b`. */

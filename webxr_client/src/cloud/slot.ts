@@ -1,9 +1,8 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
 import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { DELETED, lowerBound, pointsWithin, type CloudFrame } from './frame';
+import { DELETED, pointsWithin, type CloudFrame } from './frame';
 import { PointBuffers } from './gpu';
-import { STRIDE } from '../net/segment';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 
 export class Slot {
@@ -53,14 +52,14 @@ export class Slot {
   private uploadPoints(frame: CloudFrame): void {
     const { pieces } = frame;
     for (let i = 0; i < pieces.length; i++) {
-      const { first, bytes } = pieces[i]!;
+      const piece = pieces[i]!;
+      const { first, segment } = piece;
       if (first < this.uploaded) continue;
       // What came in one message lies together, and goes over in one piece.
-      let { count } = pieces[i]!;
-      while (pieces[i + 1]?.bytes.buffer === bytes.buffer) count += pieces[++i]!.count;
+      let { count } = piece;
+      while (pieces[i + 1]?.segment === segment) count += pieces[++i]!.count;
       if (first + count > this.capacity) break;
-      const whole = new Uint8Array(bytes.buffer, bytes.byteOffset, count * STRIDE);
-      this.buffers.writeVertices(first, whole);
+      this.buffers.writeVertices(first, piece, count);
       this.uploaded = first + count;
     }
     this.cut(frame);
@@ -86,18 +85,9 @@ export class Slot {
   private uploadLabels(frame: CloudFrame): void {
     const { shown } = this;
     this.labelsVersion = frame.labelsVersion;
-    const plain = frame.overlays.size === 0 && frame.pieces.every((piece) => !piece.labels);
+    const plain = frame.blank;
     if (plain && this.blank) return;
-    for (const piece of frame.pieces) {
-      if (piece.first + piece.count > this.capacity) continue;
-      if (piece.labels) shown.set(piece.labels, piece.first);
-      else shown.fill(0, piece.first, piece.first + piece.count);
-    }
-    for (const { indices, values } of frame.overlays.values()) {
-      const single = values.length === 1;
-      const stop = lowerBound(indices, this.uploaded);
-      for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
-    }
+    frame.gatherLabels(shown, this.uploaded);
     // Blank once is blank for every frame without labels: nothing more goes over.
     if (plain) shown.fill(0);
     this.buffers.writeLabels(shown, plain ? this.capacity : this.uploaded);

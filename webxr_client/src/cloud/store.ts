@@ -101,9 +101,9 @@ export class FrameStore {
   }
 
   /** Newest frame here at or before the clock in the direction of play; −1 when none is. */
-  newest(playhead: Playhead, loop: boolean): number {
+  newest(head: number, direction: number, loop: boolean): number {
     for (let back = 0; back < this.length; back++) {
-      let index = playhead.frame - back * playhead.direction;
+      let index = head - back * direction;
       if (index < 0 || index >= this.length) {
         if (!loop) return -1;
         index = ((index % this.length) + this.length) % this.length;

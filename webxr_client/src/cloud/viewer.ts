@@ -31,7 +31,7 @@ export class Viewer {
   /** Counts what asked for a picture. */
   changes = 0;
   /** Called before each picture, in order. */
-  readonly ticks = new Set<Tick>();
+  readonly ticks: Tick[] = [];
   /** CPU milliseconds: our own work before a picture, and three's to issue it. */
   readonly workMs = new Timing();
   readonly drawMs = new Timing();
@@ -216,8 +216,9 @@ export class Viewer {
   }
 
   private slotFor(frame: CloudFrame): Slot | undefined {
-    const holder = this.slots.find((slot) => slot.frame === frame);
-    if (holder) return holder;
+    for (let i = 0; i < this.slots.length; i++) {
+      if (this.slots[i]!.frame === frame) return this.slots[i];
+    }
     // The one after the current was shown longest ago.
     const at = this.current ? this.slots.indexOf(this.current) : -1;
     return this.slots[(at + 1) % this.slots.length];
@@ -235,7 +236,7 @@ export class Viewer {
 
   private tick(now: number, frame: XRFrame | undefined): void {
     const started = performance.now();
-    for (const run of this.ticks) run(now, frame);
+    for (let i = 0; i < this.ticks.length; i++) this.ticks[i]!(now, frame);
     const worked = performance.now();
     const presenting = this.renderer.xr.isPresenting;
     if (!this.dirty && !presenting) {

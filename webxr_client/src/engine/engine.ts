@@ -10,8 +10,9 @@ import { DeskPointer } from '../desktop/pointer';
 import { DeskPresence } from '../desktop/presence';
 import { Link } from '../net/link';
 import type { Brush } from '../protocol/messages';
-import { dismiss, state } from '../state';
+import { dismiss, state, type Shown } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
+import { watch } from '../watch';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { Inbox } from './inbox';
@@ -34,6 +35,8 @@ export class Engine {
   private readonly detail: Detail;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
+  /** What was on screen when the mouse last looked. */
+  private seen: Shown | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
     this.viewer = new Viewer(canvas);
@@ -64,7 +67,7 @@ export class Engine {
   }
 
   start(): void {
-    this.viewer.ticks.add((now) => this.tick(now));
+    this.viewer.ticks.push((now) => this.tick(now));
     this.viewer.start();
     this.link.connect();
   }
@@ -85,7 +88,9 @@ export class Engine {
     this.detail.update(now, isPresenting ? this.pacing.points : Infinity);
     if (isPresenting) return;
     if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
-    if (this.camera.update(now)) {
+    const shown = state.shown.peek();
+    if (this.camera.update(now) || shown !== this.seen) {
+      this.seen = shown;
       this.pointer.refresh();
       this.viewer.invalidate();
     }
@@ -103,10 +108,8 @@ export class Engine {
     effect(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
-    effect(() => {
-      brushInputs();
-      this.pointer.refresh();
-    });
+    const { tool, brush, activeLabel, palette } = state;
+    watch([tool, brush, activeLabel, palette], () => this.pointer.refresh());
   }
 
   // ── actions ────────────────────────────────────────────────────────────────────────────────
@@ -184,10 +187,4 @@ export class Engine {
     state.undo.value = state.redo.value = null;
     state.history.value = [];
   }
-}
-
-/** What decides how the brush looks where it is: read, so that an effect follows it. */
-function brushInputs(): readonly unknown[] {
-  const { tool, brush, activeLabel, palette, shown } = state;
-  return [tool.value, brush.value, activeLabel.value, palette.value, shown.value];
 }

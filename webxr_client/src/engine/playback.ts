@@ -144,11 +144,13 @@ export class Playback {
     this.link.recycle(this.store.dropChunks(frame, chunks));
   }
 
-  /** Drop a frame from the cache; the server is told. */
-  forget(frame: CloudFrame): void {
-    this.link.send({ type: 'forget', frames: [frame.index] });
-    this.store.drop(frame);
-    this.link.recycle(frame.release());
+  /** Drop frames from the cache; the server is told. */
+  forget(frames: readonly CloudFrame[]): void {
+    this.link.send({ type: 'forget', frames: frames.map((frame) => frame.index) });
+    for (const frame of frames) {
+      this.store.drop(frame);
+      this.link.recycle(frame.release());
+    }
   }
 
   // ── before each picture ────────────────────────────────────────────────────────────────────
@@ -173,8 +175,9 @@ export class Playback {
   private sync(): void {
     if (!this.info) return;
     const playing = state.playing.peek();
-    const head = { frame: state.frame.peek(), direction: playing ? this.clock.direction : 1 };
-    const index = playing ? this.store.newest(head, state.loop.peek()) : head.frame;
+    const head = state.frame.peek();
+    const direction = playing ? this.clock.direction : 1;
+    const index = playing ? this.store.newest(head, direction, state.loop.peek()) : head;
     const frame = this.store.get(index);
     if (!frame || frame.loaded === 0) return;
     const changed =
@@ -186,12 +189,12 @@ export class Playback {
       this.shownVersion = frame.pointsVersion;
       this.shownLabels = frame.labelsVersion;
       this.viewer.show(frame);
-      state.shown.value = { frame: frame.index, points: frame.loaded, total: frame.total };
+      state.shown.value = frame.shown;
       return;
     }
     // The picture stands: time to bring the next frame over.
     if (playing) {
-      const next = this.store.get((index + head.direction + this.store.length) % this.store.length);
+      const next = this.store.get((index + direction + this.store.length) % this.store.length);
       if (next && next.loaded > 0) this.viewer.prepare(next);
     }
   }

@@ -4,9 +4,12 @@ import { begins } from './outbox';
 import type { FromWorker, Pace, ToWorker } from './wire';
 
 const MOST_FREE = 4;
+const NOTHING: Transferable[] = [];
 
 export class Link {
   private readonly free: ArrayBuffer[] = [];
+  /** Used again and again: what is posted is copied at once. */
+  private sent: { t: 'send'; message: ClientMessage } | null = null;
   private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), {
     type: 'module',
     name: 'pointbrush-net',
@@ -29,7 +32,9 @@ export class Link {
   }
 
   send(message: ClientMessage): void {
-    this.post({ t: 'send', message });
+    if (this.sent) this.sent.message = message;
+    else this.sent = { t: 'send', message };
+    this.post(this.sent);
     if (!begins(message)) return;
     this.begun += 1;
     this.reportPending();
@@ -75,7 +80,7 @@ export class Link {
     this.listen({ t: 'pending', count, heard: this.begun });
   }
 
-  private post(message: ToWorker, transfer: Transferable[] = []): void {
+  private post(message: ToWorker, transfer: Transferable[] = NOTHING): void {
     this.worker.postMessage(message, transfer);
   }
 }

@@ -1,5 +1,5 @@
 /** An upright box round each labelled object of the frame on screen. */
-import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, Matrix4, MeshBasicMaterial, type Object3D } from 'three'; // prettier-ignore
+import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Object3D } from 'three'; // prettier-ignore
 import { colorOf, isShown } from './shown';
 import { at, BOX, HALF, type Summary } from './summary';
 
@@ -16,7 +16,6 @@ export class Boxes {
   /** Boxes on screen. */
   count = 0;
   readonly mesh: InstancedMesh<BoxGeometry, MeshBasicMaterial>;
-  private readonly matrix = new Matrix4();
   /** Of an edge, along the box's axes. */
   private readonly middle = new Float64Array(3);
   private readonly size = new Float64Array(3);
@@ -45,8 +44,7 @@ export class Boxes {
       this.count += 1;
       const color = colorOf(label);
       for (let edge = 0; edge < EDGES; edge++, bars++) {
-        this.place(summary, slot, edge);
-        this.mesh.setMatrixAt(bars, this.matrix);
+        this.place(summary, slot, edge, 16 * bars);
         this.mesh.setColorAt(bars, color);
       }
     }
@@ -56,8 +54,8 @@ export class Boxes {
     this.mesh.instanceColor!.needsUpdate = true;
   }
 
-  /** One edge as a stretched cube: four along each axis. */
-  private place({ values, yaw }: Summary, slot: number, edge: number): void {
+  /** One edge as a stretched cube, its matrix at `to`: four edges along each axis. */
+  private place({ values, yaw }: Summary, slot: number, edge: number, to: number): void {
     const { middle, size } = this;
     const along = edge >> 2;
     for (let axis = 0; axis < 3; axis++) {
@@ -70,17 +68,18 @@ export class Boxes {
     const cos = Math.cos(yaw[slot]!);
     const sin = Math.sin(yaw[slot]!);
     const u = middle[0]!;
-    const y = middle[1]!;
     const v = middle[2]!;
-    const a = size[0]!;
-    const b = size[1]!;
-    const c = size[2]!;
-    this.matrix.set(
-      cos * a, 0, sin * c, values[at(slot, BOX)]! + cos * u + sin * v,
-      0, b, 0, values[at(slot, BOX + 1)]! + y,
-      -sin * a, 0, cos * c, values[at(slot, BOX + 2)]! - sin * u + cos * v,
-      0, 0, 0, 1,
-    ); // prettier-ignore
+    // Column by column; the numbers that stay zero are written nowhere.
+    const m = this.mesh.instanceMatrix.array;
+    m[to] = cos * size[0]!;
+    m[to + 2] = -sin * size[0]!;
+    m[to + 5] = size[1]!;
+    m[to + 8] = sin * size[2]!;
+    m[to + 10] = cos * size[2]!;
+    m[to + 12] = values[at(slot, BOX)]! + cos * u + sin * v;
+    m[to + 13] = values[at(slot, BOX + 1)]! + middle[1]!;
+    m[to + 14] = values[at(slot, BOX + 2)]! - sin * u + cos * v;
+    m[to + 15] = 1;
   }
 
   dispose(): void {

@@ -1,8 +1,8 @@
 /** What is drawn over the recording, at the desk and in the headset: boxes, trails, a ghost. */
-import { watch } from '../xr/watch';
 import type { CloudFrame } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
 import { state } from '../state';
+import { watch } from '../watch';
 import { Boxes } from './boxes';
 import { Ghost } from './ghost';
 import { Summaries, type Summary } from './summary';
@@ -99,7 +99,7 @@ export class Overlays {
   /** The frame that one has just come from. */
   private haunt(on: boolean): void {
     const frame = on ? (this.engine.playback.store.get(this.head - this.direction) ?? null) : null;
-    const version = frame ? frame.labelsVersion * 4096 + frame.pointsVersion : -1;
+    const version = frame?.version ?? -1;
     if (!this.dirty && frame === this.ghostOf && version === this.ghostVersion) return;
     this.ghostOf = frame;
     this.ghostVersion = version;
@@ -112,6 +112,6 @@ export class Overlays {
 /** Wire the overlays to the engine. */
 export function installOverlays(engine: Engine): Overlays {
   const overlays = new Overlays(engine);
-  engine.viewer.ticks.add((now) => overlays.update(now));
+  engine.viewer.ticks.push((now) => overlays.update(now));
   return overlays;
 }

@@ -1,6 +1,6 @@
 /** Where each label is in a frame: the middle of its points, and an upright box round them. */
 import { Matrix4 } from 'three';
-import { DELETED, lowerBound, type CloudFrame, type Piece } from '../cloud/frame';
+import { DELETED, type CloudFrame, type Piece } from '../cloud/frame';
 
 /** Numbers kept for each label. */
 const FIELDS = 9;
@@ -60,7 +60,7 @@ export class Summaries {
   of(frame: CloudFrame, room: Matrix4, now: number): Summary {
     let summary = this.known.get(frame);
     if (!summary) this.known.set(frame, (summary = new Summary()));
-    const versions = versionsOf(frame);
+    const versions = frame.version;
     if (summary.versions === versions || now - summary.time < EVERY_MS) return summary;
     summary.versions = versions;
     summary.time = now;
@@ -71,7 +71,7 @@ export class Summaries {
 
   /** Whether `of` would have to look at the frame. */
   stale(frame: CloudFrame): boolean {
-    return this.known.get(frame)?.versions !== versionsOf(frame);
+    return this.known.get(frame)?.versions !== frame.version;
   }
 
   /** What was last known of a frame. */
@@ -82,10 +82,10 @@ export class Summaries {
   private look(frame: CloudFrame, room: Matrix4, out: Summary): void {
     out.labels.length = 0;
     out.count.length = 0;
-    if (frame.overlays.size === 0 && frame.pieces.every((piece) => !piece.labels)) return;
+    if (frame.blank) return;
     const { scratch } = this;
     scratch.reserve(frame.loaded);
-    gather(frame, scratch.shown);
+    frame.gatherLabels(scratch.shown);
     for (const piece of frame.pieces) this.addUp(piece, room, out);
     turn(scratch, out);
     bound(scratch, out);
@@ -131,19 +131,6 @@ export class Summaries {
   }
 }
 
-/** The labels of a frame as shown, in stored order. */
-function gather(frame: CloudFrame, shown: Uint16Array): void {
-  for (const { labels, first, count } of frame.pieces) {
-    if (labels) shown.set(labels, first);
-    else shown.fill(0, first, first + count);
-  }
-  for (const { indices, values } of frame.overlays.values()) {
-    const single = values.length === 1;
-    const stop = lowerBound(indices, frame.loaded);
-    for (let i = 0; i < stop; i++) shown[indices[i]!] = values[single ? 0 : i]!;
-  }
-}
-
 /** Extents along each label's own axes. */
 function bound({ bounds, places, owners, points }: Scratch, out: Summary): void {
   for (let at = 0; at < 6 * out.labels.length; at += 2) {
@@ -167,10 +154,6 @@ function bound({ bounds, places, owners, points }: Scratch, out: Summary): void 
     if (v < bounds[at + 4]!) bounds[at + 4] = v;
     if (v > bounds[at + 5]!) bounds[at + 5] = v;
   }
-}
-
-function versionsOf(frame: CloudFrame): number {
-  return frame.labelsVersion * 4096 + frame.pointsVersion;
 }
 
 /** From a piece's quantised coordinates to the room: three rows of four. */

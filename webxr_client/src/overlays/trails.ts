@@ -12,22 +12,46 @@ const DOT = 0.02;
 /** Missing frames that the line still bridges. */
 const BRIDGE = 3;
 
+/** An attribute of which the first values go to the GPU; three.js would make a range each time. */
+class Prefix extends BufferAttribute {
+  private readonly range = { start: 0, count: 0 };
+
+  constructor(size: number, most: number) {
+    super(new Float32Array(size * most), size);
+    this.setUsage(DynamicDrawUsage);
+    this.updateRanges.push(this.range);
+  }
+
+  renew(count: number): void {
+    this.range.count = count * this.itemSize;
+    this.needsUpdate = true;
+  }
+
+  /** Called after each upload: the range is used again. */
+  override clearUpdateRanges(): void {
+    return;
+  }
+}
+
 /** Places with colours, some of which are on screen. */
 class Vertices {
   readonly geometry = new BufferGeometry();
-  private readonly places: BufferAttribute;
-  private readonly colors: BufferAttribute;
+  private readonly places: Prefix;
+  private readonly colors: Prefix;
 
   constructor(readonly most: number) {
-    const array = (size: number): BufferAttribute =>
-      new BufferAttribute(new Float32Array(size * most), size).setUsage(DynamicDrawUsage);
-    this.geometry.setAttribute('position', (this.places = array(3)));
-    this.geometry.setAttribute('color', (this.colors = array(4)));
+    this.geometry.setAttribute('position', (this.places = new Prefix(3, most)));
+    this.geometry.setAttribute('color', (this.colors = new Prefix(4, most)));
   }
 
   set(index: number, values: Float32Array, from: number, color: Color, alpha: number): void {
-    this.places.setXYZ(index, values[from]!, values[from + 1]!, values[from + 2]!);
-    this.colors.setXYZW(index, color.r, color.g, color.b, alpha);
+    const places = this.places.array;
+    const colors = this.colors.array;
+    for (let k = 0; k < 3; k++) places[3 * index + k] = values[from + k]!;
+    colors[4 * index] = color.r;
+    colors[4 * index + 1] = color.g;
+    colors[4 * index + 2] = color.b;
+    colors[4 * index + 3] = alpha;
   }
 
   copy(index: number, other: Vertices, from: number): void {
@@ -39,11 +63,8 @@ class Vertices {
   reveal(object: Object3D, count: number): void {
     object.visible = count > 0;
     this.geometry.setDrawRange(0, count);
-    for (const attribute of [this.places, this.colors]) {
-      attribute.clearUpdateRanges();
-      attribute.addUpdateRange(0, count * attribute.itemSize);
-      attribute.needsUpdate = true;
-    }
+    this.places.renew(count);
+    this.colors.renew(count);
   }
 }
 
@@ -86,7 +107,8 @@ export class Trails {
     const last = Math.min(frames - 1, head + REACH);
     let count = 0;
     let joined = 0;
-    for (const { id: label } of labels) {
+    for (let i = 0; i < labels.length; i++) {
+      const label = labels[i]!.id;
       if (!isShown(label)) continue;
       const color = colorOf(label);
       let before = -Infinity;

@@ -117,7 +117,14 @@ function BrushOptions() {
 
 const overlaysOpen = signal(false);
 
-/** Boxes, trails and the ghost: what is drawn over the recording. */
+/** What is drawn over the recording: the setting, its name, what it is for. */
+const OVERLAYS: readonly (readonly ['boxes' | 'trails' | 'ghost' | 'eyeDome', string, string])[] = [
+  ['boxes', 'Boxes', 'A box round each labelled object'],
+  ['trails', 'Trails', 'The ways of the objects through the frames near this one'],
+  ['ghost', 'Ghost of the frame before', 'Where the objects were a frame before, faintly'],
+  ['eyeDome', 'Depth shading', 'Darken edges in depth, so that shapes stand out'],
+];
+
 function OverlayOptions() {
   const anchor = useRef<HTMLButtonElement>(null);
   const view = state.view.value;
@@ -137,30 +144,15 @@ function OverlayOptions() {
           onClose={() => (overlaysOpen.value = false)}
           class="overlays"
         >
-          <Check
-            label="Boxes"
-            tip="A box round each labelled object"
-            checked={view.boxes}
-            onChange={(boxes) => actions.setView({ boxes })}
-          />
-          <Check
-            label="Trails"
-            tip="The ways of the objects through the frames near this one"
-            checked={view.trails}
-            onChange={(trails) => actions.setView({ trails })}
-          />
-          <Check
-            label="Ghost of the frame before"
-            tip="Where the objects were a frame before, faintly"
-            checked={view.ghost}
-            onChange={(ghost) => actions.setView({ ghost })}
-          />
-          <Check
-            label="Depth shading"
-            tip="Darken edges in depth, so that shapes stand out"
-            checked={view.eyeDome}
-            onChange={(eyeDome) => actions.setView({ eyeDome })}
-          />
+          {OVERLAYS.map(([name, label, tip]) => (
+            <Check
+              key={name}
+              label={label}
+              tip={tip}
+              checked={view[name]}
+              onChange={(on) => actions.setView({ [name]: on })}
+            />
+          ))}
         </Popover>
       )}
     </>

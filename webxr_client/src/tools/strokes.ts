@@ -108,6 +108,7 @@ export class Strokes {
 
   /** Once per picture. */
   flush(): void {
+    if (this.live.size === 0) return;
     for (const stroke of this.live) stroke.flush();
   }
 

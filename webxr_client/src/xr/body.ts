@@ -69,7 +69,8 @@ export class Body {
     let nearest: Panel | null = null;
     let distance = Infinity;
     const free = hand.tracked && !painter?.painting;
-    for (const panel of panels) {
+    for (let i = 0; i < panels.length; i++) {
+      const panel = panels[i]!;
       if (!free || (held && panel !== held)) continue;
       const away = panel.meet(hand.origin, hand.direction);
       if (away < 0 || away >= distance) continue;

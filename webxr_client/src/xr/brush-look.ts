@@ -17,8 +17,9 @@ export class BrushLook {
   readonly ball: Mesh<SphereGeometry, MeshBasicMaterial>;
   /** Metres of ray to show, or −1. */
   reach = -1;
-  private readonly local = new Vector3();
-  private readonly aim = new Vector3();
+  private readonly local: [number, number, number] = [0, 0, 0];
+  private readonly aim: [number, number, number] = [0, 0, 0];
+  private readonly scratch = new Vector3();
   private readonly color = new Color();
   private shownColor = '';
   private last = 0;
@@ -91,9 +92,10 @@ export class BrushLook {
   hit(hand: Hand, radius: number): Hit | null {
     const frame = this.engine.playback.frame;
     if (!frame) return null;
-    this.place.toLocal(hand.origin, this.local);
-    this.place.directionToLocal(hand.direction, this.aim);
-    return firstHit(frame, this.local.toArray(), this.aim.toArray(), radius);
+    const { local, aim, place, scratch } = this;
+    place.toLocal(hand.origin, scratch).toArray(local);
+    place.directionToLocal(hand.direction, scratch).toArray(aim);
+    return firstHit(frame, local, aim, radius);
   }
 
   private newColor(): string | null {

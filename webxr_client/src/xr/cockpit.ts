@@ -18,6 +18,7 @@ import { Painter } from './painter';
 import { PalettePanel } from './palette-panel';
 import type { Panel } from './panel';
 import { Place } from './place';
+import type { Poses } from './poses';
 import { Presence } from './presence';
 import { Pulse } from './pulse';
 import { Rig } from './rig';
@@ -56,6 +57,7 @@ export class Cockpit {
   constructor(
     private readonly engine: Engine,
     session: XRSession,
+    private readonly poses: Poses,
     /** Whether the headset knows where the floor is. */
     private readonly floor: boolean,
     readonly mode: XRSessionMode,
@@ -64,12 +66,16 @@ export class Cockpit {
     this.place = new Place(viewer);
     const feel = (strength: number, ms: number): void => this.brushHand.pulse(strength, ms);
     this.painter = new Painter(engine, this.place, feel);
-    this.controllers = new Controllers(session, this.rig, this.lessons, {
+    this.controllers = new Controllers(session, poses, this.rig, this.lessons, {
       brushGone: () => this.painter.finish(),
       say: (text) => this.hud.say(text),
     });
     this.palette = new PalettePanel(
-      { scaleTo: (scale) => this.scaleTo(scale), reset: () => this.reset() },
+      {
+        scaleTo: (scale) => this.scaleTo(scale),
+        reset: () => this.reset(),
+        recentre: () => this.stand(),
+      },
       session,
     );
     this.panels = [this.palette, this.timeline];
@@ -116,8 +122,13 @@ export class Cockpit {
     this.controllers.listen();
     const { ticks } = this.engine.viewer;
     const tick = (now: number, frame: XRFrame | undefined): void => this.update(now, frame);
-    ticks.add(tick);
-    undo.push(() => ticks.delete(tick));
+    ticks.push(tick);
+    undo.push(() => void ticks.splice(ticks.indexOf(tick), 1));
+    // The headset's own way to recentre moved its space: the next picture has the new poses.
+    const space = this.engine.viewer.renderer.xr.getReferenceSpace();
+    const moved = (): boolean => (this.standing = false);
+    space?.addEventListener('reset', moved);
+    undo.push(() => space?.removeEventListener('reset', moved));
     let { hand: side, seated } = xrSettings.peek();
     undo.push(
       effect(() => {
@@ -140,7 +151,8 @@ export class Cockpit {
     const seconds = this.last < 0 ? 0 : Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     this.frames += 1;
-    if (!this.rig.update(frame, space)) return;
+    this.poses.read(frame, space);
+    if (!this.rig.update(this.poses)) return;
     if (!this.standing) this.stand();
     const { controllers } = this;
     controllers.update(frame, space);
@@ -154,9 +166,9 @@ export class Cockpit {
     this.feelings.update();
     this.tellOthers(now);
     this.engine.viewer.backdrop.follow(this.rig.head);
-    for (const panel of this.panels) panel.update(now);
+    for (let i = 0; i < this.panels.length; i++) this.panels[i]!.update(now);
     this.pulse.update(now);
-    for (const { tips } of controllers.bodies) tips.update(seconds, xrSettings.peek().tips);
+    controllers.teach(seconds);
     this.hud.update(this.rig, seconds, now);
   }
 
@@ -167,9 +179,12 @@ export class Cockpit {
     layLow(this.timeline.mesh, this.rig);
   }
 
+  /** Before the recording, as large as it is now and wherever it was moved, the timeline at hand. */
   private stand(): void {
+    const { room } = this.engine.viewer;
     const frame = this.engine.playback.frame;
-    if (!frame || !standBefore(frame, this.engine.viewer.room.matrix, this.rig)) return;
+    room.updateWorldMatrix(true, false);
+    if (!frame || !standBefore(frame, room.matrixWorld, this.rig)) return;
     this.standing = true;
     this.settle(xrSettings.peek().seated);
   }

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { Controllers } from './controllers';
+import { Poses } from './poses';
 import { Rig } from './rig';
 import { Lessons } from './tips';
 
@@ -10,7 +11,13 @@ const GRIPLESS = 'generic-trigger-touchpad';
 function holding(profile: string): Controllers {
   const session = { addEventListener: () => undefined } as unknown as XRSession;
   const changes = { brushGone: () => undefined, say: () => undefined };
-  const controllers = new Controllers(session, new Rig(), new Lessons(), changes);
+  const controllers = new Controllers(
+    session,
+    new Poses({} as unknown as XRSpace),
+    new Rig(),
+    new Lessons(),
+    changes,
+  );
   for (const hand of controllers.both) {
     hand.attach({ profiles: [profile] } as unknown as XRInputSource);
     hand.tracked = true;

@@ -3,6 +3,7 @@ import { Body } from './body';
 import { Hand } from './hand';
 import type { Painter } from './painter';
 import type { Panel } from './panel';
+import { Poses } from './poses';
 import type { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
 import type { Lessons } from './tips';
@@ -22,6 +23,7 @@ export class Controllers {
 
   constructor(
     private readonly session: XRSession,
+    private readonly poses: Poses,
     private readonly rig: Rig,
     lessons: Lessons,
     private readonly changes: Changes,
@@ -70,12 +72,14 @@ export class Controllers {
       if (!body) continue;
       if (body.hand === this.brush) this.changes.brushGone();
       body.strip();
+      this.poses.setHand(body.hand.side === 'left' ? 0 : 1, null);
       this.changes.say(`The ${body.hand.side} controller is away`);
     }
     for (const source of added) {
       if (source.targetRayMode !== 'tracked-pointer') continue;
       const side: Side = source.handedness === 'left' ? 'left' : 'right';
       const body = this.bodyOf(this.hands[side]);
+      this.poses.setHand(side === 'left' ? 0 : 1, source);
       body.dress(source, body.hand === this.brush, this.rig.group);
     }
   }
@@ -87,13 +91,20 @@ export class Controllers {
 
   update(frame: XRFrame, space: XRReferenceSpace): void {
     const { matrixWorld } = this.rig.group;
-    for (const hand of this.both) hand.update(frame, space, matrixWorld);
-    for (const body of this.bodies) body.follow(frame, space, matrixWorld);
+    for (let i = 0; i < this.both.length; i++) this.both[i]!.update(this.poses, matrixWorld);
+    for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.follow(frame, space, matrixWorld);
+  }
+
+  /** Show what the buttons do, as far as it is not learnt. */
+  teach(seconds: number): void {
+    const { tips } = xrSettings.peek();
+    for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.tips.update(seconds, tips);
   }
 
   /** `far`: what also the hand that holds the palette can point at. */
   point(panels: readonly Panel[], far: readonly Panel[], painter: Painter): void {
-    for (const body of this.bodies) {
+    for (let i = 0; i < this.bodies.length; i++) {
+      const body = this.bodies[i]!;
       const paints = body.hand === this.brush;
       body.point(paints ? panels : far, paints ? painter : null);
     }

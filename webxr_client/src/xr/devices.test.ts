@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { deviceFor } from './devices';
 import { Hand } from './hand';
+import { Poses } from './poses';
 
 /** Profiles as browsers list them: the controller's own, then what it falls back to. */
 const CONTROLLERS: readonly (readonly [string, readonly string[], number, string])[] = [
@@ -23,17 +24,14 @@ type Pressed = Partial<Record<(typeof NAMES)[number], number>>;
 function holding(profiles: readonly string[], pressed: Pressed, axes: number[]): Hand {
   const buttons = NAMES.map((name) => ({ value: pressed[name] ?? 0, pressed: false }));
   const source = { profiles, gamepad: { axes, buttons }, targetRaySpace: {} };
-  const pose = {
-    transform: {
-      position: { x: 0, y: 0, z: 0 },
-      orientation: { x: 0, y: 0, z: 0, w: 1 },
-      matrix: new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
-    },
-  };
+  const matrix = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
   const hand = new Hand('right');
   hand.attach(source as unknown as XRInputSource);
-  const frame = { getPose: () => pose } as unknown as XRFrame;
-  hand.update(frame, {} as unknown as XRReferenceSpace, hand.grip.matrix.clone());
+  const poses = new Poses({} as unknown as XRSpace);
+  poses.setHand(1, hand.source);
+  const frame = { getPose: () => ({ transform: { matrix } }) } as unknown as XRFrame;
+  poses.read(frame, {} as unknown as XRReferenceSpace);
+  hand.update(poses, hand.grip.matrix.clone());
   return hand;
 }
 

@@ -2,6 +2,7 @@
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import { deviceFor, type Device, type PadPlace } from './devices';
 import { readPad, Repeat, Switch, type Pad } from './pad';
+import type { Poses } from './poses';
 import { Pressure } from './pressure';
 import type { Side } from './settings';
 
@@ -75,26 +76,26 @@ export class Hand {
   }
 
   /** Take in this frame; `rig` is where the headset's space lies in the scene. */
-  update(frame: XRFrame, space: XRReferenceSpace, rig: Matrix4): void {
-    const { source } = this;
-    const ray = source && frame.getPose(source.targetRaySpace, space);
-    this.tracked = Boolean(ray);
-    if (!source || !ray) {
-      this.grip.visible = false;
+  update(poses: Poses, rig: Matrix4): void {
+    const { source, grip, matrix } = this;
+    const number = this.side === 'left' ? 0 : 1;
+    this.tracked = source !== null && poses.ray(number, matrix);
+    if (!source || !this.tracked) {
+      grip.visible = false;
       this.rest();
       return;
     }
-    const held = source.gripSpace ? frame.getPose(source.gripSpace, space) : ray;
-    this.takePose(ray, held ?? ray, rig);
+    // Without a grip the ray's own origin is where it is held.
+    if (!poses.grip(number, grip.matrix)) grip.matrix.copy(matrix);
+    this.takePose(rig);
     this.readButtons(source.gamepad ?? null);
   }
 
-  private takePose(ray: XRPose, held: XRPose, rig: Matrix4): void {
-    const { position: at, orientation: way } = ray.transform;
-    this.turn.set(way.x, way.y, way.z, way.w);
-    this.origin.set(at.x, at.y, at.z).applyMatrix4(rig);
+  /** `matrix` is the ray's. */
+  private takePose(rig: Matrix4): void {
+    this.turn.setFromRotationMatrix(this.matrix);
+    this.origin.setFromMatrixPosition(this.matrix).applyMatrix4(rig);
     this.direction.copy(FORWARD).applyQuaternion(this.turn).transformDirection(rig);
-    this.grip.matrix.fromArray(held.transform.matrix);
     this.grip.matrix.decompose(this.grip.position, this.grip.quaternion, this.grip.scale);
     this.grip.visible = true;
     this.place.setFromMatrixPosition(this.matrix.multiplyMatrices(rig, this.grip.matrix));

@@ -4,6 +4,7 @@ import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
+import { Poses } from './poses';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 
@@ -79,7 +80,8 @@ export class Headset {
     xr.setFoveation(FOVEATION);
     pacing.reset(1000 / (await chooseRate(session)));
     viewer.backdrop.showSky(mode === 'immersive-vr');
-    this.cockpit = new Cockpit(this.engine, session, floor, mode);
+    const poses = new Poses(await session.requestReferenceSpace('viewer'));
+    this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
     patch(state.xr, { session: 'running', detail: '' });
   }
 

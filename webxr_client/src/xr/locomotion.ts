@@ -10,6 +10,8 @@ const SPEED = 6.5;
 const GRAVITY = 9.8;
 const FARTHEST = 12;
 const GLIDE = 1.8;
+/** Radians a second. */
+const SPIN = 1.6;
 
 const VIGNETTE_VERTEX = /* glsl */ `
 in vec3 position;
@@ -84,12 +86,23 @@ export class Locomotion {
     const { move, snap } = xrSettings.peek();
     const { x, y } = hand.pad;
     const smooth = move === 'smooth' && hand.device?.pad === 'stick';
-    const turn = this.turns.update(Math.abs(x)) === 1 && !this.aiming ? Math.sign(x) : 0;
-    if (turn !== 0) this.rig.turn((-turn * snap * Math.PI) / 180);
+    const turning = this.turn(x, snap, seconds);
     const gliding = smooth && Math.abs(y) > 0;
     if (gliding) this.glide(hand, y * seconds);
     else this.teleport(hand, smooth ? 0 : y);
-    this.shade(gliding, seconds);
+    this.shade(gliding || turning, seconds);
+  }
+
+  /** In steps of `snap` degrees, or evenly when it is 0; true while it goes on. */
+  private turn(x: number, snap: number, seconds: number): boolean {
+    const step = this.turns.update(Math.abs(x)) === 1;
+    if (this.aiming) return false;
+    if (snap > 0) {
+      if (step) this.rig.turn((-Math.sign(x) * snap * Math.PI) / 180);
+      return false;
+    }
+    if (x !== 0) this.rig.turn(-x * SPIN * seconds);
+    return x !== 0;
   }
 
   private glide(hand: Hand, amount: number): void {

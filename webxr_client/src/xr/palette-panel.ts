@@ -12,7 +12,7 @@ import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from './settings';
 import { INK, type Ui } from './ui';
-import { watch } from './watch';
+import { watch } from '../watch';
 
 type Tab = 'labels' | 'tools' | 'view' | 'new';
 

@@ -85,9 +85,7 @@ export abstract class Panel {
   /** The ray is on the panel (after `meet`). `edge` 1: pressed now, −1: let go. */
   point(edge: number): boolean {
     const { ui, at } = this;
-    const hover = ui.areas.findLastIndex(
-      ({ x, y, w, h }) => at.x >= x && at.x <= x + w && at.y >= y && at.y <= y + h,
-    );
+    const hover = ui.find(at.x, at.y);
     const entered = hover !== ui.hover && hover >= 0;
     if (hover !== ui.hover) {
       ui.hover = hover;

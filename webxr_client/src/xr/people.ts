@@ -72,6 +72,8 @@ function place(object: Object3D, pose: Pose | null): void {
 /** Shows everybody in `state.people`, at the desk too. */
 export class People {
   private readonly avatars = new Map<string, Avatar>();
+  /** The same, for every picture. */
+  private present: readonly Avatar[] = [];
   private readonly unfollow: () => void;
 
   constructor(world: Group, changed: () => void) {
@@ -91,13 +93,14 @@ export class People {
         }
         avatar.take(person);
       }
+      this.present = [...this.avatars.values()];
       changed();
     });
   }
 
   /** Names turn to the eye. */
   face(eye: Vector3): void {
-    for (const avatar of this.avatars.values()) avatar.face(eye);
+    for (let i = 0; i < this.present.length; i++) this.present[i]!.face(eye);
   }
 
   dispose(): void {

@@ -1,6 +1,5 @@
 /** The number of the frame and its time: a small canvas of its own, since it changes all the time. */
 import { CanvasTexture, LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type Object3D } from 'three'; // prettier-ignore
-import { clock } from '../panels/format';
 import { state } from '../state';
 import { FONT, INK } from './ui';
 
@@ -9,6 +8,14 @@ const [WIDTH, HEIGHT] = [11.6, 2.3];
 /** While it plays nobody reads each number. */
 const PLAYING_MS = 120;
 
+const DIGITS = '0123456789';
+
+interface Type {
+  readonly font: string;
+  /** Pixels from one digit to the next. */
+  readonly pitch: number;
+}
+
 export class Readout {
   private readonly mesh: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly pen: CanvasRenderingContext2D;
@@ -16,6 +23,11 @@ export class Readout {
   private frame = -1;
   private sequence = '';
   private drawn = -Infinity;
+  private readonly strong: Type;
+  private readonly plain: Type;
+  /** Where the next sign goes, and the width of a digit. */
+  private x = 0;
+  private pitch = 1;
 
   /** `em` in pixels. */
   constructor(
@@ -27,6 +39,8 @@ export class Readout {
     canvas.width = Math.round(WIDTH * em);
     canvas.height = Math.round(HEIGHT * em);
     this.pen = canvas.getContext('2d')!;
+    this.strong = this.type(`600 ${1.2 * em}px ${FONT}`);
+    this.plain = this.type(`500 ${em}px ${FONT}`);
     this.texture = new CanvasTexture(canvas);
     this.texture.colorSpace = SRGBColorSpace;
     this.texture.minFilter = LinearFilter;
@@ -36,6 +50,11 @@ export class Readout {
     this.mesh = new Mesh(new PlaneGeometry(...size), new MeshBasicMaterial(look));
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;
+  }
+
+  private type(font: string): Type {
+    this.pen.font = font;
+    return { font, pitch: this.pen.measureText('0').width };
   }
 
   /** Lie on a panel with the left edge at `x` and the middle at `y`, metres. */
@@ -57,13 +76,39 @@ export class Readout {
     pen.fillStyle = INK.back;
     pen.fillRect(0, 0, WIDTH * em, HEIGHT * em);
     pen.textBaseline = 'middle';
-    pen.font = `600 ${1.2 * em}px ${FONT}`;
-    pen.fillStyle = INK.text;
-    pen.fillText(`${frame} / ${info.frames - 1}`, 0, (HEIGHT * em) / 2);
-    pen.font = `500 ${em}px ${FONT}`;
-    pen.fillStyle = INK.quiet;
-    pen.fillText(clock(frame / Math.max(info.fps, 1e-3)), 6.4 * em, (HEIGHT * em) / 2);
+    pen.textAlign = 'center';
+    this.begin(this.strong, INK.text, 0);
+    this.digits(frame);
+    this.sign('/', 1.2);
+    this.digits(info.frames - 1);
+    this.begin(this.plain, INK.quiet, 6.4 * em);
+    const hundredths = Math.round((100 * frame) / Math.max(info.fps, 1e-3));
+    this.digits(Math.floor(hundredths / 6000));
+    this.sign(':', 0.4);
+    this.digits(Math.floor(hundredths / 100) % 60, 10);
+    this.sign('.', 0.4);
+    this.digits(hundredths % 100, 10);
     this.texture.needsUpdate = true;
+  }
+
+  private begin(type: Type, color: string, x: number): void {
+    this.pen.font = type.font;
+    this.pen.fillStyle = color;
+    this.pitch = type.pitch;
+    this.x = x;
+  }
+
+  /** Digit by digit, `unit` the least first one's: a text would be made anew for each frame. */
+  private digits(value: number, unit = 1): void {
+    while (unit * 10 <= value) unit *= 10;
+    for (; unit >= 1; unit /= 10) this.sign(DIGITS[Math.floor(value / unit) % 10]!, 1);
+  }
+
+  /** `width` in digits. */
+  private sign(text: string, width: number): void {
+    const wide = width * this.pitch;
+    this.pen.fillText(text, this.x + wide / 2, (HEIGHT * this.em) / 2);
+    this.x += wide;
   }
 
   dispose(): void {

@@ -1,5 +1,6 @@
 /** Where the headset's space lies in the scene: walking, teleporting and turning move it. */
-import { Group, Vector3 } from 'three';
+import { Group, Matrix4, Vector3 } from 'three';
+import type { Poses } from './poses';
 
 const UP = new Vector3(0, 1, 0);
 
@@ -10,19 +11,18 @@ export class Rig {
   readonly headInRig = new Vector3(0, 1.6, 0);
   /** Where they look, level, in the scene. */
   readonly ahead = new Vector3(0, 0, -1);
+  private readonly pose = new Matrix4();
   private readonly scratch = new Vector3();
 
   /** Take in the head's pose; false when it is not known in this frame. */
-  update(frame: XRFrame, space: XRReferenceSpace): boolean {
-    const pose = frame.getViewerPose(space);
+  update(poses: Poses): boolean {
     this.group.updateMatrixWorld(true);
-    if (!pose) return false;
-    const { position, orientation } = pose.transform;
-    this.headInRig.set(position.x, position.y, position.z);
+    if (!poses.head(this.pose)) return false;
+    this.headInRig.setFromMatrixPosition(this.pose);
     this.head.copy(this.headInRig).applyMatrix4(this.group.matrixWorld);
-    const { x, y, z, w } = orientation;
+    const { elements } = this.pose;
     // The third column of the rotation, reversed and laid level.
-    this.ahead.set(-2 * (x * z + w * y), 0, -(1 - 2 * (x * x + y * y)));
+    this.ahead.set(-elements[8], 0, -elements[10]);
     if (this.ahead.lengthSq() < 1e-6) this.ahead.set(0, 0, -1);
     this.ahead.normalize().transformDirection(this.group.matrixWorld);
     return true;

@@ -9,7 +9,7 @@ export interface XrSettings {
   /** What paints: a ball at the tip, a ray for what is far, a box between both hands. */
   readonly tip: 'ball' | 'ray' | 'box';
   readonly move: 'teleport' | 'smooth';
-  /** Degrees a turn. */
+  /** Degrees a turn; 0 turns evenly. */
   readonly snap: number;
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;

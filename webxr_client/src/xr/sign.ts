@@ -36,6 +36,10 @@ export class Sign {
     this.mesh.visible = text !== '';
     if (text === this.text || text === '') return;
     this.text = text;
+    this.draw(text);
+  }
+
+  private draw(text: string): void {
     const lines = text.split('\n');
     const pen = this.canvas.getContext('2d')!;
     const font = `600 ${PIXELS}px ${FONT}`;

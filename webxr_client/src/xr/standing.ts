@@ -11,8 +11,8 @@ const [LOW, HIGH] = [0.3, 2];
 /** Stray points do not count. */
 const PART = 0.05;
 
-/** Metres from `eye` along a level `way` to the nearest things at body height, in the room. */
-function nearest(frame: CloudFrame, room: Matrix4, eye: Vector3, way: Vector3): number {
+/** Metres from `eye` along a level `way` to the nearest things at body height, in the scene. */
+function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: Vector3): number {
   const piece = frame.pieces[0];
   if (!piece) return 0;
   const at = new Vector3();
@@ -22,7 +22,7 @@ function nearest(frame: CloudFrame, room: Matrix4, eye: Vector3, way: Vector3): 
   for (let i = 0; i < piece.count; i += step) {
     at.fromArray(words, 6 * i);
     at.set(at.x * scale[0] + origin[0], at.y * scale[1] + origin[1], at.z * scale[2] + origin[2]);
-    at.applyMatrix4(room);
+    at.applyMatrix4(sceneFromLocal);
     if (at.y < LOW || at.y > HIGH) continue;
     at.sub(eye).setY(0);
     const along = at.dot(way);
@@ -36,13 +36,13 @@ function nearest(frame: CloudFrame, room: Matrix4, eye: Vector3, way: Vector3): 
 const ARM = 0.9;
 
 /** Stand on the sensor's line of sight, within reach of what it saw; false without points. */
-export function standBefore(frame: CloudFrame, room: Matrix4, rig: Rig): boolean {
-  const seen = viewOf('sensor', frame, room, 60, 1);
+export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig): boolean {
+  const seen = viewOf('sensor', frame, sceneFromLocal, 60, 1);
   if (!seen) return false;
   const way = seen.target.clone().sub(seen.eye).setY(0);
   const length = way.length();
   way.normalize();
-  const near = nearest(frame, room, seen.eye, way);
+  const near = nearest(frame, sceneFromLocal, seen.eye, way);
   const ahead = Math.max(0, Math.min(length, near) - ARM);
   rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
   return true;

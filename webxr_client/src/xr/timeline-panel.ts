@@ -10,7 +10,7 @@ import { Panel } from './panel';
 import { Readout } from './readout';
 import { drawTracking } from './timeline-tracking';
 import { FONT, INK, type Ui } from './ui';
-import { watch } from './watch';
+import { watch } from '../watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
 const LANES = 7;

@@ -74,7 +74,10 @@ export class Lessons {
   }
 
   learnt(lessons: readonly Lesson[]): boolean {
-    return lessons.every((lesson) => (this.used.get(lesson) ?? 0) >= LEARNT);
+    for (let i = 0; i < lessons.length; i++) {
+      if ((this.used.get(lessons[i]!) ?? 0) < LEARNT) return false;
+    }
+    return true;
   }
 }
 
@@ -120,7 +123,8 @@ export class Tips {
   }
 
   update(seconds: number, shown: boolean): void {
-    for (const entry of this.entries) {
+    for (let i = 0; i < this.entries.length; i++) {
+      const entry = this.entries[i]!;
       const goal = shown && !this.lessons.learnt(entry.tip.lessons) ? 1 : 0;
       const step = Math.min(1, FADE_PER_SECOND * seconds);
       entry.opacity +=

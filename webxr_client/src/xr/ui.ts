@@ -76,6 +76,15 @@ export class Ui {
     return this.hover === this.areas.length - 1;
   }
 
+  /** Number of the topmost area at a place, or −1. */
+  find(px: number, py: number): number {
+    for (let i = this.areas.length - 1; i >= 0; i--) {
+      const { x, y, w, h } = this.areas[i]!;
+      if (px >= x && px <= x + w && py >= y && py <= y + h) return i;
+    }
+    return -1;
+  }
+
   text(
     text: string,
     x: number,

@@ -8,6 +8,8 @@ export interface WorldControls {
   /** 1, 0.1 (doll's house) or 5 (giant's eye). */
   scaleTo(scale: number): void;
   reset(): void;
+  /** Stand before the recording again, with the timeline at hand. */
+  recentre(): void;
 }
 
 const SCALES = [
@@ -36,10 +38,23 @@ export function drawView(
     world.reset(),
   );
   drawChecks(ui, x, top + em * 9.9, inner / 2);
-  const leave = { icon: 'exit', text: 'Leave', strong: true } as const;
-  ui.button(x + inner / 2, top + em * 18, inner / 2 - em * 0.2, em * 2.1, leave, () => {
-    void actions.exitVR();
+  drawEnd(ui, x, top + em * 18, inner / 3, world);
+}
+
+/** Degrees that one turns by at a flick of the stick; 0: evenly, as long as it leans. */
+const TURNS = [30, 45, 90, 0];
+
+function drawEnd(ui: Ui, x: number, y: number, third: number, world: WorldControls): void {
+  const h = ui.em * 2.1;
+  const w = third - ui.em * 0.2;
+  const { snap } = xrSettings.peek();
+  const turn = { text: snap > 0 ? `Turn ${snap}°` : 'Turn evenly', strong: true };
+  ui.button(x, y, w, h, turn, () => {
+    change({ snap: TURNS[(TURNS.indexOf(snap) + 1) % TURNS.length]! });
   });
+  ui.button(x + third, y, w, h, { text: 'Recentre', strong: true }, () => world.recentre());
+  const leave = { icon: 'exit', text: 'Leave', strong: true } as const;
+  ui.button(x + 2 * third, y, w, h, leave, () => void actions.exitVR());
 }
 
 function drawSliders(ui: Ui, x: number, top: number, wide: number): void {

@@ -1,0 +1,56 @@
+import { Matrix4, Vector3 } from 'three';
+import { describe, expect, it } from 'vitest';
+import { Poses } from './poses';
+
+type Space = XRSpace & { x: number; seen: boolean };
+const space = (x: number): Space => ({ x, seen: true }) as unknown as Space;
+const BASE = {} as unknown as XRReferenceSpace;
+
+/** A frame in which each space lies at its own x; `fills`: the browser has `fillPoses`. */
+function frameWith(fills: boolean): XRFrame {
+  const matrix = ({ x }: Space): number[] => new Matrix4().makeTranslation(x, 0, 0).toArray();
+  const getPose = (one: Space): unknown =>
+    one.seen ? { transform: { matrix: Float32Array.from(matrix(one)) } } : null;
+  const fillPoses = (spaces: Space[], _: unknown, out: Float32Array): boolean => {
+    spaces.forEach((one, i) => {
+      if (one.seen) out.set(matrix(one), 16 * i);
+      else out.fill(NaN, 16 * i, 16 * i + 16);
+    });
+    return spaces.every((one) => one.seen);
+  };
+  return (fills ? { getPose, fillPoses } : { getPose }) as unknown as XRFrame;
+}
+
+describe.each([true, false])('poses of a frame, fillPoses there: %s', (fills) => {
+  const out = new Matrix4();
+  const x = (): number => new Vector3().setFromMatrixPosition(out).x;
+
+  it('are those of head, rays and grips, whoever comes and goes', () => {
+    const poses = new Poses(space(1));
+    const right = { targetRaySpace: space(2), gripSpace: space(3) } as unknown as XRInputSource;
+    const left = { targetRaySpace: space(4) } as unknown as XRInputSource;
+    poses.setHand(1, right);
+    poses.setHand(0, left);
+    poses.read(frameWith(fills), BASE);
+    expect(poses.head(out) && x()).toBe(1);
+    expect(poses.ray(1, out) && x()).toBe(2);
+    expect(poses.grip(1, out) && x()).toBe(3);
+    expect(poses.ray(0, out) && x()).toBe(4);
+    expect(poses.grip(0, out)).toBe(false);
+    poses.setHand(1, null);
+    poses.read(frameWith(fills), BASE);
+    expect(poses.ray(1, out)).toBe(false);
+    expect(poses.ray(0, out) && x()).toBe(4);
+  });
+
+  it('are none while tracking is lost, and come back', () => {
+    const head = space(1);
+    const poses = new Poses(head);
+    head.seen = false;
+    poses.read(frameWith(fills), BASE);
+    expect(poses.head(out)).toBe(false);
+    head.seen = true;
+    poses.read(frameWith(fills), BASE);
+    expect(poses.head(out) && x()).toBe(1);
+  });
+});

@@ -1,0 +1,90 @@
+/**
+ * Where the head and the hands are in the headset's space, read into one array in each frame.
+ * `XRFrame.fillPoses` (WebXR Hand Input) writes there itself; `getPose` makes objects for each.
+ */
+import type { Matrix4 } from 'three';
+
+const HEAD = 0;
+const RAYS = 1;
+const GRIPS = 3;
+const PLACES = 5;
+
+export class Poses {
+  /** A column-major 4×4 for each place; NaN where nothing was seen. */
+  private readonly values = new Float32Array(16 * PLACES).fill(NaN);
+  /** What is read, and the place of each. */
+  private readonly spaces: XRSpace[] = [];
+  private readonly places: number[] = [];
+  private readonly filled = new Float32Array(16 * PLACES);
+
+  /** `head`: the session's viewer space. */
+  constructor(head: XRSpace) {
+    this.spaces.push(head);
+    this.places.push(HEAD);
+  }
+
+  /** A hand's spaces from now on; null: it is away. */
+  setHand(hand: 0 | 1, source: XRInputSource | null): void {
+    this.setPlace(RAYS + hand, source?.targetRaySpace ?? null);
+    this.setPlace(GRIPS + hand, source?.gripSpace ?? null);
+  }
+
+  private setPlace(place: number, space: XRSpace | null): void {
+    const at = this.places.indexOf(place);
+    if (at >= 0) {
+      this.spaces.splice(at, 1);
+      this.places.splice(at, 1);
+      this.forget(place);
+    }
+    if (!space) return;
+    this.spaces.push(space);
+    this.places.push(place);
+  }
+
+  read(frame: XRFrame, base: XRReferenceSpace): void {
+    if (!frame.fillPoses) {
+      this.readOneByOne(frame, base);
+      return;
+    }
+    frame.fillPoses(this.spaces, base, this.filled);
+    const { places, filled, values } = this;
+    for (let i = 0; i < places.length; i++) {
+      const to = 16 * places[i]!;
+      for (let k = 0; k < 16; k++) values[to + k] = filled[16 * i + k]!;
+    }
+  }
+
+  private readOneByOne(frame: XRFrame, base: XRReferenceSpace): void {
+    for (let i = 0; i < this.places.length; i++) {
+      const place = this.places[i]!;
+      const pose = frame.getPose(this.spaces[i]!, base);
+      if (pose) this.values.set(pose.transform.matrix, 16 * place);
+      else this.forget(place);
+    }
+  }
+
+  private forget(place: number): void {
+    this.values.fill(NaN, 16 * place, 16 * place + 16);
+  }
+
+  /** The head's pose; false when it is not known. */
+  head(out: Matrix4): boolean {
+    return this.take(HEAD, out);
+  }
+
+  /** A hand's pointing ray: its origin, and its way along −z. */
+  ray(hand: 0 | 1, out: Matrix4): boolean {
+    return this.take(RAYS + hand, out);
+  }
+
+  /** Where a hand holds its controller. */
+  grip(hand: 0 | 1, out: Matrix4): boolean {
+    return this.take(GRIPS + hand, out);
+  }
+
+  private take(place: number, out: Matrix4): boolean {
+    if (Number.isNaN(this.values[16 * place]!)) return false;
+    out.fromArray(this.values, 16 * place);
+    return true;
+  }
+}
