@@ -99,6 +99,8 @@ def test_a_cap_on_points_holds_until_the_page_lifts_it(served: Served) -> None:
             assert not capped.final
             first = sum(chunk["count"] for chunk in capped.chunks)
             assert first < capped.total
+            late = len(client.arrivals) - taken
+            await client.send(type="credit", frames=late, nbytes=client.nbytes, points=1)
             # A credit for no frame says only how the page keeps up.
             await client.send(type="credit", frames=0)
             client.auto_credit = True
