@@ -9,7 +9,8 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.view import View, within
+from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.view import View
 
 NEIGHBOURS = 3
 STEPS = 10
@@ -87,9 +88,7 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
         open_ = np.flatnonzero(~joined)
         if not len(open_) or not len(front):
             break
-        tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
-        distance, _ = tree.query(rest[open_], distance_upper_bound=reach)
-        new = open_[np.asarray(distance) < reach]
+        new = open_[gaps(rest[open_], front, reach) < reach]
         joined[new] = True
         front = rest[new]
     return joined
@@ -118,9 +117,7 @@ def blob(
         open_ = np.flatnonzero(~joined & within(xyz, lo, hi))
         if not len(open_):
             return rest[joined]
-        tree = cKDTree(front, balanced_tree=False, compact_nodes=False)
-        distance, _ = tree.query(xyz[open_], distance_upper_bound=reach)
-        new = open_[np.asarray(distance) < reach]
+        new = open_[gaps(xyz[open_], front, reach) < reach]
         if not len(new):
             return rest[joined]
         joined[new] = True

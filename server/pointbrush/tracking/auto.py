@@ -9,7 +9,7 @@ background, the model, the motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,9 +22,9 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
-from pointbrush.tracking.belong import grow, own_points, unexplained
-from pointbrush.tracking.confidence import REGAIN, likelihood
+from pointbrush.tracking.belong import grow, own_points
 from pointbrush.tracking.figures import emerged, undisputed
+from pointbrush.tracking.hands import Hands
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -34,26 +34,19 @@ from pointbrush.tracking.interface import (
     Known,
     Mask,
     Seed,
-    State,
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.judge import Verdict, judge
-from pointbrush.tracking.learn import evidence, learn
+from pointbrush.tracking.judge import judge
 from pointbrush.tracking.locate import Search, crop, find, share_out
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
-from pointbrush.tracking.rules import FrameRules
+from pointbrush.tracking.rules import FEWEST, FrameRules
+from pointbrush.tracking.settle import settle
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
 from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.witness import taught
 
-PATIENCE = 45
-"""Frames that a thing is looked for before it is lost."""
-SOUND = 0.25
-"""Cost under which a fit teaches the model."""
-DOUBTFUL, REGAINED = 0.4, 0.6
-"""Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
-it ends an occlusion."""
 CALM = 4
 """Frames from which the noise of each place is measured."""
 AGAIN = 0.3
@@ -75,10 +68,18 @@ class AutoTracker:
         options: TrackOptions,
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
-        run = Run(frames, list(order), [s.label for s in seeds], known, options)
-        yield run.start(seeds)
-        for number in order[1:]:
-            yield run.step(number)
+        labels = [seed.label for seed in seeds]
+        with Hands() as hands:
+            run = Run(frames, [*options.before, *order], labels, known, options, hands)
+            if options.before:
+                run.recall(seeds)
+                first = run.step(order[0], {seed.label: np.sort(seed.indices) for seed in seeds})
+            else:
+                first = run.start(seeds)
+            back = {n: _inverse(track.pose) for n, track in first.tracks.items()}
+            yield _since(replace(first, assignments={}), back)
+            for number in order[1:]:
+                yield _since(run.step(number), back)
 
 
 class Run:
@@ -91,8 +92,9 @@ class Run:
         labels: list[int],
         known: Known,
         options: TrackOptions,
+        hands: Hands,
     ) -> None:
-        self.frames, self.known, self.options = frames, known, options
+        self.frames, self.known, self.options, self.hands = frames, known, options, hands
         self.labels, self.order = labels, order
         first = frames(order[0])
         poses = [frames(n).pose for n in (order[0], order[-1])]
@@ -146,61 +148,85 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.noise(view, indices), _NONE)
         self.things[label] = thing
+        self._set_rivals(thing, view, self._around(thing, view, indices))
+
+    def _around(self, thing: Thing, view: View, indices: I64) -> I64:
+        """The unlabelled points beside a person's points of a thing."""
         lo, hi = view.xyz[indices].min(axis=0), view.xyz[indices].max(axis=0)
         margin = 0.5 * thing.model.radius + 4 * thing.unit
         around = view.box(lo - margin, hi + margin)
-        labelled = np.zeros(len(view.xyz), np.bool_)
-        for points in view.labels.values():
-            labelled[points] = True
-        self._set_rivals(thing, view, around[~labelled[around]])
+        return around[~view.labelled()[around]]
 
     def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
         some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
         thing.rivals = Rivals(view.xyz[some].astype(np.float64), view.colour(some), thing.weight)
 
-    def step(self, number: int) -> FrameResult:
-        """Find everything in the next frame."""
+    def recall(self, seeds: Sequence[Seed]) -> None:
+        """Go through the frames before the start, from what is labelled in the first of them."""
+        first, *others = self.options.before
+        know = self.known(first)
+        if know is not None:
+            label = np.where(know.deleted, 0, know.label)
+            mine = [Seed(s.label, np.flatnonzero(label == s.label)) for s in seeds]
+            self.start([seed for seed in mine if len(seed.indices) >= FEWEST])
+        for number in others:
+            self.step(number)
+
+    def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
+        """Find everything in the next frame; ``given`` labels' points are known."""
         view = self.view(number)
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
         free = rules.free(self.labels)
         fixed = {n: k for n in self.things if (k := rules.keyframe(n)) is not None}
+        fixed |= given or {}
         for points in fixed.values():
             free[points] = False
         absent = [n for n, t in self.things.items() if t.absent and n not in fixed]
-        searches: dict[int, Search] = {}
-        for label, thing in self.things.items():
-            if label not in fixed and not thing.stopped and label not in absent:
-                search = crop(thing, view, self.background, free)
-                if search is not None:
-                    searches[label] = search
+        view.prepare()
+        there = [t for n, t in self.things.items() if n not in fixed and not t.stopped]
+        there = [thing for thing in there if thing.label not in absent]
+        cut = self.hands.each(lambda thing: crop(thing, view, self.background, free), there)
+        searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()))
-        places = {label: find(search) for label, search in searches.items()}
-        claims = {
-            label: own_points(self.things[label], view, place) for label, place in places.items()
-        }
+        found = self.hands.each(
+            lambda thing: _placed(thing, view, searches[thing.label]),
+            [self.things[label] for label in searches],
+        )
+        places = {label: place for label, (place, _) in found.items()}
+        claims = {label: claim for label, (_, claim) in found.items()}
         claims = self._settle_conflicts(view, free, places, claims)
         grown = grow(self.things, view, places, claims, free, self.background)
         again = self._look_for(absent, view, free, places, claims, grown)
         tracks: dict[int, TrackState] = {}
         view.labels = dict(fixed)
+        settled = self.hands.each(
+            lambda thing: settle(
+                thing,
+                view,
+                places.get(thing.label),
+                claims.get(thing.label),
+                grown.get(thing.label, _EMPTY),
+                self.options,
+            ),
+            [t for n, t in self.things.items() if not (n in fixed or n in again or t.stopped)],
+        )
         for label, thing in self.things.items():
             if label in fixed:
-                tracks[label] = self._reseed(thing, view, fixed[label])
+                tracks[label] = self._repainted(thing, view, fixed[label])
             elif label in again:
                 tracks[label] = self._emerge(thing, view, again[label])
                 view.labels[label] = again[label]
-            elif not thing.stopped:
-                tracks[label], points = self._settle(
-                    thing, view, places.get(label), claims.get(label), grown.get(label, _EMPTY)
-                )
+            elif label in settled:
+                tracks[label], points = settled[label]
                 points = together(points, rules.anchors(label))
                 if len(points) and tracks[label].state != "lost":
                     view.labels[label] = points
-                    tracks[label] = _counted(tracks[label], len(points))
+                    tracks[label] = replace(tracks[label], points=len(points))
+        for label in fixed.keys() - self.things.keys():
+            self._begin(view, label, fixed[label])
+            tracks[label] = _painted(len(fixed[label]), np.eye(4))
         for label, place in places.items():
-            taken = np.zeros(len(view.xyz), np.bool_)
-            for points in view.labels.values():
-                taken[points] = True
+            taken = view.labelled()
             taken[place.neutral] = True
             beside = place.moving if place.beside is None else place.beside
             self._set_rivals(self.things[label], view, beside[~taken[beside]])
@@ -217,6 +243,14 @@ class Run:
             if label in view.labels and self.things[label].motion.slow(self.things[label].unit)
         ]
         return np.concatenate([_EMPTY, *cells])
+
+    def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
+        """Learn from a person's points: more of the same thing, or all of it anew."""
+        pose = taught(thing, view, points)
+        if pose is None:
+            return self._reseed(thing, view, points)
+        self._set_rivals(thing, view, self._around(thing, view, points))
+        return _painted(len(points), pose)
 
     def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:
         pose = thing.motion.poses[-1]
@@ -304,57 +338,26 @@ class Run:
                 decided, claims, places[label] = better, again, place
         return decided
 
-    def _settle(
-        self, thing: Thing, view: View, place: Place | None, found: Claim | None, grown: I64
-    ) -> tuple[TrackState, I64]:
-        """Judge what was found, and learn from it."""
-        pose = None if place is None else place.pose
-        verdict = judge(thing, view, pose, None if place is None else place.world, found)
-        pose = thing.motion.poses[-1] if place is None else place.pose
-        if place is None or found is None or not _seen(thing, place, verdict):
-            thing.missing += 1
-            thing.motion.gap += 1
-            lost = thing.missing > PATIENCE
-            thing.stopped = lost and not self.options.continue_lost
-            thing.trust = max(0.0, thing.trust - REGAIN)
-            state: State = "lost" if lost else "occluded"
-            return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), _EMPTY
-        thing.missing = 0
-        points = together(found.indices, grown)
-        here = likelihood(evidence(thing, place, found, len(points), verdict))
-        trust = min(here, thing.trust + REGAIN)
-        thing.trust, thing.last = trust, len(points)
-        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
-        if place.cost < SOUND or thing.bends or thing.large:
-            learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
-        rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
-        track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
-        return track, points
 
-
-def _seen(thing: Thing, place: Place, verdict: Verdict) -> bool:
-    """Whether the thing was found; one that was hidden must show itself clearly."""
-    clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
-    return verdict.found and (thing.missing == 0 or thing.large or clear)
-
-
-def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
-    """What the model may learn of ``found``: no new points that something unlabelled explains."""
-    if place.whole or thing.bends or thing.large:
-        return found
-    keep = found.gap < 0.9 * thing.model.spacing
-    new = np.flatnonzero(~keep)
-    keep[new] = unexplained(thing, view, place, found.indices[new])
-    return found.pick(keep)
+def _placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
+    """Where a thing is, and what it would have there."""
+    place = find(search)
+    return place, own_points(thing, view, place)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)
 _NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
 
+def _inverse(T: F64) -> F64:
+    return np.asarray(np.linalg.inv(T), np.float64)
+
+
+def _since(found: FrameResult, back: Mapping[int, F64]) -> FrameResult:
+    """A result whose poses count from the start; ``back`` are the inverse poses there."""
+    tracks = {n: replace(track, pose=track.pose @ back[n]) for n, track in found.tracks.items()}
+    return replace(found, tracks=tracks)
+
+
 def _painted(points: int, pose: F64) -> TrackState:
     return TrackState(pose, 0.0, 1.0, 1.0, points, "painted")
-
-
-def _counted(track: TrackState, points: int) -> TrackState:
-    return TrackState(track.pose, track.rmse, track.inliers, track.confidence, points, track.state)

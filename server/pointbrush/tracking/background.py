@@ -189,7 +189,7 @@ class ImageBackground:
         limit = np.float32(NEAR) * self.waver(seen)
         moved = ~(np.abs(seen - self.anchor) < limit * self.scale) & ~np.isnan(seen)
         self.age += 1
-        self.age[moved] = 0
+        self.age *= ~moved
         np.copyto(self.anchor, seen, where=moved)
         if not first and labelled.any():
             # What a run missed at an object's rim must not become background.
@@ -200,11 +200,13 @@ class ImageBackground:
             part[...] = binary_dilation(part, iterations=3)
         seen[labelled] = np.nan
         change = seen - self.depth
-        same = np.flatnonzero(np.abs(change) < limit)
-        farther = ~np.isnan(seen) & ~(change <= limit)
+        # Comparing with NaN is false: neither holds where the cell shows nothing now.
+        same = np.abs(change) < limit
+        farther = (change > limit) | (np.isnan(self.depth) & ~np.isnan(seen))
         self.last = seen
+        change *= np.float32(0.2)
+        np.add(self.depth, change, out=self.depth, where=same)
         np.copyto(self.depth, seen, where=farther)
-        self.depth[same] += np.float32(0.2) * change[same]
         self.nearest = None
 
 
@@ -250,12 +252,9 @@ class TreeBackground:
 
     def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
         """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""
-        labelled = np.zeros(len(view.xyz), np.bool_)
-        for points in view.labels.values():
-            labelled[points] = True
         if len(view.xyz) == 0:
             return
-        entry = (view, labelled)
+        entry = (view, view.labelled())
         if first or not self.past:
             self.past = [entry]
         elif len(self.past) < 3:

@@ -88,7 +88,7 @@ class BothSides:
         if not seeds or stop - start < 2:
             return
         backward = list(order[start + 1 : stop + 1])[::-1]
-        options = replace(options, until_painted=False)
+        options = replace(options, until_painted=False, before=())
         results = list(self.method.track(frames, backward, seeds, known, options))[::-1]
         for label in labels:
             ahead = [buffer[p].get(label, (None, None)) for p in range(start + 1, stop + 1)]

@@ -94,12 +94,15 @@ class TrackOptions:
     ``continue_lost``  go on looking after the first lost frame of a label.
     ``until_painted``  a label's run ends at the next frame where it is painted, so that a
                        correction re-tracks only up to what a person has confirmed.
+    ``before``         frames before the start, the farthest first, whose labels a method may
+                       learn from; it yields nothing for them.
     """
 
     overwrite: Overwrite = "tracked"
     locked: frozenset[int] = field(default_factory=frozenset)
     continue_lost: bool = False
     until_painted: bool = False
+    before: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

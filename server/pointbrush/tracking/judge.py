@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.interface import F64, Mask
+from pointbrush.tracking.near import gaps
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -43,9 +43,7 @@ def judge(
     facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        tree = cKDTree(view.xyz[found.indices], balanced_tree=False, compact_nodes=False)
-        distance, _ = tree.query(world, distance_upper_bound=2.5 * thing.unit)
-        matched = np.isfinite(np.asarray(distance))
+        matched = np.isfinite(gaps(world, view.xyz[found.indices], 2.5 * thing.unit))
     hidden = through = nothing
     if view.lens is not None:
         cell, depth = view.project(world)

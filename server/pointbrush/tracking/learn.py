@@ -45,11 +45,12 @@ def learn(
     total = len(found.indices) + len(grown)
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+    was_rigid = not thing.bends
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
-    points = np.concatenate([found.indices, grown])
-    xyz = transform(back, view.xyz[points].astype(np.float64))
-    colour = view.colour(points)
     if thing.bends:
+        points = np.concatenate([found.indices, grown])
+        xyz = transform(back, view.xyz[points].astype(np.float64))
+        colour = view.colour(points)
         old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
         kept = thing.model
         new = Model.of(xyz, colour, own_eye, kept.spacing)
@@ -60,16 +61,10 @@ def learn(
         new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
         thing.model = new
     else:
-        thing.model.miss(verdict.through)
-        place_now = transform(place.pose, thing.model.xyz)
-        again = claim(
-            view,
-            points,
-            place_now,
-            thing.model.colour,
-            thing.weight,
-            (8 if place.whole else 3) * thing.unit,
-        )
+        number = thing.model.miss(verdict.through)
+        if not was_rigid:  # the claim was made by the model as it was bent
+            number[:] = -1
+        again = _claimed_again(thing, view, place, found, grown, number)
         if not place.whole:
             again = again.pick(again.cost < 2 * thing.reach)
         xyz = transform(back, view.xyz[again.indices].astype(np.float64))
@@ -77,6 +72,27 @@ def learn(
             xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
         )
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def _claimed_again(
+    thing: Thing, view: View, place: Place, found: Claim, grown: I64, number: I64
+) -> Claim:
+    """What the model claims now of its points: as before, unless the model point has gone.
+
+    ``number`` (M,) new number of each model point, -1 for those that have gone.
+    """
+    reach = (8 if place.whole else 3) * thing.unit
+    now = number[found.nearest]
+    kept = (now >= 0) & (found.gap < reach)
+    rest = np.concatenate([found.indices[~kept], grown])
+    world = transform(place.pose, thing.model.xyz)
+    new = claim(view, rest, world, thing.model.colour, thing.weight, reach)
+    return Claim(
+        np.concatenate([found.indices[kept], new.indices]),
+        np.concatenate([found.cost[kept], new.cost]),
+        np.concatenate([found.gap[kept], new.gap]),
+        np.concatenate([now[kept], new.nearest]),
+    )
 
 
 def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:

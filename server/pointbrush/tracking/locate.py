@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.explain import Look, costs_of, look
 from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.near import Plain, within
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
@@ -35,6 +35,8 @@ FEWEST, LEAST = 5, 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 """Scales of the fits, in units, from a prediction and from anywhere."""
 TRIES = 6
+SAME = 1.0
+"""Units by which no point of the model moves between two guesses that are one."""
 DOUBT, DOUBT_LARGE = 0.27, 0.6
 """Cost of the best prediction above which other places are tried; what bends never fits well."""
 AVERTED = 0.3
@@ -102,11 +104,31 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
         near, moving = around[~far], around[~(far | still)]
     if len(moving) < FEWEST:
         return None
+    return _search(thing, view, guesses, (lo, hi), around, near, moving)
+
+
+def among(thing: Thing, view: View, points: I64) -> Search:
+    """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
+    xyz = view.xyz[points].astype(np.float64)
+    box = (xyz.min(axis=0), xyz.max(axis=0))
+    guesses = np.stack(thing.motion.predictions())
+    return _search(thing, view, guesses, box, points, points, points)
+
+
+def _search(
+    thing: Thing,
+    view: View,
+    guesses: F64,
+    box: tuple[F64, F64],
+    around: I64,
+    near: I64,
+    moving: I64,
+) -> Search:
     count = len(thing.model.xyz)
     return Search(
         thing,
         view,
-        (lo, hi),
+        box,
         around,
         near,
         moving,
@@ -127,20 +149,19 @@ def share_out(searches: Iterable[Search]) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
     sure = [s for s in searches if min(s.costs) < DOUBT and not s.thing.motion.fresh]
-    trees = {id(s): _tree(s) for s in searches}
+    ghosts = {id(s): _ghost(s) for s in searches}
     new: list[tuple[Search, Target]] = []
     for search in searches:
         left = search.target
         drop = np.zeros(len(left.xyz), np.bool_)
         for other in sure:
-            if other is search or not _overlap(search, other):
+            ghost, reach = ghosts[id(other)], 3 * other.thing.unit
+            if other is search or not ghost.meets(ghosts[id(search)]):
                 continue
-            reach = 3 * other.thing.unit
-            theirs = _gap(trees[id(other)], left, np.arange(len(left.xyz)), reach)
-            near = np.flatnonzero(theirs < reach)
-            drop[near] |= theirs[near] < 0.5 * _gap(
-                trees[id(search)], left, near, 20 * search.thing.unit
-            )
+            near = np.flatnonzero(within(left.xyz, ghost.lo - reach, ghost.hi + reach))
+            theirs = ghost.gap(left, near)
+            near, theirs = near[theirs < reach], theirs[theirs < reach]
+            drop[near] |= theirs < 0.5 * ghosts[id(search)].gap(left, near)
         if drop.any() and (~drop).sum() >= FEWEST:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
@@ -163,7 +184,7 @@ def find(search: Search) -> Place:
 def register(search: Search) -> tuple[F64, float]:
     """Pose and cost of the best of the robust fits from the likeliest guesses."""
     motion, model = search.thing.motion, search.thing.model
-    likely = search.guesses[np.argsort(search.costs, kind="stable")[:2]]
+    likely = _likeliest(search)
     poses = _fits(search, search.few, likely, NARROW).T
     scores = _scores(search, poses)
     doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
@@ -176,6 +197,14 @@ def register(search: Search) -> tuple[F64, float]:
     best = poses[np.argmin(scores)]
     fit = _fits(search, search.many, best[None], (2.5, 2.0, 2.0))
     return fit.T[0], float(fit.cost[0])
+
+
+def _likeliest(search: Search) -> F64:
+    """The best of the guesses, and the next that is another: (1 or 2, 4, 4)."""
+    order = np.argsort(search.costs, kind="stable")
+    apart = np.linalg.norm(search.at.world - search.at.world[order[0]], axis=2).max(axis=1)
+    others = order[apart[order] > SAME * search.thing.unit]
+    return search.guesses[[order[0], *others[:1]]]
 
 
 def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
@@ -228,24 +257,30 @@ def _surprise(search: Search, poses: F64) -> F64:
     return np.asarray(SURPRISE * np.minimum(1.0, off) + TURNED * turned)
 
 
-def _tree(search: Search) -> cKDTree:
-    """Place and colour of the thing where it is predicted."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ghost:
+    """A thing where it is predicted, in place and colour; ``lo`` and ``hi`` bound its place."""
+
+    surface: Plain
+    centre: F64
+    radius: float
+    lo: F64
+    hi: F64
+
+    def meets(self, other: _Ghost) -> bool:
+        """Whether the two are near to each other."""
+        away = float(np.linalg.norm(self.centre - other.centre))
+        return away < 1.5 * (self.radius + other.radius)
+
+    def gap(self, target: Target, points: I64) -> F64:
+        """Distances in place and colour from some of the target."""
+        own = [target.xyz[points], target.colour[points] * target.weight]
+        return self.surface.nearest(np.hstack(own))[0]
+
+
+def _ghost(search: Search) -> _Ghost:
     model, many = search.thing.model, search.many
-    colour = model.colour[many] * search.target.weight
     world = transform(search.best, model.xyz[many])
-    return cKDTree(np.hstack([world, colour]), balanced_tree=False, compact_nodes=False)
-
-
-def _gap(tree: cKDTree, target: Target, points: I64, most: float) -> F64:
-    """Distances in place and colour, ``most`` at most, from some of the target to a thing."""
-    distance, _ = tree.query(
-        np.hstack([target.xyz[points], target.colour[points] * target.weight]),
-        distance_upper_bound=most,
-    )
-    return np.minimum(np.asarray(distance, np.float64), most)
-
-
-def _overlap(one: Search, other: Search) -> bool:
-    ends = [transform(s.best, s.thing.motion.centre[None])[0] for s in (one, other)]
-    reach = one.thing.model.radius + other.thing.model.radius
-    return float(np.linalg.norm(ends[0] - ends[1])) < 1.5 * reach
+    surface = Plain(np.hstack([world, model.colour[many] * search.target.weight]))
+    centre = transform(search.best, search.thing.motion.centre[None])[0]
+    return _Ghost(surface, centre, model.radius, world.min(axis=0), world.max(axis=0))

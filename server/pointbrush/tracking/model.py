@@ -70,7 +70,7 @@ class Model:
         own_eye = np.einsum("kji,kj->ki", poses[:, :3, :3], eye - poses[:, :3, 3])
         way = own_eye[:, None] - xyz
         distance = np.sqrt(np.einsum("kmi,kmi->km", way, way)) + 1e-9
-        unknown = ~seen.any(axis=1)
+        unknown = (seen[:, 0] == 0) & (seen[:, 1] == 0) & (seen[:, 2] == 0)
         return np.asarray((np.einsum("kmi,mi->km", way, seen) > FACING * distance) | unknown)
 
     def gather(
@@ -104,12 +104,20 @@ class Model:
         if not sure:
             self.hits[(before < SURE) & (self.hits >= SURE)] = SURE - 1
 
-    def miss(self, which: Mask) -> None:
-        """Count points that the sensor saw through; those seen through too often leave."""
+    def miss(self, which: Mask) -> I64:
+        """Count points that the sensor saw through; those seen through too often leave.
+
+        Returns the new number of each point (M,), -1 for those that have left.
+        """
         self.misses[which] += 1
-        keep = self.misses <= np.minimum(self.hits, 4) + 1
-        if keep.sum() >= 10:
-            self._keep(np.flatnonzero(keep))
+        return self.drop(self.misses > np.minimum(self.hits, 4) + 1)
+
+    def drop(self, which: Mask) -> I64:
+        """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
+        if not which.any() or np.count_nonzero(~which) < 10:
+            return np.arange(len(which))
+        self._keep(np.flatnonzero(~which))
+        return np.where(which, -1, np.cumsum(~which) - 1)
 
     def _distinct(self) -> I64:
         """One point per cell of the model's spacing, the best confirmed."""

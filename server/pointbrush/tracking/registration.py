@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.near import FEW, Plain, within
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
@@ -111,11 +112,19 @@ class Target:
         """Over place and, where it counts, weighted colour: (N, 3) or (N, 6)."""
         return cKDTree(self._placed(self.xyz, self.colour), balanced_tree=False)
 
+    @cached_property
+    def _plain(self) -> Plain:
+        return Plain(self._placed(self.xyz, self.colour))
+
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
-        """Distances (M,), ``most`` where nothing is nearer, and indices (0 there)."""
-        distance, index = self.tree.query(self._placed(xyz, colour), distance_upper_bound=most)
-        distance, index = np.asarray(distance, np.float64), np.asarray(index, np.int64)
-        index[index == len(self.xyz)] = 0
+        """Distances (M,), at most ``most``, and indices, of any point where nothing is nearer."""
+        placed = self._placed(xyz, colour)
+        if len(self.xyz) <= FEW:
+            distance, index = self._plain.nearest(placed)
+        else:
+            found, which = self.tree.query(placed, distance_upper_bound=most)
+            distance, index = np.asarray(found, np.float64), np.asarray(which, np.int64)
+            index[index == len(self.xyz)] = 0
         return np.minimum(distance, most), index
 
     def _placed(self, xyz: F64, colour: F32) -> F64:
@@ -165,9 +174,8 @@ def excess(moved: F64, target: Target, unit: float) -> float:
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
     lo, hi = moved.min(axis=0) - 6 * unit, moved.max(axis=0) + 6 * unit
-    around = target.xyz[((target.xyz >= lo) & (target.xyz <= hi)).all(axis=1)]
-    tree = cKDTree(moved, balanced_tree=False, compact_nodes=False)
-    gap, _ = tree.query(around, distance_upper_bound=6 * unit)
-    on = int(np.count_nonzero(np.asarray(gap) < 3 * unit))
-    beside = int(np.count_nonzero(np.isfinite(np.asarray(gap)))) - on
+    around = target.xyz[within(target.xyz, lo, hi)]
+    gap, _ = Plain(moved).nearest(around)
+    on = int(np.count_nonzero(gap < 3 * unit))
+    beside = int(np.count_nonzero(gap < 6 * unit)) - on
     return 0.3 * min(1.0, float(beside) / float(max(on, 1)))

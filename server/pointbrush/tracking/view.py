@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
-from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
+from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
+from pointbrush.tracking.near import within
 
 I32 = NDArray[np.int32]
 WIDEST = 1.6
@@ -41,17 +42,23 @@ class Lens:
         inverse = np.float32(1.0) / np.maximum(depth, np.float32(1e-3))
         across, down = (a for a in range(3) if a != self.axis)
         offset = [np.float32(-low / p + 0.5) for low, p in zip(self.least, self.pitch, strict=True)]
-        u = local[:, across] * inverse * np.float32(1 / self.pitch[0]) + offset[0]
-        v = local[:, down] * inverse * np.float32(1 / self.pitch[1]) + offset[1]
+        u, v = local[:, across] * inverse, local[:, down] * inverse
+        for along, pitch, start in ((u, self.pitch[0], offset[0]), (v, self.pitch[1], offset[1])):
+            along *= np.float32(1 / pitch)
+            along += start
         height, width = self.shape
-        inside = (u >= 0) & (u < width) & (v >= 0) & (v < height) & (depth > 1e-3)
-        whole = bool(inside.all())
-        if not whole:
-            u, v = np.where(inside, u, 0), np.where(inside, v, 0)
-        cell = v.astype(np.int32)
-        cell *= np.int32(width)
-        cell += u.astype(np.int32)
-        return cell if whole else np.where(inside, cell, np.int32(-1)), depth
+        if len(u) and not (u.min() >= 0 and u.max() < width and v.min() >= 0 and v.max() < height):
+            inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
+            cell = np.where(inside, v, 0).astype(np.int32) * np.int32(width)
+            cell += np.where(inside, u, 0).astype(np.int32)
+            cell[~inside] = -1
+        else:
+            cell = v.astype(np.int32)
+            cell *= np.int32(width)
+            cell += u.astype(np.int32)
+        if len(depth) and depth.min() <= 1e-3:
+            cell[depth <= 1e-3] = -1
+        return cell, depth
 
 
 def find_lens(frame: TrackFrame) -> Lens | None:
@@ -109,15 +116,6 @@ def _lattice(tangent: F64) -> float | None:
     return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)
 
 
-def within(xyz: NDArray[np.floating], lo: F64, hi: F64) -> NDArray[np.bool_]:
-    """Which points (N, 3) lie in a box; by columns, since NumPy reduces short rows slowly."""
-    inside: NDArray[np.bool_] = np.ones(len(xyz), np.bool_)
-    for axis in range(3):
-        column = xyz[:, axis]
-        inside &= (column >= lo[axis]) & (column <= hi[axis])
-    return inside
-
-
 @dataclass(eq=False)
 class View:
     """Frame ``number`` (of the run's order) with ``lens`` or None; arrays in stored order."""
@@ -136,6 +134,12 @@ class View:
             return local
         T = self.T_world_frame
         return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+
+    def prepare(self) -> None:
+        """Work out what several threads will ask for."""
+        _ = self.xyz, self.frame.rgb
+        if self.lens is not None:
+            _ = self.depth
 
     @cached_property
     def eye(self) -> F64 | None:
@@ -169,17 +173,22 @@ class View:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
-        rgb = np.asarray(self.frame.rgb)[indices].astype(np.float32)
-        total = rgb.sum(axis=1)
+        rgb = np.asarray(self.frame.rgb)[indices]
+        red, green, blue = (rgb[:, band].astype(np.float32) for band in range(3))
+        total = red + green + blue
         scale = 1.0 / (total + 60.0)
-        return np.stack(
-            [
-                1.7 * (rgb[:, 0] - rgb[:, 1]) * scale,
-                (2.0 * rgb[:, 2] - rgb[:, 0] - rgb[:, 1]) * scale,
-                total * np.float32(0.3 / 765),
-            ],
-            axis=1,
-        )
+        result = np.empty((len(rgb), 3), np.float32)
+        np.multiply(1.7 * (red - green), scale, out=result[:, 0])
+        np.multiply(2.0 * blue - red - green, scale, out=result[:, 1])
+        np.multiply(total, np.float32(0.3 / 765), out=result[:, 2])
+        return result
+
+    def labelled(self) -> Mask:
+        """(N,) points of any of the labels, a new array."""
+        mask = np.zeros(len(self.xyz), np.bool_)
+        for points in self.labels.values():
+            mask[points] = True
+        return mask
 
     @cached_property
     def cells(self) -> tuple[I32, F32]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,11 @@ from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import Only
 from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
+from pointbrush.tracking.rules import FEWEST
 
 TRACKED = 2
+LEAD = 20
+"""Frames before a run's start that a method may learn from."""
 UNSURE = 0.5
 """Below this confidence a person should look."""
 NOTHING = {"edit": None, "changed": 0, "frames": 0}
@@ -45,9 +48,14 @@ class TrackingWork:
         store = LabelStore(self.database)
         try:
             order = frame_order(self.start, self.stop)
-            knowledge = _Knowledge(store, recording)
+            counts = store.counts(recording.manifest.id)
+            before = lead(counts, [s.label for s in self.seeds], order, len(recording))
             results = METHODS[self.method]().track(
-                recording.__getitem__, order, self.seeds, knowledge, self.options
+                recording.__getitem__,
+                order,
+                self.seeds,
+                _Knowledge(store, recording),
+                replace(self.options, before=before),
             )
             for done, found in enumerate(results, start=1):
                 channel.item(found)
@@ -83,6 +91,29 @@ def wants_look(found: FrameResult) -> bool:
 def frame_order(start: int, stop: int) -> list[int]:
     """Frames from ``start`` to ``stop``, both included, forward or backward."""
     return list(range(start, stop + 1) if stop >= start else range(start, stop - 1, -1))
+
+
+def lead(
+    counts: Mapping[tuple[int, int], tuple[int, int]],
+    labels: list[int],
+    order: list[int],
+    frames: int,
+) -> tuple[int, ...]:
+    """Frames before a run's start, farthest first, that show what its ``labels`` look like.
+
+    Back to where all of them are painted, as far as they are labelled, LEAD frames at most.
+    ``counts`` (frame, label) → points, and painted ones among them.
+    """
+    step = -1 if order[-1] > order[0] else 1
+    found: list[int] = []
+    for number in range(order[0] + step, order[0] + step * (LEAD + 1), step):
+        here = [counts.get((number, label), (0, 0)) for label in labels]
+        if not 0 <= number < frames or max(here)[0] < FEWEST:
+            break
+        found.append(number)
+        if min(painted for _, painted in here) >= FEWEST:
+            break
+    return tuple(reversed(found))
 
 
 def prepare(

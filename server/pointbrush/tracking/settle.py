@@ -1,0 +1,72 @@
+"""What a run makes of a thing in a frame: found, hidden or lost; what it learns of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim, together
+from pointbrush.tracking.belong import unexplained
+from pointbrush.tracking.confidence import REGAIN, likelihood
+from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
+from pointbrush.tracking.judge import Verdict, judge
+from pointbrush.tracking.learn import evidence, learn
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+PATIENCE = 45
+"""Frames that a thing is looked for before it is lost."""
+SOUND = 0.25
+"""Cost under which a fit teaches the model."""
+DOUBTFUL, REGAINED = 0.4, 0.6
+"""Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
+it ends an occlusion."""
+
+
+def settle(
+    thing: Thing,
+    view: View,
+    place: Place | None,
+    found: Claim | None,
+    grown: I64,
+    options: TrackOptions,
+) -> tuple[TrackState, I64]:
+    """Judge what was found in a frame, and learn from it: the state, and the points (M,)."""
+    pose = None if place is None else place.pose
+    verdict = judge(thing, view, pose, None if place is None else place.world, found)
+    pose = thing.motion.poses[-1] if place is None else place.pose
+    if place is None or found is None or not _seen(thing, place, verdict):
+        thing.missing += 1
+        thing.motion.gap += 1
+        lost = thing.missing > PATIENCE
+        thing.stopped = lost and not options.continue_lost
+        thing.trust = max(0.0, thing.trust - REGAIN)
+        state: State = "lost" if lost else "occluded"
+        return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
+    thing.missing = 0
+    points = together(found.indices, grown)
+    here = likelihood(evidence(thing, place, found, len(points), verdict))
+    trust = min(here, thing.trust + REGAIN)
+    thing.trust, thing.last = trust, len(points)
+    thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
+    if place.cost < SOUND or thing.bends or thing.large:
+        learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
+    rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
+    track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
+    return track, points
+
+
+def _seen(thing: Thing, place: Place, verdict: Verdict) -> bool:
+    """Whether the thing was found; one that was hidden must show itself clearly."""
+    clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    return verdict.found and (thing.missing == 0 or thing.large or clear)
+
+
+def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
+    """What the model may learn of ``found``: no new points that something unlabelled explains."""
+    if place.whole or thing.bends or thing.large:
+        return found
+    keep = found.gap < 0.9 * thing.model.spacing
+    new = np.flatnonzero(~keep)
+    keep[new] = unexplained(thing, view, place, found.indices[new])
+    return found.pick(keep)
