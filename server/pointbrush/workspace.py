@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import (
@@ -199,7 +200,14 @@ class Workspace:
         self, sequence: str, frame: int, layer: str = "label"
     ) -> tuple[NDArray[Any], int]:
         """A layer of a frame's annotation (N,), and the sequence's revision it is of."""
-        return layers.get_layer(self.store, self.recording(sequence), frame, layer)
+        blocks, revision = self.annotation_blocks(sequence, frame, layer)
+        return np.concatenate(list(blocks)), revision
+
+    def annotation_blocks(
+        self, sequence: str, frame: int, layer: str = "label"
+    ) -> tuple[Iterator[NDArray[Any]], int]:
+        """The same in consecutive blocks, of which an octree's frame has many."""
+        return exporting.layer_blocks(self.store, self.recording(sequence), frame, layer)
 
     def put_annotation(
         self,

@@ -16,6 +16,7 @@ import pytest
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames, importer, source_order
+from pointbrush.work import kept, layers
 from tests.serving import Served, serving, settings_in
 
 POINTS = 24_000
@@ -43,6 +44,8 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         patch.setattr(importer, "LARGE_POINTS", 8_000)
         patch.setattr(source_order, "BLOCK_POINTS", 5_000)
         patch.setattr(source_order, "PIECE_POINTS", 3_500)
+        patch.setattr(kept, "PIECE_POINTS", 4_000)
+        patch.setattr(layers, "PIECE_POINTS", 4_500)
         import_frames([scan()], folder / "large", sequence_id="large", **about)
         with serving(settings) as running:
             annotate(running)
@@ -130,3 +133,17 @@ def test_blocks_hold_every_point_once(both: Served, tmp_path: Path) -> None:
     )
     numbers = np.concatenate([block["number"] for block in blocks])
     assert np.array_equal(numbers, np.arange(POINTS))
+
+
+def test_an_annotation_stays_as_it_was_while_it_is_sent(both: Served) -> None:
+    workspace = both.workspace
+    before, revision = workspace.annotation("large", 0)
+    blocks, told = workspace.annotation_blocks("large", 0)
+    parts = [next(blocks)]
+    workspace.put_annotation("large", 0, np.zeros(POINTS, np.uint16), author="another")
+    assert not workspace.annotation("large", 0)[0].any()
+    parts += blocks
+    workspace.undo("large", "another")
+    assert told == revision
+    np.testing.assert_array_equal(np.concatenate(parts), before)
+    np.testing.assert_array_equal(workspace.annotation("large", 0)[0], before)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -180,6 +180,15 @@ class LabelStore:
         """Annotation of points [first, first + count) of a frame, as far as it has them."""
         with self._sessions.reading(sequence) as (connection, state):
             return reading.values(connection, state, frame, first, count)
+
+    def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
+        """Annotation of a whole frame in runs of ``size`` points, all of one revision.
+
+        Nobody can commit before the last one is taken: do little in between.
+        """
+        with self._sessions.reading(sequence) as (connection, state):
+            for first in range(0, max(state.frame_points(frame), 1), size):
+                yield reading.values(connection, state, frame, first, size)
 
     def counts(self, sequence: str) -> dict[tuple[int, int], tuple[int, int]]:
         """For each frame and label that has any: points, and painted ones among them."""

@@ -29,15 +29,14 @@ def workspace_of(request: Request) -> Workspace:
 Ws = Annotated[Workspace, Depends(workspace_of)]
 
 
-async def body_within(request: Request, limit: int, what: str) -> bytes:
+async def body_within(request: Request, limit: int, what: str) -> bytearray:
     """The whole body; raises TooLargeError as soon as it is longer than ``limit`` bytes."""
-    pieces, length = [], 0
+    body = bytearray()
     async for piece in request.stream():
-        length += len(piece)
-        if length > limit:
+        if len(body) + len(piece) > limit:
             raise TooLargeError(f"{what}: expected at most {limit} bytes, got more")
-        pieces.append(piece)
-    return b"".join(pieces)
+        body += piece
+    return body
 
 
 def one_of(names: Iterable[str]) -> str:

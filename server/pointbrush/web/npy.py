@@ -22,7 +22,7 @@ BLOCK = 1 << 18
 Columns = Mapping[str, NDArray[Any]]
 
 
-def parse(body: bytes, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
+def parse(body: bytes | bytearray, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
     """The array of a ``.npy`` body: exactly ``(count,)`` of ``dtype`` (any byte order).
 
     A view on ``body`` where possible; nothing is unpickled.
@@ -41,7 +41,7 @@ def parse(body: bytes, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
     return array.astype(dtype, copy=False)
 
 
-def _header(body: bytes) -> tuple[tuple[int, ...], np.dtype[Any], int]:
+def _header(body: bytes | bytearray) -> tuple[tuple[int, ...], np.dtype[Any], int]:
     stream = io.BytesIO(body)
     try:
         version = npy_format.read_magic(stream)
@@ -62,16 +62,19 @@ def _header(body: bytes) -> tuple[tuple[int, ...], np.dtype[Any], int]:
     return shape, dtype, stream.tell()
 
 
-def stream_array(array: NDArray[Any]) -> tuple[int, Iterator[bytes]]:
-    """A ``.npy`` file: its length and its pieces."""
-    header = _described(array.dtype, array.shape)
+def stream_array(
+    blocks: Iterator[NDArray[Any]], dtype: np.dtype[Any], count: int
+) -> tuple[int, Iterator[bytes]]:
+    """A ``.npy`` file of ``count`` values that come in ``blocks``: its length and its pieces."""
+    header = _described(dtype, (count,))
 
     def pieces() -> Iterator[bytes]:
         yield header
-        for first in range(0, len(array), BLOCK):
-            yield array[first : first + BLOCK].tobytes()
+        for array in blocks:
+            for first in range(0, len(array), BLOCK):
+                yield array[first : first + BLOCK].tobytes()
 
-    return len(header) + array.nbytes, pieces()
+    return len(header) + count * dtype.itemsize, pieces()
 
 
 def _described(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:

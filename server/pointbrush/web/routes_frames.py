@@ -85,24 +85,25 @@ def get_annotation(
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
     """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted."""
-    values, revision = workspace.annotation(seq, i, layer)
+    blocks, revision = workspace.annotation_blocks(seq, i, layer)
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
-    length, pieces = npy.stream_array(values)
+    count = workspace.recording(seq)[i].count
+    length, pieces = npy.stream_array(blocks, require_layer(layer), count)
     headers["Content-Length"] = str(length)
     return StreamingResponse(pieces, media_type=npy.MEDIA_TYPE, headers=headers)
 
 
 async def annotation_body(
     request: Request, seq: SequenceId, i: FramePath, workspace: Ws, _who: Annotator
-) -> bytes:
+) -> bytearray:
     """The body, if it can be an array of this frame's values."""
     frame = await run_in_threadpool(lambda: workspace.recording(seq)[i])
     return await body_within(request, frame.count * WIDEST + HEADER_ROOM, "annotation")
 
 
-AnnotationBody = Annotated[bytes, Depends(annotation_body)]
+AnnotationBody = Annotated[bytearray, Depends(annotation_body)]
 
 
 @router.put(

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame, sizes_of
+from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame
 from pointbrush.frame import PointFrame
-from pointbrush.labels import FrameValues, LabelStore
+from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence, source_blocks
-from pointbrush.work.layers import LAYERS
+from pointbrush.work.kept import KeptAnnotation
+from pointbrush.work.layers import require_layer
 
 Columns = dict[str, NDArray[Any]]
 
@@ -54,16 +55,16 @@ def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Ite
     for track in store.tracks(sequence):
         tracks.setdefault(int(track["frame"]), []).append(track)
     for index in frames:
-        values = store.values(sequence, index)
-        read = partial(_blocks, recording, index, values, tracks.get(index, []), up)
+        kept = KeptAnnotation(store, sequence, index)
+        read = partial(_blocks, recording, index, kept, tracks.get(index, []), up)
         if not recording[index].large:
             yield from read()
             continue
         yield BlockedFrame(
             index=index,
             count=recording[index].count,
-            kept=int(np.count_nonzero(~values.deleted)),
-            sizes=sizes_of(values.label, values.deleted),
+            kept=int(kept.sizes.sum()),
+            sizes=kept.sizes,
             read=read,
             tracks=tracks.get(index, []),
             up=up,
@@ -73,18 +74,16 @@ def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Ite
 def _blocks(
     recording: Sequence,
     index: int,
-    values: FrameValues,
+    kept: KeptAnnotation,
     tracks: list[dict[str, Any]],
     up: NDArray[np.float64],
 ) -> Iterator[LabeledFrame]:
-    """A frame with its annotation, stored order in ``values``, in blocks of source order."""
+    """A frame with its annotation in blocks of source order."""
     stored = recording[index]
 
     def read(first: int, stop: int) -> Columns:
         columns = stored.read_source(first, stop, (*SENT, "instance"))
-        for layer in LAYERS:
-            columns[layer] = getattr(values, layer)[first:stop]
-        return columns
+        return columns | kept.read(first, stop)
 
     for columns in source_blocks(stored, read):
         yield LabeledFrame(
@@ -96,6 +95,16 @@ def _blocks(
             tracks=tracks,
             up=up,
         )
+
+
+def layer_blocks(
+    store: LabelStore, recording: Sequence, index: int, layer: str
+) -> tuple[Iterator[NDArray[Any]], int]:
+    """A layer of a frame in source order, consecutive blocks, and the revision it is of."""
+    require_layer(layer)
+    stored = recording[index]
+    kept = KeptAnnotation(store, recording.manifest.id, index, (layer,))
+    return (columns[layer] for columns in source_blocks(stored, kept.read)), kept.revision
 
 
 def parse_frames(text: str | None, count: int) -> range:

@@ -1,4 +1,4 @@
-"""Whole annotations in source order: out of the store, and into it as one edit."""
+"""Whole annotations in source order on their way into the store, as one edit."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pointbrush.sequences import Sequence as Recording
 
 LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
 IMPORTED = 3
+PIECE_POINTS = 1_000_000
 
 
 def require_layer(layer: str) -> np.dtype[Any]:
@@ -20,16 +21,6 @@ def require_layer(layer: str) -> np.dtype[Any]:
     if layer not in LAYERS:
         raise BadInputError(f"layer: expected one of {', '.join(LAYERS)}, got {layer!r}")
     return np.dtype(LAYERS[layer])
-
-
-def get_layer(
-    store: LabelStore, recording: Recording, frame: int, layer: str
-) -> tuple[NDArray[Any], int]:
-    """A layer (N,) in source order, and the revision it is of."""
-    require_layer(layer)
-    stored = recording[frame]
-    values = store.values(recording.manifest.id, frame)
-    return stored.to_source(getattr(values, layer)), values.revision
 
 
 def replacement(
@@ -44,12 +35,13 @@ def replacement(
         raise BadInputError(
             f"annotation: expected ({stored.count},) {dtype}, got {array.shape} {array.dtype}"
         )
-    wanted = array[stored.source_index]
-    now = getattr(store.values(sequence, frame), layer)
-    numbers = np.flatnonzero(wanted != now)
-    value = wanted[numbers]
+    found = [
+        _difference(store, recording, frame, layer, array, first)
+        for first in range(0, max(stored.count, 1), PIECE_POINTS)
+    ]
+    numbers, before, value = (np.concatenate(parts) for parts in zip(*found, strict=True))
     if layer == "label":
-        _require_allowed(store, sequence, now[numbers], value)
+        _require_allowed(store, sequence, before, value)
         provenance = np.where(value > 0, IMPORTED, 0).astype(np.uint8)
         return Write(numbers, label=value, provenance=provenance)
     if layer == "provenance":
@@ -57,6 +49,24 @@ def replacement(
             raise BadInputError(f"provenance: expected 0 to 3, got {int(value.max())}")
         return Write(numbers, provenance=value)
     return Write(numbers, deleted=value)
+
+
+def _difference(
+    store: LabelStore,
+    recording: Recording,
+    frame: int,
+    layer: str,
+    array: NDArray[Any],
+    first: int,
+) -> tuple[NDArray[np.int64], NDArray[Any], NDArray[Any]]:
+    """Where a piece from stored number ``first`` on is not as wanted: numbers, values, wanted."""
+    stored = recording[frame]
+    stop = min(first + PIECE_POINTS, stored.count)
+    wanted = array[stored.read("source_index", first, stop)]
+    values = store.values(recording.manifest.id, frame, first, stop - first)
+    now = getattr(values, layer)
+    differs = np.flatnonzero(wanted != now)
+    return differs + first, now[differs], wanted[differs]
 
 
 def _require_allowed(
