@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from pointbrush.streaming.session import CREDITS
+from pointbrush.streaming.viewer import CREDITS
 from tests.serving import Served
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import TYPE_CHECKING
 
 from pointbrush.errors import (
     BadInputError,
@@ -15,10 +14,9 @@ from pointbrush.errors import (
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.viewer import Viewer
 from pointbrush.work.strokes import LiveStroke
-
-if TYPE_CHECKING:
-    from pointbrush.streaming.session import ViewerSession
 
 Edit = (
     messages.StrokeBegin
@@ -45,8 +43,8 @@ EDITORS = ("annotator", "reviewer", "admin")
 class Editor:
     """Applies one viewer's edits one after another, in threads."""
 
-    def __init__(self, session: ViewerSession) -> None:
-        self._session = session
+    def __init__(self, viewer: Viewer, hub: Hub) -> None:
+        self._viewer, self._hub = viewer, hub
         self._queue: asyncio.Queue[tuple[Edit, int]] = asyncio.Queue(WAITING)
         self._bytes, self._fewer = 0, asyncio.Event()
         self._live: dict[str, LiveStroke | Commit] = {}
@@ -68,7 +66,7 @@ class Editor:
                 await self._apply(edit)
             except PointbrushError as error:
                 self._drop(edit)
-                self._session.refuse(error, edit.id)
+                self._viewer.refuse(error, edit.id)
             finally:
                 self._bytes -= nbytes
                 self._fewer.set()
@@ -87,9 +85,9 @@ class Editor:
                 del self._refused[next(iter(self._refused))]
 
     async def _apply(self, edit: Edit) -> None:
-        if self._session.role not in EDITORS:
+        if self._viewer.role not in EDITORS:
             raise ForbiddenError(
-                f"expected the role annotator or higher, this token's is {self._session.role}"
+                f"expected the role annotator or higher, this token's is {self._viewer.role}"
             )
         match edit:
             case messages.StrokeBegin():
@@ -107,8 +105,8 @@ class Editor:
                 await self._track(edit)
 
     async def _begin(self, edit: messages.StrokeBegin) -> None:
-        session = self._session
-        workspace, sequence = session.hub.workspace, session.require_room().id
+        viewer = self._viewer
+        workspace, sequence = self._hub.workspace, viewer.require_room().id
         self._refused.pop(edit.id, None)
         if len(self._live) >= LIVE_STROKES and edit.id not in self._live:
             raise TooManyRequestsError(f"expected at most {LIVE_STROKES} strokes at a time")
@@ -120,7 +118,7 @@ class Editor:
                 sequence, edit.frame, edit.brush.model_dump(), edit.id
             )
 
-        self._live[edit.id] = await session.hub.edit(begin)
+        self._live[edit.id] = await self._hub.edit(begin)
 
     def _stroke(self, stroke_id: str) -> LiveStroke | Commit:
         if stroke_id not in self._live:
@@ -136,40 +134,40 @@ class Editor:
         def add() -> tuple[int, int]:
             return stroke.add(samples), stroke.changing
 
-        touched, changed = await self._session.hub.edit(add)
+        touched, changed = await self._hub.edit(add)
         self._answer(edit.id, stroke.frame, touched, changed=changed)
 
     async def _end(self, edit: messages.StrokeEnd) -> None:
-        session = self._session
+        viewer = self._viewer
         started = time.monotonic()
         stroke = self._stroke(edit.id)
         if isinstance(stroke, Commit):
             commit, frame, touched = stroke, next(iter(stroke.frames), 0), stroke.changed
         else:
-            commit = await session.hub.edit(stroke.commit, session.author)
+            commit = await self._hub.edit(stroke.commit, viewer.author)
             frame, touched = stroke.frame, stroke.touched
         del self._live[edit.id]
-        session.hub.metrics.strokes.observe(time.monotonic() - started)
+        self._hub.metrics.strokes.observe(time.monotonic() - started)
         self._answer(edit.id, frame, touched, commit)
 
     async def _undo(self, edit: messages.Undo | messages.Redo) -> None:
-        session = self._session
-        workspace = session.hub.workspace
+        viewer = self._viewer
+        workspace = self._hub.workspace
         act = workspace.undo if isinstance(edit, messages.Undo) else workspace.redo
-        sequence = session.require_room().id
-        commit = await session.hub.edit(act, sequence, session.author, edit.id)
+        sequence = viewer.require_room().id
+        commit = await self._hub.edit(act, sequence, viewer.author, edit.id)
         self._answer(edit.id, next(iter(commit.frames), 0), commit.changed, commit)
 
     async def _track(self, edit: messages.Track) -> None:
-        session = self._session
-        sequence = session.require_room().id
+        viewer = self._viewer
+        sequence = viewer.require_room().id
 
         def start() -> None:
-            session.hub.workspace.track(
+            self._hub.workspace.track(
                 sequence,
                 start=edit.start,
                 stop=edit.stop,
-                author=session.author,
+                author=viewer.author,
                 labels=edit.labels,
                 method=edit.method,
                 overwrite=edit.overwrite,
@@ -179,7 +177,7 @@ class Editor:
                 edit=edit.id,
             )
 
-        await session.hub.edit(start)
+        await self._hub.edit(start)
 
     def _answer(
         self,
@@ -189,7 +187,7 @@ class Editor:
         commit: Commit | None = None,
         changed: int = 0,
     ) -> None:
-        self._session.outbox.reply(
+        self._viewer.outbox.reply(
             encode(
                 messages.StrokeResult(
                     id=stroke_id,
@@ -197,7 +195,7 @@ class Editor:
                     touched=touched,
                     changed=commit.changed if commit else changed,
                     edit=commit.edit_id if commit else None,
-                    revision=commit.revision if commit else self._session.require_room().revision,
+                    revision=commit.revision if commit else self._viewer.require_room().revision,
                     final=commit is not None,
                 )
             )

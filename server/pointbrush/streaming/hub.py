@@ -20,7 +20,7 @@ from pointbrush.streaming.load import Load
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.presence import Presence
 from pointbrush.streaming.room import Room
-from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.viewer import Viewer
 from pointbrush.workspace import Event, Provisional, Retracted, SequencesChanged, Workspace
 
 logger = logging.getLogger(__name__)
@@ -37,7 +37,7 @@ class Hub:
     def __init__(self, workspace: Workspace, metrics: Metrics) -> None:
         self.workspace, self.metrics = workspace, metrics
         self.cache = MessageCache(CACHE_BYTES)
-        self.viewers: set[ViewerSession] = set()
+        self.viewers: set[Viewer] = set()
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
         self.load = Load()
@@ -91,18 +91,18 @@ class Hub:
 
     # ── viewers ──────────────────────────────────────────────────────────────────────────
 
-    def join(self, viewer: ViewerSession) -> None:
+    def join(self, viewer: Viewer) -> None:
         """A socket opened."""
         self.viewers.add(viewer)
         self.metrics.viewers.set(len(self.viewers))
 
-    def leave(self, viewer: ViewerSession) -> None:
+    def leave(self, viewer: Viewer) -> None:
         """A socket closed."""
         self.viewers.discard(viewer)
         self.metrics.viewers.set(len(self.viewers))
         self.exit(viewer)
 
-    async def enter(self, viewer: ViewerSession, sequence: str) -> Room:
+    async def enter(self, viewer: Viewer, sequence: str) -> Room:
         """Put a viewer into a sequence's room; raises NotFoundError."""
         recording = await self.read(self.workspace.recording, sequence)
         async with self._opening:
@@ -119,7 +119,7 @@ class Hub:
         room.viewers.add(viewer)
         return room
 
-    def exit(self, viewer: ViewerSession) -> None:
+    def exit(self, viewer: Viewer) -> None:
         """Take a viewer out of its room; the last one closes it."""
         room = viewer.room
         if room is None:
@@ -162,7 +162,7 @@ class Hub:
             for viewer in room.viewers:
                 viewer.stale(event.frames)
 
-    def tell_job(self, job: Job, viewers: Iterable[ViewerSession]) -> None:
+    def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
         """Queue a job's state; a newer one replaces it."""
         message = encode(
             messages.Job(
@@ -180,11 +180,10 @@ class Hub:
             viewer.outbox.wake.set()
 
     async def _sequence_changed(self, sequence: str) -> None:
-        room = self.rooms.get(sequence)
-        if room is None:
-            return
-        for viewer in list(room.viewers):
-            await viewer.reopen()
+        # Also those that are still in a room of what it was before.
+        for viewer in list(self.viewers):
+            if viewer.room is not None and viewer.room.id == sequence:
+                await viewer.reopen()
 
     async def _relay_presence(self) -> None:
         while True:

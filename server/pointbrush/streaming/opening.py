@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from pointbrush.errors import BadInputError
 from pointbrush.streaming import messages
+from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
-
-if TYPE_CHECKING:
-    from pointbrush.streaming.hub import Hub
 
 
 async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:

@@ -6,7 +6,7 @@ import asyncio
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from pointbrush.labels import Cell, Commit, GapError, Label
 from pointbrush.sequences import Sequence
@@ -19,12 +19,9 @@ from pointbrush.streaming.encoding import (
     encode_provisional,
     encode_whole,
 )
-from pointbrush.streaming.outbox import QueuedDelta
+from pointbrush.streaming.outbox import Outbox, QueuedDelta
 from pointbrush.streaming.table import FrameTable
 from pointbrush.workspace import Provisional, Workspace
-
-if TYPE_CHECKING:
-    from pointbrush.streaming.session import ViewerSession
 
 T = TypeVar("T")
 TABLES = 4096
@@ -34,6 +31,30 @@ Place = tuple[int, int]
 AT_ONCE = 50_000
 """Changed points that are encoded on the event loop itself."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
+
+
+class Listener(Protocol):
+    """What a room needs of a viewer."""
+
+    @property
+    def id(self) -> str:
+        """Tells it from the others."""
+
+    @property
+    def outbox(self) -> Outbox:
+        """What waits to be sent to it."""
+
+    def holds(self, frame: int) -> bool:
+        """Whether it must hear of changes in a frame."""
+
+    def stale(self, frames: Iterable[int]) -> None:
+        """Values of these frames must be sent whole."""
+
+    def all_stale(self) -> None:
+        """Values of everything that it holds must be sent whole."""
+
+    def cells_changed(self, cells: set[Place], *, everything: bool) -> None:
+        """Palette, counts or timeline changed."""
 
 
 class Room:
@@ -50,7 +71,7 @@ class Room:
         self.workspace, self.recording, self.cache, self._run = workspace, recording, cache, run
         self.id = recording.manifest.id
         self._identity = recording.identity
-        self.viewers: set[ViewerSession] = set()
+        self.viewers: set[Listener] = set()
         self.revision = 0
         self.palette: list[Label] = []
         self.cells: dict[tuple[int, int], Cell] = {}

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
 from pointbrush.errors import PointbrushError, UnavailableError
+from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.plan import Piece
 from pointbrush.streaming.room import Room
-
-if TYPE_CHECKING:
-    from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.viewer import Viewer
 
 VALUES_RUN = 4_000_000
 """Points whose whole values go into one message at most."""
@@ -21,9 +19,9 @@ RETRY_SECONDS = 0.5
 class Sender:
     """Sends to one viewer until cancelled or the link breaks."""
 
-    def __init__(self, session: ViewerSession) -> None:
-        self._session = session
-        self._outbox = session.outbox
+    def __init__(self, viewer: Viewer, hub: Hub) -> None:
+        self._viewer, self._hub = viewer, hub
+        self._outbox = viewer.outbox
         self._states_time = float("-inf")
         self._idle = True
         self._turn = False
@@ -42,15 +40,15 @@ class Sender:
                 await asyncio.sleep(RETRY_SECONDS)
 
     async def _rest(self) -> None:
-        session = self._session
-        pauses = [session.plan.wait(session.now()), self._states_pause()]
+        viewer = self._viewer
+        pauses = [viewer.plan.wait(viewer.now()), self._states_pause()]
         known = [pause for pause in pauses if pause is not None]
         await self._outbox.wake.wait(min(known) if known else None)
 
     # ── everything but points ────────────────────────────────────────────────────────────
 
     async def _messages(self) -> None:
-        outbox, send = self._outbox, self._session.send
+        outbox, send = self._outbox, self._viewer.send
         while outbox.replies:
             await send(outbox.replies.popleft())
         while outbox.jobs:
@@ -63,10 +61,10 @@ class Sender:
 
     async def _deltas(self, up_to: int | None = None) -> None:
         while (delta := self._outbox.next_delta(up_to)) is not None:
-            await self._session.send(delta.data)
+            await self._viewer.send(delta.data)
 
     async def _stale(self) -> None:
-        while self._outbox.stale and (room := self._session.room) is not None:
+        while self._outbox.stale and (room := self._viewer.room) is not None:
             frame, noted = next(iter(self._outbox.stale.items()))
             del self._outbox.stale[frame]
             points = (await room.table(frame)).firsts[-1]
@@ -87,22 +85,22 @@ class Sender:
         else:
             # Older deltas go first: a viewer that applies everything as it comes is always right.
             await self._deltas(revision)
-        await self._session.send(data)
+        await self._viewer.send(data)
 
     def _states_pause(self) -> float | None:
-        room = self._session.room
+        room = self._viewer.room
         changed = self._outbox.labels or self._outbox.cells or self._outbox.all_cells
         if room is None or not changed:
             return None
-        return max(0.0, self._states_time + room.states_period - self._session.now())
+        return max(0.0, self._states_time + room.states_period - self._viewer.now())
 
     async def _states(self) -> None:
-        session, outbox = self._session, self._outbox
-        room = session.room
+        viewer, outbox = self._viewer, self._outbox
+        room = viewer.room
         pause = self._states_pause()
         if room is None or pause is None or pause > 0:
             return
-        self._states_time = session.now()
+        self._states_time = viewer.now()
         # Cleared first: what changes while we read is sent the next time.
         labels, outbox.labels = outbox.labels, False
         cells = None if outbox.all_cells else frozenset(outbox.cells)
@@ -110,9 +108,9 @@ class Sender:
         try:
             await room.refresh()
             if labels:
-                await session.send(await room.labels_message(session.author))
+                await viewer.send(await room.labels_message(viewer.author))
             if cells is None or cells:
-                await session.send(await room.timeline_message(cells))
+                await viewer.send(await room.timeline_message(cells))
         except UnavailableError:
             outbox.labels = outbox.labels or labels
             outbox.all_cells = outbox.all_cells or cells is None
@@ -123,8 +121,8 @@ class Sender:
 
     async def _points(self) -> bool:
         """Send one piece; False when there is none, or no room for it on the link."""
-        session = self._session
-        room, plan = session.room, session.plan
+        viewer = self._viewer
+        room, plan = viewer.room, viewer.plan
         if room is None:
             return False
         if not plan.link.has_room:
@@ -132,7 +130,7 @@ class Sender:
             return False
         try:
             piece = await self._next_piece(room)
-            if piece is not None and not self._turn and await session.hub.load.turn():
+            if piece is not None and not self._turn and await self._hub.load.turn():
                 # What was most wanted before the wait may not be so any more: look again.
                 self._turn = True
                 return True
@@ -140,38 +138,38 @@ class Sender:
         except UnavailableError:
             raise
         except PointbrushError as error:
-            session.refuse(error)
-            session.room = None
+            viewer.refuse(error)
+            viewer.room = None
             return True
         if piece is None:
             self._idle = True
             return False
-        if session.room is room and session.plan is plan:
+        if viewer.room is room and viewer.plan is plan:
             await self._send_piece(room, piece)
         return True
 
     async def _next_piece(self, room: Room) -> Piece | None:
-        session = self._session
+        viewer = self._viewer
         if room.recording.manifest.large:
             return await self._next_wanted(room)
-        for step, frame in session.plan.candidates(session.now()):
+        for step, frame in viewer.plan.candidates(viewer.now()):
             table = await room.table(frame)
-            piece = session.plan.piece(step, frame, table, session.now())
+            piece = viewer.plan.piece(step, frame, table, viewer.now())
             if piece is not None:
                 return piece
         return None
 
     async def _next_wanted(self, room: Room) -> Piece | None:
         """The root of the frame in view first, then runs of the chunks asked for."""
-        session = self._session
-        plan = session.plan
-        frame = plan.focus if plan.clock is None else plan.clock.due(session.now())
+        viewer = self._viewer
+        plan = viewer.plan
+        frame = plan.focus if plan.clock is None else plan.clock.due(viewer.now())
         if frame not in plan.held:
             table = await room.table(frame)
             return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
-        if session.wanted is None or not session.wanted[1]:
+        if viewer.wanted is None or not viewer.wanted[1]:
             return None
-        frame, chunks = session.wanted
+        frame, chunks = viewer.wanted
         table = await room.table(frame)
         while chunks and chunks[0] >= table.chunks:
             chunks.pop(0)
@@ -184,24 +182,24 @@ class Sender:
         return Piece(frame, first, stop, final=False)
 
     async def _send_piece(self, room: Room, piece: Piece) -> None:
-        session = self._session
-        plan = session.plan
+        viewer = self._viewer
+        plan = viewer.plan
         table = await room.table(piece.frame)
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
-        anew = not session.has(piece.frame)
+        anew = not viewer.has(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
-        plan.sent(piece, session.now())
-        if session.wanted is not None and session.wanted[0] == piece.frame:
+        plan.sent(piece, viewer.now())
+        if viewer.wanted is not None and viewer.wanted[0] == piece.frame:
             sent = set(range(piece.first, piece.stop))
-            session.wanted[1][:] = [chunk for chunk in session.wanted[1] if chunk not in sent]
+            viewer.wanted[1][:] = [chunk for chunk in viewer.wanted[1] if chunk not in sent]
         try:
             await self._values(room, piece.frame, first, stop - first, anew=anew)
         except UnavailableError:
             plan.forget([piece.frame])
             raise
         data = await room.frame_message(piece.frame, piece.first, piece.stop, final=piece.final)
-        plan.link.sent(len(data), session.now(), idle=self._idle)
+        plan.link.sent(len(data), viewer.now(), idle=self._idle)
         self._idle = False
-        session.hub.metrics.frames.inc()
-        session.hub.metrics.sent.inc(len(data))
-        await session.send(data)
+        self._hub.metrics.frames.inc()
+        self._hub.metrics.sent.inc(len(data))
+        await viewer.send(data)

@@ -1,4 +1,4 @@
-"""One viewer: takes its messages, follows its clock, sends what it should see.
+"""One viewer's session: takes its messages, follows its clock, sends what it should see.
 
 Three tasks: the caller's feeds ``receive``; one sends, so that messages keep their order; one
 applies edits in the order they came, so that a slow commit holds up no credit.
@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import time
-import uuid
-from collections.abc import Awaitable, Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable
+from typing import Any
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError
@@ -19,26 +17,19 @@ from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, Editor
 from pointbrush.streaming.encoding import decode, encode
+from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.opening import of_this_import, sequence_info
-from pointbrush.streaming.outbox import Outbox
 from pointbrush.streaming.plan import Plan
-from pointbrush.streaming.presence import color_of
-from pointbrush.streaming.rate import Link
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
-from pointbrush.streaming.status import status_of
-
-if TYPE_CHECKING:
-    from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.viewer import CREDITS, Viewer
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
-CREDITS = 8
-"""Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
 
 
-class ViewerSession:
-    """One viewer's state; everything runs on the event loop."""
+class ViewerSession(Viewer):
+    """A viewer and what it says."""
 
     def __init__(
         self,
@@ -50,18 +41,11 @@ class ViewerSession:
         shared: bool,
     ) -> None:
         """``shared``: several people may use this token, so the name in ``hello`` is the author."""
-        self.hub, self.send = hub, send
-        self.id = uuid.uuid4().hex[:16]
-        self.author, self.role, self._shared = author, role, shared
-        self.name, self.color = author, color_of(self.id)
-        self.room: Room | None = None
-        self.outbox = Outbox()
-        self.plan = Plan(frames=1, link=Link(CREDITS), load=hub.load.share)
-        self.wanted: tuple[int, list[int]] | None = None
-        self.resumed = False
+        super().__init__(send, author=author, role=role, load=hub.load.share)
+        self.hub, self._shared = hub, shared
         self.closing = asyncio.Event()
-        self._editor = Editor(self)
-        self._deaf = self._catching_up = False
+        self._editor = Editor(self, hub)
+        self._deaf = False
         self._handlers: dict[type, Callable[[Any], Awaitable[None]]] = {
             messages.Hello: self._hello,
             messages.Open: self._open,
@@ -82,7 +66,7 @@ class ViewerSession:
         tasks = [
             asyncio.create_task(self._listen(receive)),
             asyncio.create_task(self._editor.run()),
-            asyncio.create_task(Sender(self).run()),
+            asyncio.create_task(Sender(self, self.hub).run()),
             asyncio.create_task(self.closing.wait()),
         ]
         try:
@@ -134,45 +118,7 @@ class ViewerSession:
         except PointbrushError as error:
             self.refuse(error, about)
 
-    def refuse(self, error: PointbrushError, about: str | None = None) -> None:
-        """Answer with an error."""
-        message = messages.Error(
-            title=error.title, detail=str(error), status=status_of(error), about=about
-        )
-        self.outbox.reply(encode(message))
-
-    def now(self) -> float:
-        """Seconds on a clock that only runs forward."""
-        return time.monotonic()
-
-    # ── what others change ───────────────────────────────────────────────────────────────
-
-    def holds(self, frame: int) -> bool:
-        """Whether the viewer must hear of changes in a frame."""
-        if self._catching_up or frame in self.outbox.stale:
-            return False
-        return self.has(frame)
-
-    def has(self, frame: int) -> bool:
-        """Whether the viewer may have points of a frame."""
-        return self.resumed or frame in self.plan.held
-
-    def stale(self, frames: Iterable[int]) -> None:
-        """Values of these frames must be sent whole."""
-        self.outbox.stale.update((frame, None) for frame in frames if self.has(frame))
-        self.outbox.wake.set()
-
-    def all_stale(self) -> None:
-        """Values of everything that the viewer holds must be sent whole."""
-        self.outbox.clear_deltas()
-        self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
-
-    def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
-        """Palette, counts or timeline changed."""
-        self.outbox.labels = True
-        self.outbox.cells |= cells
-        self.outbox.all_cells |= everything
-        self.outbox.wake.set()
+    # ── its room ─────────────────────────────────────────────────────────────────────────
 
     async def reopen(self) -> None:
         """The sequence's manifest changed, or the sequence has gone, or is another by now."""
@@ -246,23 +192,17 @@ class ViewerSession:
         """Deltas since ``revision``, or the values of all frames whole when it is too far back."""
         self.outbox.clear_deltas()
         # What is committed meanwhile comes with the rest, in order, and not ahead of it.
-        self._catching_up = True
+        self.catching_up = True
         try:
             deltas = await room.since(revision)
         finally:
-            self._catching_up = False
+            self.catching_up = False
         if deltas is None:
             self.all_stale()
             return
         for delta in deltas:
             if self.has(delta.frame):
                 self.outbox.delta(delta)
-
-    def require_room(self) -> Room:
-        """The open sequence's room; raises BadInputError when none is open."""
-        if self.room is None:
-            raise BadInputError("expected 'open' before this message")
-        return self.room
 
     def _require_frame(self, frame: int) -> int:
         room = self.require_room()

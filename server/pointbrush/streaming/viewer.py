@@ -1,0 +1,105 @@
+"""What is known of one viewer: who it is, where it looks, what it has, what waits for it."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from abc import ABC, abstractmethod
+from collections.abc import Awaitable, Callable, Iterable
+
+from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.streaming import messages
+from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.outbox import Outbox
+from pointbrush.streaming.plan import Plan
+from pointbrush.streaming.presence import color_of
+from pointbrush.streaming.rate import Link
+from pointbrush.streaming.room import Room
+from pointbrush.streaming.status import status_of
+
+CREDITS = 8
+"""Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
+
+
+class Viewer(ABC):
+    """One viewer's state; everything runs on the event loop."""
+
+    def __init__(
+        self,
+        send: Callable[[bytes], Awaitable[None]],
+        *,
+        author: str,
+        role: messages.Role,
+        load: Callable[[], float],
+    ) -> None:
+        """``load()``: share of what its link carries that the server has time to send."""
+        self.send = send
+        self.id = uuid.uuid4().hex[:16]
+        self.author, self.role = author, role
+        self.name, self.color = author, color_of(self.id)
+        self.room: Room | None = None
+        self.outbox = Outbox()
+        self.plan = Plan(frames=1, link=Link(CREDITS), load=load)
+        self.wanted: tuple[int, list[int]] | None = None
+        """A frame of a large sequence and the chunks it asks for, most wanted first."""
+        self.resumed = False
+        """Whether it came back without saying which frames it has."""
+        self.catching_up = False
+
+    @abstractmethod
+    async def reopen(self) -> None:
+        """The sequence's manifest changed, or the sequence has gone, or is another by now."""
+
+    @abstractmethod
+    async def drain(self) -> None:
+        """Hear nothing more and answer what was heard: the server is about to stop."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the session: the server stops."""
+
+    def now(self) -> float:
+        """Seconds on a clock that only runs forward."""
+        return time.monotonic()
+
+    def refuse(self, error: PointbrushError, about: str | None = None) -> None:
+        """Answer with an error."""
+        message = messages.Error(
+            title=error.title, detail=str(error), status=status_of(error), about=about
+        )
+        self.outbox.reply(encode(message))
+
+    def require_room(self) -> Room:
+        """The open sequence's room; raises BadInputError when none is open."""
+        if self.room is None:
+            raise BadInputError("expected 'open' before this message")
+        return self.room
+
+    # ── what others change ───────────────────────────────────────────────────────────────
+
+    def holds(self, frame: int) -> bool:
+        """Whether the viewer must hear of changes in a frame."""
+        if self.catching_up or frame in self.outbox.stale:
+            return False
+        return self.has(frame)
+
+    def has(self, frame: int) -> bool:
+        """Whether the viewer may have points of a frame."""
+        return self.resumed or frame in self.plan.held
+
+    def stale(self, frames: Iterable[int]) -> None:
+        """Values of these frames must be sent whole."""
+        self.outbox.stale.update((frame, None) for frame in frames if self.has(frame))
+        self.outbox.wake.set()
+
+    def all_stale(self) -> None:
+        """Values of everything that the viewer holds must be sent whole."""
+        self.outbox.clear_deltas()
+        self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
+
+    def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
+        """Palette, counts or timeline changed."""
+        self.outbox.labels = True
+        self.outbox.cells |= cells
+        self.outbox.all_cells |= everything
+        self.outbox.wake.set()
