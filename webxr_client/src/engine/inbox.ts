@@ -30,6 +30,7 @@ export class Inbox {
   receive(message: FromWorker): void {
     switch (message.t) {
       case 'segment':
+        if (message.labels) this.takeLabelUpdate(message.labels);
         this.deps.playback.segment(message.segment);
         return;
       case 'labels':

@@ -1,11 +1,15 @@
 /** Local density of decoded points: how large each must be drawn to fill the surface. */
-import { sizeCode, SIZE_CODES } from './segment';
+import { sizeCode, SIZE_CODES, STRIDE } from './segment';
 
 /** Points whose common extent gives the local spacing; every eighth is looked at. */
 const RUN = 64;
 const EVERY = 8;
 /** Words of 32 bits in a vertex. */
 const WORDS = 3;
+/** The same of 16 bits, and which of them takes the stamp; the byte of red, ahead of green and blue. */
+const HALVES = 6;
+const STAMP = 5;
+const RED = 6;
 const RUNS = 65536 / RUN;
 const spacings = new Float32Array(RUNS);
 const distances = new Float32Array(RUNS);
@@ -44,27 +48,22 @@ export function finishChunk(
   const runs = Math.min(RUNS, Math.ceil(count / RUN));
   measure(vertices, runs, count, origin, scale);
   const rule = findRule(runs);
+  const halves = new Uint16Array(vertices.buffer, vertices.byteOffset, count * HALVES);
   for (let run = 0; run < runs; run++) {
     const usual = rule.grows ? rule.factor * distances[run]! : rule.factor;
     const found = Math.min(rule.most * usual, Math.max(rule.least * usual, spacings[run]!));
-    const stamp = (chunk * SIZE_CODES + sizeCode(rule.share * found)) << 16;
-    const stop = Math.min(count, (run + 1) * RUN) * WORDS;
-    if (relative) stampRelative(vertices, run * RUN * WORDS, stop, stamp);
-    else {
-      for (let i = run * RUN * WORDS + 2; i < stop; i += WORDS) {
-        vertices[i] = (vertices[i]! & 0xffff) | stamp;
-      }
-    }
+    const stamp = chunk * SIZE_CODES + sizeCode(rule.share * found);
+    const stop = Math.min(count, (run + 1) * RUN) * HALVES;
+    for (let i = run * RUN * HALVES + STAMP; i < stop; i += HALVES) halves[i] = stamp;
   }
+  if (relative) addGreen(new Uint8Array(vertices.buffer, vertices.byteOffset, count * STRIDE));
 }
 
-function stampRelative(vertices: Uint32Array, start: number, stop: number, stamp: number): void {
-  for (let i = start; i < stop; i += WORDS) {
-    const zrg = vertices[i + 1]!;
-    const bi = vertices[i + 2]!;
-    const green = zrg >>> 24;
-    vertices[i + 1] = (zrg & 0xff00ffff) | ((((zrg >>> 16) + green) & 255) << 16);
-    vertices[i + 2] = (bi & 0xff00) | ((bi + green) & 255) | stamp;
+function addGreen(bytes: Uint8Array): void {
+  for (let i = RED; i < bytes.length; i += STRIDE) {
+    const green = bytes[i + 1]!;
+    bytes[i] = bytes[i]! + green;
+    bytes[i + 2] = bytes[i + 2]! + green;
   }
 }
 

@@ -41,7 +41,8 @@ export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
 export type FromWorker =
   | { t: 'link'; state: LinkState; detail: string; retryMs: number | null }
   | { t: 'message'; message: PlainMessage }
-  | { t: 'segment'; segment: Segment }
+  /** Points, and the values that came just ahead of them. */
+  | { t: 'segment'; segment: Segment; labels: LabelUpdate | null }
   | { t: 'labels'; update: LabelUpdate }
   /** Edits without an answer, of those that the worker had `heard` begin. */
   | { t: 'pending'; count: number; heard: number };

@@ -14,6 +14,7 @@ import { Backoff } from './backoff';
 import { decodeFrame, ready } from './decode';
 import { HeldFrames } from './held';
 import { begins, isEdit, Outbox } from './outbox';
+import { buffersOf, Pairing } from './pairing';
 import { BufferPool } from './pool';
 import { MemoryStorage, openStorage } from './storage';
 import type { FromWorker, LinkState, Pace, ToWorker } from './wire';
@@ -48,7 +49,12 @@ let owed: Credit[] = [];
 let pace: Pace = { points: null };
 let timer: ReturnType<typeof setTimeout> | undefined;
 
+const pairing = new Pairing((message, transfer) => {
+  (self as unknown as Worker).postMessage(message, transfer);
+});
+
 function post(message: FromWorker, transfer: Transferable[] = []): void {
+  pairing.flush();
   (self as unknown as Worker).postMessage(message, transfer);
 }
 
@@ -156,7 +162,7 @@ function receive(data: ArrayBuffer): void {
       if (message.sequence === opened?.sequence) held.points(message);
       const segment = decodeFrame(message, pool);
       const { nbytes, decodeMs } = segment;
-      post({ t: 'segment', segment }, [segment.vertices]);
+      pairing.segment(segment);
       waiting += 1;
       // A page that is busy drawing takes segments in late; the link is not to blame for that.
       const credit: Credit = { type: 'credit', frames: 1, nbytes, decode_ms: decodeMs, ...pace };
@@ -209,11 +215,10 @@ function annotation(message: Annotation): void {
   const lengths = unpackU32(message.lengths);
   const values = unpackU16(message.values);
   const { sequence, frame, base, edit, provisional, first, count } = message;
-  const update = { sequence, frame, base, edit, provisional, first, count, lengths, values };
-  post({ t: 'labels', update: { ...update, revision: message.revision } }, [
-    lengths.buffer,
-    values.buffer,
-  ]);
+  const range = { first, count, lengths, values };
+  const update = { sequence, frame, revision: message.revision, base, edit, provisional, ...range };
+  if (base === null) pairing.hold(update);
+  else post({ t: 'labels', update }, buffersOf(update));
   if (provisional || opened?.sequence !== sequence) return;
   const gap = !held.values(message) && live && revision !== null;
   if (base === null) return;
