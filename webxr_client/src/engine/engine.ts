@@ -39,8 +39,10 @@ export class Engine {
   private seen: Shown | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
-    this.viewer = new Viewer(canvas);
+    // The worker loads and connects while the GPU is made ready, which takes longer.
     this.link = new Link((message) => inbox.receive(message));
+    this.link.connect();
+    this.viewer = new Viewer(canvas);
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
     this.strokes = new Strokes({
@@ -69,7 +71,6 @@ export class Engine {
   start(): void {
     this.viewer.ticks.push((now) => this.tick(now));
     this.viewer.start();
-    this.link.connect();
   }
 
   /** Begin a stroke on the frame that is on screen, or null when there is none. */
