@@ -3,8 +3,8 @@
 python benchmarks/bench_large.py [FOLDER] [--viewers 40] [--seconds 20]
 
 ``FOLDER`` is what ``bench_import.py --points N --keep FOLDER`` has left; without it a scan of 5 M
-points is made.  Printed are the time to the page's first picture, and the server's memory while every
-viewer asks for chunks from all over the scan, and while the annotation is read and replaced.
+points is made.  Printed are the time to the page's first picture, and the server's memory while
+every viewer asks for chunks from all over the scan, and while the annotation is read and replaced.
 """
 
 from __future__ import annotations
