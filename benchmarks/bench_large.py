@@ -60,11 +60,16 @@ def server() -> int:
     return found
 
 
-def memory() -> str:
-    """Resident memory of the server, the files it has mapped included."""
+def resident(what: str) -> float:
+    """MiB of the server, files included: ``VmRSS`` now, ``VmHWM`` at most so far."""
     lines = Path(f"/proc/{server()}/status").read_text().splitlines()
-    kib = {line.split(":")[0]: int(line.split()[1]) for line in lines if line.endswith("kB")}
-    return f"{kib['VmRSS'] / 1024:.0f} MiB, {kib['VmHWM'] / 1024:.0f} at most so far"
+    (found,) = [int(line.split()[1]) for line in lines if line.startswith(what)]
+    return found / 1024
+
+
+def memory() -> str:
+    """What the server takes."""
+    return f"{resident('VmRSS'):.0f} MiB, {resident('VmHWM'):.0f} at most so far"
 
 
 def pictures(url: str) -> None:

@@ -115,6 +115,10 @@ class LightViewer(asyncio.Protocol):
         size = bytes([128 | len(data)]) if small else b"\xfe" + len(data).to_bytes(2, "big")
         self._transport.write(b"\x82" + size + b"\0\0\0\0" + data)
 
+    def stop_reading(self) -> None:
+        """Let everything wait at the server."""
+        self._transport.pause_reading()
+
     def close(self) -> None:
         """Drop the connection."""
         self._transport.abort()
