@@ -74,8 +74,7 @@ def test_everything_comes_back_in_source_order(tmp_path: Path) -> None:
     assert manifest.dropped == list(range(7))
     assert (manifest.source, manifest.large) == ("there", False)
     assert [fraction for fraction, _ in said] == pytest.approx([i / 7 for i in range(1, 8)])
-    for index, given_frame in enumerate(frames):
-        stored = sequence[index]
+    for given_frame, stored in zip(frames, sequence, strict=True):
         assert stored.source_xyz().tobytes() == given_frame.xyz.tobytes()
         for name in ("rgb", "intensity", "label", "instance"):
             values = getattr(stored, name)

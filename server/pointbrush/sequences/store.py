@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -273,6 +273,9 @@ class Sequence:
             else:
                 self._frames.move_to_end(index)
         return frame
+
+    def __iter__(self) -> Iterator[StoredFrame]:
+        return (self[index] for index in range(len(self)))
 
 
 def open_sequence(path: Path) -> Sequence:
