@@ -173,11 +173,23 @@ class Headset(Desk):
         """Point at something on a panel by its name, and press."""
         self.page.wait_for_timeout(80)
         self.until(f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})")
-        areas = self.ask(f"hs.areas('{panel}')")
-        area = next(area for area in areas if area["name"] == name)
-        self.point(panel, area["x"] + area["w"] / 2, area["y"] + area["h"] / 2, hand)
+        self.point_at(panel, name, 0.5, hand)
         self.trigger(1, hand)
         self.trigger(0, hand)
+
+    def slide(self, panel: str, name: str, start: float, stop: float | None = None) -> None:
+        """Press at a share of something's width, and drag to another one."""
+        self.point_at(panel, name, start)
+        self.trigger(1)
+        if stop is not None:
+            self.point_at(panel, name, stop)
+        self.trigger(0)
+
+    def point_at(self, panel: str, name: str, share: float, hand: str = "right") -> None:
+        """Point at a share of the width of what has a name on a panel."""
+        areas = self.ask(f"hs.areas('{panel}')")
+        area = next(area for area in areas if area["name"] == name)
+        self.point(panel, area["x"] + area["w"] * share, area["y"] + area["h"] / 2, hand)
 
     def point(self, panel: str, u: float, v: float, hand: str = "right") -> None:
         place = self.ask(f"hs.onPanel('{panel}', {u}, {v})")
@@ -193,9 +205,21 @@ class Headset(Desk):
         return felt
 
 
+# Pictures are prepared whole, and nothing is drawn: this machine's GPU is a program.
+UNDRAWN = """
+for (const draw of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'])
+  WebGL2RenderingContext.prototype[draw] = () => {};
+"""
+
+
 def wear(
-    browser: Browser, url: str, device: str = QUEST, size: tuple[int, int] = (1280, 720)
+    browser: Browser,
+    url: str,
+    device: str = QUEST,
+    size: tuple[int, int] = (1280, 720),
+    first: str = "",
 ) -> Headset:
+    """A headset on a page of its own; ``first`` is a script that runs before the page's."""
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-    context.add_init_script(runtime(device))
+    context.add_init_script(runtime(device) + first)
     return Headset(context, url)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import BytesIO
+
+import numpy as np
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
@@ -29,3 +32,13 @@ def shows_paint(desk: Desk, server: LiveServer, least: int) -> None:
     count = painted(server, 0)
     assert count > least
     desk.until(f"pb.labels()[1] === {count}")
+
+
+def put_dust(server: LiveServer) -> None:
+    """The first label on points all over the room: nobody can be sure where such an object went."""
+    values = np.zeros(len(server.points(SEQUENCE, 0)), np.uint16)
+    values[np.random.default_rng(0).choice(len(values), 60, replace=False)] = 1
+    buffer = BytesIO()
+    np.save(buffer, values)
+    path = f"sequences/{SEQUENCE}/frames/0/annotation"
+    server.request("PUT", path, content=buffer.getvalue())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from playwright.sync_api import Browser
 from pointbrush.sequences import importer
 from pointbrush.work import importing
 from tests.e2e.desk import Desk, launch
+from tests.e2e.headset import UNDRAWN, Headset, wear
 from tests.e2e.server import LiveServer
 
 POINTS = 1_500_000
@@ -164,6 +166,55 @@ def test_a_large_scan_sharpens_where_one_looks_and_is_painted_whole(
     desk.ask("(pb.state.view.value = { ...pb.state.view.value, labelBlend: 1 })")
     desk.page.wait_for_timeout(800)
     desk.screenshot("large-near")
+
+
+def walk(headset: Headset, place: list[float]) -> None:
+    """Stand a step before a place (source coordinates), looking over it."""
+    x, y, z = headset.ask(f"hs.place({place})")
+    headset.ask(f"device.position.set({x}, {y + 1.6}, {z + 1.0})")
+    headset.frames()
+
+
+def finest_at(place: list[float]) -> str:
+    """The level of the finest chunk that is here of a place (source coordinates)."""
+    return f"""Math.max(...{PIECES}.filter((piece) => {place}.every((at, axis) => {{
+      const local = at - pb.state.sequence.value.shift[axis];
+      return axis === 2 || (piece.lo[axis] <= local && local <= piece.hi[axis]);
+    }})).map((piece) => piece.level))"""
+
+
+def test_in_the_headset_it_sharpens_where_one_walks_and_is_painted_whole(
+    scan: Path, tmp_path: Path, browser: Browser
+) -> None:
+    workspace = tmp_path / "workspace"
+    shutil.copytree(scan, workspace)
+    live = LiveServer(workspace)
+    live.start()
+    live.create_label(SEQUENCE, "mound", "#ff5d5d")
+    headset = wear(browser, live.page_url, first=UNDRAWN)
+    headset.until("window.__pointbrush && pb.engine.detail.nodes.length > 0")
+    headset.ask("pb.setAdaptive(false)")
+    headset.enter()
+    # Somebody with long legs walks to a corner, and from there to the middle.
+    ground = (np.array([0.0, 0.0, 1.0]) + SHIFT).tolist()
+    walk(headset, (np.array([-50.0, -50.0, 1.0]) + SHIFT).tolist())
+    settled(headset)
+    coarse = headset.ask(finest_at(ground))
+    walk(headset, ground)
+    headset.until(f"{finest_at(ground)} > {coarse}")
+    assert settled(headset) <= 1.25 * BUDGET
+    headset.until("pb.state.activeLabel.value === 1")
+    headset.set_radius(RADIUS)
+    headset.paint([ground])
+    headset.settled()
+    label = live.annotation(SEQUENCE, 0)
+    away = np.linalg.norm(live.points(SEQUENCE, 0) - np.array(ground), axis=1)
+    assert (label[away < 0.9 * RADIUS] == 1).all()
+    assert (label[away > 1.1 * RADIUS] == 0).all()
+    headset.until(f"pb.labels()[1] === {int((label == 1).sum())}")
+    headset.context.close()
+    live.stop()
+    assert headset.complaints == []
 
 
 def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(

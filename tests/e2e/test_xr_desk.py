@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, SEQUENCE
+from tests.e2e.recording import PERSON, SEQUENCE, painted, put_dust
 from tests.e2e.server import LiveServer
 
 
@@ -23,6 +23,11 @@ def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk:
         })()"""
     )
     desk.page.get_by_role("button", name="Enter VR").wait_for()
+    # A browser that knows nothing of WebXR.
+    desk.page.add_init_script("delete Navigator.prototype.xr")
+    desk.page.reload()
+    desk.page.get_by_role("button", name="No headset here").click()
+    desk.page.get_by_text("This browser has no WebXR").first.wait_for()
 
 
 def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
@@ -60,3 +65,25 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     server.request("POST", f"sequences/{SEQUENCE}/frames/1/strokes", json=stroke)
     desk.press("ArrowRight")
     desk.until(f"{overlays}.trails === 2 && {overlays}.ghost > 300")
+
+
+def test_a_run_that_stopped_is_accepted_and_goes_on_from_the_desk_too(
+    server: LiveServer, desk: Desk
+) -> None:
+    server.create_label(SEQUENCE, "dust", "#4cc38a")
+    put_dust(server)
+    desk.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
+    desk.page.get_by_role("button", name="Track…").click()
+    desk.page.get_by_role("checkbox", name="Stop where it is unsure").check()
+    desk.page.get_by_role("button", name="Track 1 label").click()
+    desk.page.get_by_text("Not sure of dust here").first.wait_for(timeout=60_000)
+    assert desk.ask("pb.state.frame.value") == 1
+    desk.page.get_by_role("button", name="Continue to 5").wait_for()
+    found = painted(server, 1)
+    desk.page.get_by_role("button", name="Accept", exact=True).click()
+    # A person has vouched for these points, and the run has gone on by itself.
+    row = "pb.state.timeline.value.rows.get(1)"
+    desk.until(f"{row}.points[2] > 0", 60)
+    provenance = server.annotation(SEQUENCE, 1, "provenance")
+    assert (provenance[server.annotation(SEQUENCE, 1) == 1] == 1).all()
+    assert painted(server, 1) == found > 0

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import uuid
-from io import BytesIO
 
 import numpy as np
 
 from tests.e2e.headset import PAINTING, Headset
-from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted, put_dust
 from tests.e2e.server import LiveServer
 
 
-def paint_over_rest(server: LiveServer, frame: int, center: list[float], radius: float) -> None:
-    """A ball of the first label, painted by somebody else's program."""
+def paint_over_rest(
+    server: LiveServer, frame: int, center: list[float], radius: float, label: int = 1
+) -> None:
+    """A ball of a label, painted by somebody else's program."""
     stroke = {
         "id": str(uuid.uuid4()),
-        "label": 1,
+        "label": label,
         "tool": "paint",
         "shape": "sphere",
         "radius": radius,
@@ -111,6 +112,24 @@ def pretend_doubt(headset: Headset, frame: int) -> None:
     )
 
 
+def cell(headset: Headset, frame: int) -> list[int]:
+    """The colours, red green blue, that the first label's strip has in a frame, as a set."""
+    colours: list[int] = headset.ask(
+        f"""(() => {{
+          const {{ timeline }} = hs.headset.cockpit, {{ ui, span, strips }} = timeline;
+          const wide = strips.w / span.length, tall = strips.h / 8;
+          const at = [strips.x + {frame} * wide + 0.3 * wide, strips.y + 1.3 * tall];
+          const size = [0.4 * wide, 0.5 * tall].map(Math.round);
+          const {{ data }} = ui.pen.getImageData(...at.map(Math.round), ...size);
+          const found = new Set();
+          for (let i = 0; i < data.length; i += 4)
+            found.add(data[i] * 65536 + data[i + 1] * 256 + data[i + 2]);
+          return [...found];
+        }})()"""
+    )
+    return colours
+
+
 def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
@@ -126,18 +145,51 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     headset.until("hs.doubt().pulse < 0.4")
     headset.flick_to_frame(3)
     headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")
+    # In the room's timeline painted frames are the label's colour, doubtful and empty ones others.
+    headset.page.wait_for_timeout(200)
+    assert 0xFF5D5D in cell(headset, 0)
+    assert len(cell(headset, 2)) > 1
+    assert len(cell(headset, 3)) == 1
+    assert 0xFF5D5D not in cell(headset, 2) + cell(headset, 3)
 
 
-def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
+def test_labels_and_range_are_chosen_and_what_is_found_shows_while_the_run_goes_on(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
-    # Points strewn all over the room are no object: nobody can be sure where they went.
-    values = np.zeros(len(server.points(SEQUENCE, 0)), np.uint16)
-    values[np.random.default_rng(0).choice(len(values), 60, replace=False)] = 1
-    buffer = BytesIO()
-    np.save(buffer, values)
-    path = f"sequences/{SEQUENCE}/frames/0/annotation"
-    server.request("PUT", path, content=buffer.getvalue())
+    server.create_label(SEQUENCE, "pin", "#5ea2ff")
+    paint_over_rest(server, 4, truth(4, PERSON), 0.12)
+    paint_over_rest(server, 4, truth(4, 1), 0.05, label=2)
+    headset.flick_to_frame(4)
+    headset.until("pb.state.timeline.value.rows.get(2)?.points[4] > 0")
+    headset.ask(
+        """(() => {
+          window.early = [];
+          const frames = [...pb.engine.playback.store.all()];
+          const proto = Object.getPrototypeOf(frames[0]), merge = proto.mergeOverlay;
+          proto.mergeOverlay = function (id, ...given) {
+            const runs = pb.state.jobs.value.some((job) => job.state === 'running');
+            window.early.push([this.index, runs]);
+            return merge.call(this, id, ...given);
+          };
+        })()"""
+    )
+    # All labels that are here, backward over a range that is drawn on the strips.
+    headset.slide("timeline", "strips", 4.5 / 6, 1.5 / 6)
+    headset.click("timeline", "Track person")
+    headset.click("timeline", "Frames 1 – 4")
+    headset.until("pb.state.jobs.value.some((job) => job.state === 'done')", 60)
+    assert {frame for frame, runs in headset.ask("window.early") if runs} & {1, 2, 3}
+    # Both went one frame back at least, and neither beyond the range nor the other way.
+    assert painted(server, 3, 1) > 0
+    assert painted(server, 3, 2) > 0
+    edits = server.request("GET", f"sequences/{SEQUENCE}/edits").json()
+    (run,) = [edit for edit in edits if edit["kind"] == "tracking"]
+    assert {3} <= set(run["frames"]) <= {1, 2, 3}
+
+
+def stop_unsure(headset: Headset, server: LiveServer) -> None:
+    """Track what nobody could: the run stops at the first frame, and one is taken there."""
+    put_dust(server)
     headset.until("pb.state.timeline.value.rows.get(1)?.points[0] === 60")
     headset.click("timeline", "To end")
     headset.until("hs.doubt().halted !== null && pb.state.frame.value === 1", 60)
@@ -146,21 +198,31 @@ def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
     # The run went no further than where it was unsure.
     headset.until("pb.state.timeline.value.rows.get(1).points[1] > 0")
     assert painted(server, 2) == 0
+
+
+def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
+    headset: Headset, server: LiveServer, truth: Truth
+) -> None:
+    stop_unsure(headset, server)
     headset.paint([truth(1, PERSON)])
     headset.settled()
     headset.until("hs.doubt().unsure.length === 0")
     headset.click("timeline", "Continue to 5")
-    headset.until("hs.doubt().halted?.at === 2 && pb.state.frame.value === 2", 60)
-    headset.until("hs.doubt().unsure.length === 1")
-    tracked = painted(server, 2)
+    headset.until("pb.state.timeline.value.rows.get(1).points[2] > 0", 60)
+
+
+def test_a_doubtful_frame_is_accepted_and_the_run_goes_on_by_itself(
+    headset: Headset, server: LiveServer
+) -> None:
+    stop_unsure(headset, server)
+    found = painted(server, 1)
     headset.click("timeline", "Accept")
-    headset.until("hs.doubt().halted?.at !== 2")
+    headset.until("hs.doubt().halted?.at !== 1")
     # A person has vouched for these points: they count as painted.
-    provenance = server.annotation(SEQUENCE, 2, "provenance")
-    assert (provenance[server.annotation(SEQUENCE, 2) == 1] == 1).all()
-    assert painted(server, 2) == tracked > 0
-    # And the run has gone on by itself.
-    headset.until("pb.state.timeline.value.rows.get(1).points[3] > 0", 60)
+    provenance = server.annotation(SEQUENCE, 1, "provenance")
+    assert (provenance[server.annotation(SEQUENCE, 1) == 1] == 1).all()
+    assert painted(server, 1) == found > 0
+    headset.until("pb.state.timeline.value.rows.get(1).points[2] > 0", 60)
 
 
 # ── names ────────────────────────────────────────────────────────────────────────────────────

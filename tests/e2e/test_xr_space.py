@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
@@ -44,6 +45,24 @@ def test_stands_on_the_floor_at_true_scale_before_the_scene(put_on: Wear, truth:
     # Somebody to paint is ahead, and within a few steps.
     assert z < 0
     assert (x * x + z * z) ** 0.5 < 3
+    # A floor and a horizon to keep one's balance by.
+    assert headset.ask("pb.engine.viewer.backdrop.group.children.map((part) => part.visible)") == [
+        True,
+        True,
+    ]
+    # Who walks is as far on in the recording as in the room.
+    before = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
+    headset.ask("device.position.set(0.3, 1.5, -0.4)")
+    headset.frames()
+    after = headset.ask(f"[{RIG}.head.x, {RIG}.head.y, {RIG}.head.z]")
+    walked = ((after[0] - before[0]) ** 2 + (after[2] - before[1]) ** 2) ** 0.5
+    assert abs(walked - 0.5) < 1e-3
+    assert abs(after[1] - 1.5) < 1e-3
+    # The display runs at the best rate that is worth it, and points are budgeted for that.
+    rate = headset.ask("pb.engine.viewer.renderer.xr.getSession().frameRate")
+    assert rate == 90
+    assert abs(headset.ask("pb.engine.pacing.headsetMs") - 1000 / rate) < 1e-9
+    assert headset.ask("pb.engine.viewer.renderer.xr.getFoveation()") == 0.5
 
 
 def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
@@ -58,6 +77,30 @@ def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
     assert abs(abs(headset.ask(f"{RIG}.group.rotation.y") - turned) - 0.5236) < 1e-3
     # One turns where one stands.
     assert abs(headset.ask(f"{RIG}.head.x") - after[0]) < 1e-3
+    # By how much is a choice, and so is turning evenly.
+    headset.click("palette", "View")
+    headset.click("palette", "Turn 30°")
+    turned = headset.ask(f"{RIG}.group.rotation.y")
+    headset.flick(1, 0, "left")
+    assert abs(abs(headset.ask(f"{RIG}.group.rotation.y") - turned) - 0.7854) < 1e-3
+    headset.click("palette", "Turn 45°")
+    headset.click("palette", "Turn 90°")
+    turned = headset.ask(f"{RIG}.group.rotation.y")
+    headset.lean(1, 0, "left")
+    headset.until("hs.headset.cockpit.locomotion.vignette.visible")
+    headset.lean(0, 0, "left")
+    assert abs(headset.ask(f"{RIG}.group.rotation.y") - turned) > 1e-3
+    # Back to where one began: by the palette, and by the headset's own button.
+    for recentre in ("palette", "headset"):
+        if recentre == "palette":
+            headset.click("palette", "Recentre")
+        else:
+            headset.flick(0, -1, "left")
+            headset.ask("device.recenter()")
+        headset.frames(3)
+        x, z = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
+        assert abs(x - before[0]) < 0.02, recentre
+        assert abs(z - before[1]) < 0.02, recentre
 
 
 def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
@@ -65,8 +108,19 @@ def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
 ) -> None:
     headset = put_on()
     radius = headset.ask("pb.state.brush.value.radius")
+    # One grip drags.
     headset.move("left", [-0.2, 1.2, -0.4])
     headset.move("right", [0.2, 1.2, -0.4])
+    before = headset.ask(f"hs.place({truth(0, PERSON)})")
+    headset.ask("device.controllers.left.updateButtonValue('squeeze', 1)")
+    headset.frames()
+    headset.move("left", [-0.2, 1.3, -0.2])
+    headset.ask("device.controllers.left.updateButtonValue('squeeze', 0)")
+    headset.frames()
+    after = headset.ask(f"hs.place({truth(0, PERSON)})")
+    assert np.allclose(np.subtract(after, before), [0, 0.1, 0.2], atol=1e-3)
+    # Both scale.
+    headset.move("left", [-0.2, 1.2, -0.4])
     for hand in ("left", "right"):
         headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 1)")
     headset.frames()
@@ -92,12 +146,12 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset = put_on(VIVE)
     headset.until("hs.headset.cockpit.hands.right.device?.id === 'vive'")
 
-    def quadrant(x: float, y: float) -> None:
-        headset.ask(f"device.controllers.right.updateAxes('touchpad', {x}, {y})")
+    def quadrant(x: float, y: float, hand: str = "right") -> None:
+        headset.ask(f"device.controllers.{hand}.updateAxes('touchpad', {x}, {y})")
         headset.frames()
-        headset.ask("device.controllers.right.updateButtonValue('touchpad', 1)")
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('touchpad', 1)")
         headset.frames(1)
-        headset.ask("device.controllers.right.updateButtonValue('touchpad', 0)")
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('touchpad', 0)")
         headset.frames()
 
     quadrant(0.8, 0)
@@ -114,6 +168,15 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset.until("pb.state.playing.value")
     quadrant(0, 0)
     headset.until("!pb.state.playing.value")
+    # The other hand's pad goes and turns.
+    turned = headset.ask(f"{RIG}.group.rotation.y")
+    quadrant(0.8, 0, "left")
+    assert abs(abs(headset.ask(f"{RIG}.group.rotation.y") - turned) - 0.5236) < 1e-3
+    place = headset.ask(f"{RIG}.head.z")
+    headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
+    quadrant(0, -0.8, "left")
+    assert abs(headset.ask(f"{RIG}.head.z") - place) > 0.5
+    assert "Pad pressed: next doubtful" in headset.ask("hs.tips('left')")
     headset.flick_to_frame(0)
     headset.paint([truth(0, PERSON)])
     headset.settled()
@@ -214,15 +277,27 @@ def test_a_lost_server_does_not_stop_the_painting(
     headset.complaints.clear()
 
 
-def test_others_see_head_hands_and_brush(put_on: Wear, open_desk: Callable[..., Desk]) -> None:
+def test_people_see_each_other_and_the_desk_sees_what_the_headset_sees(
+    put_on: Wear, open_desk: Callable[..., Desk], truth: Truth
+) -> None:
     other = open_desk(width=700, height=500)
     headset = put_on()
     headset.move("right", [0.2, 1.3, -0.5])
-    other.until("pb.state.people.value.some((person) => person.head !== null)")
+    seen = '[{"name":true,"head":true,"hands":2,"brush":true}]'
+    other.until(f"JSON.stringify(__pointbrushHeadset.people()) === '{seen}'")
     head = other.ask("pb.state.people.value.find((person) => person.head).head")
     mine = headset.ask(f"[{RIG}.head.x, {RIG}.head.y, {RIG}.head.z]")
     assert all(abs(a - b) < 0.05 for a, b in zip(head, mine, strict=False))
-    assert other.ask("pb.state.people.value.find((person) => person.head).hands.length") == 2
+    # Who is at the desk has a name and a brush in the room.
+    other.page.mouse.move(*other.place(truth(0, PERSON)))
+    headset.until("hs.people().some((person) => person.name && person.brush && !person.head)")
+    # The desk looks through the headset's eyes, also as it walks.
+    other.page.locator("button.person").click()
+    headset.ask("device.position.set(0.2, 1.4, 0.1)")
+    headset.frames()
+    x, y, z = headset.ask(f"[{RIG}.head.x, {RIG}.head.y, {RIG}.head.z]")
+    eye = "pb.engine.viewer.camera.position"
+    other.until(f"Math.hypot({eye}.x - {x}, {eye}.y - {y}, {eye}.z - {z}) < 0.05")
     # The desk does not fly into the headset's place when that one leaves.
     headset.ask("void pb.engine.viewer.renderer.xr.getSession().end()")
     other.until("pb.state.people.value.every((person) => person.head === null)")

@@ -137,6 +137,10 @@ def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> No
     headset.click("palette", "View")
     headset.click("palette", "Labels over colour")
     headset.until("Math.abs(pb.state.view.value.labelBlend - 0.5) < 0.05")
+    for name, setting in (("Point size", "pointSize"), ("Brightness", "brightness")):
+        before = headset.ask(f"pb.state.view.value.{setting}")
+        headset.slide("palette", name, 0.8)
+        headset.until(f"pb.state.view.value.{setting} > {before}")
     headset.click("palette", "Doll")
     headset.until("Math.abs(pb.engine.viewer.world.scale.x - 0.1) < 1e-6")
     headset.click("palette", "Giant")

@@ -31,18 +31,21 @@ export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
 
 /** The request of the run that goes on now, if it is one that stops. */
 let asked: TrackRequest | null = null;
+/** What the run that waits was asked to do. */
+let stopped: TrackRequest | null = null;
 /** The table of the run's frames may come a little after its end. */
 const PATIENCE_MS = 3000;
 
 /** A run was asked for. */
 export function runAsked(request: TrackRequest): void {
   asked = request.stop_unsure ? request : null;
+  stopped = null;
   halted.value = null;
 }
 
 /** Another recording: its frames have nothing to do with a run of this one. */
 export function forgetRun(): void {
-  asked = null;
+  asked = stopped = null;
   halted.value = null;
 }
 
@@ -67,6 +70,12 @@ export function runEnded(): void {
   setTimeout(stopLooking, PATIENCE_MS);
 }
 
+/** Labels by their names, for a sentence. */
+export function namesOf(labels: readonly number[]): string {
+  const palette = state.palette.peek();
+  return labels.map((id) => palette.find((label) => label.id === id)?.name ?? 'A label').join(', ');
+}
+
 interface Doubt {
   readonly frame: number;
   readonly label: number;
@@ -89,12 +98,16 @@ function firstDoubt(
 
 function halt(request: TrackRequest, { frame, label }: Doubt): void {
   const labels = request.labels ?? [...state.timeline.peek().rows.keys()];
+  stopped = request;
   halted.value = { at: frame, stop: request.stop, labels };
   actions.pause();
   actions.seek(frame);
   actions.selectLabel(label);
-  const name = state.palette.peek().find((entry) => entry.id === label)?.name ?? 'A label';
-  notify('info', `Not sure of ${name} here`, 'Mend it with a stroke, or accept it, and go on.');
+  notify(
+    'info',
+    `Not sure of ${namesOf([label])} here`,
+    'Mend it with a stroke, or accept it, and go on.',
+  );
 }
 
 /** Labels with points in a frame, of those given. */
@@ -113,9 +126,8 @@ function continueRun(): void {
     notify('info', 'Nothing here to track on', 'Paint the object in this frame first.');
     return;
   }
-  actions.track({
-    labels, start, stop, method: 'auto', overwrite: 'tracked', stop_unsure: true,
-  }); // prettier-ignore
+  const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: true };
+  actions.track({ ...how, labels, start, stop });
 }
 
 async function acceptHere(): Promise<void> {

@@ -2,6 +2,7 @@
 import { actions } from '../actions';
 import { state } from '../state';
 import { Button } from './controls';
+import { Doubt } from './doubt';
 import { clock, plural } from './format';
 import { frameRange, ordered } from './range';
 import { doubtfulFrames } from './timeline-layout';
@@ -20,6 +21,7 @@ export function Timeline() {
         <span class="divider" />
         <Position frames={sequence.frames} fps={sequence.fps} />
         <span class="spacer" />
+        <Doubt />
         <RangeChip />
         <Doubtful frames={sequence.frames} />
       </div>

@@ -30,6 +30,7 @@ const method = signal('auto');
 const overwrite = signal<TrackRequest['overwrite']>('tracked');
 const continueLost = signal(false);
 const untilPainted = signal(false);
+const stopUnsure = signal(false);
 
 export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> }) {
   const last = (state.sequence.value?.frames ?? 1) - 1;
@@ -48,6 +49,7 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
       overwrite: overwrite.value,
       continue_lost: continueLost.value,
       until_painted: untilPainted.value,
+      stop_unsure: stopUnsure.value,
     });
     close();
   };
@@ -119,6 +121,12 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
             tip="What comes after a frame that you painted stays as it is"
             checked={untilPainted.value}
             onChange={(on) => (untilPainted.value = on)}
+          />
+          <Check
+            label="Stop where it is unsure"
+            tip="Mend or accept that frame, and let it go on from there"
+            checked={stopUnsure.value}
+            onChange={(on) => (stopUnsure.value = on)}
           />
         </fieldset>
         <div class="form-end">

@@ -111,7 +111,7 @@ export class Cockpit {
   private holdPalette(): void {
     const hand = this.controllers.other;
     const side = hand.side === 'left' ? 1 : -1;
-    this.palette.mesh.position.set(side * 0.09, 0.215, -0.135);
+    this.palette.mesh.position.set(side * 0.09, 0.232, -0.14);
     this.palette.mesh.rotation.set(-0.75, 0, 0);
     hand.grip.add(this.palette.mesh);
     this.controllers.explain();

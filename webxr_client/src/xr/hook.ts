@@ -6,10 +6,17 @@ import type { Overlays } from '../overlays/index';
 import { state } from '../state';
 import type { Headset } from './headset';
 import type { Panel } from './panel';
+import type { People } from './people';
+import type { Side } from './settings';
 
 type Triple = [number, number, number];
 
-export function installHeadsetHook(engine: Engine, headset: Headset, overlays: Overlays): void {
+export function installHeadsetHook(
+  engine: Engine,
+  headset: Headset,
+  overlays: Overlays,
+  people: People,
+): void {
   const { viewer } = engine;
   const inRig = (place: Vector3): Triple =>
     headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
@@ -50,6 +57,13 @@ export function installHeadsetHook(engine: Engine, headset: Headset, overlays: O
       halted: halted.peek(),
       pulse: viewer.uniforms.pulse.value,
     }),
+    /** What the controllers explain. */
+    tips: (side: Side) => {
+      const { controllers } = headset.cockpit!;
+      return controllers.bodyOf(controllers.hands[side]).tips.shown;
+    },
+    /** The others in the room: whose head, hands and brush one sees. */
+    people: () => people.seen(),
     /** Places on a panel that answer, 0..1. */
     areas: (name: 'palette' | 'timeline') => panel(name).places(),
   };

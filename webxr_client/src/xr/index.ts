@@ -9,10 +9,10 @@ import { People } from './people';
 /** Wire the headset to the engine. */
 export function installHeadset(engine: Engine, overlays: Overlays): Headset {
   const headset = new Headset(engine);
-  installHeadsetHook(engine, headset, overlays);
   const { viewer } = engine;
   followPeople(engine);
   const people = new People(viewer.world, () => viewer.invalidate());
+  installHeadsetHook(engine, headset, overlays, people);
   viewer.ticks.push(() => people.face(headset.cockpit?.rig.head ?? viewer.camera.position));
   return headset;
 }

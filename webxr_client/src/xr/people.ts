@@ -56,6 +56,13 @@ class Avatar {
     this.name.mesh.lookAt(eye);
   }
 
+  /** What one sees of this person. */
+  get seen(): { name: boolean; head: boolean; hands: number; brush: boolean } {
+    const { name, head, brush } = this;
+    const hands = this.hands.filter((hand) => hand.visible).length;
+    return { name: name.mesh.visible, head: head.visible, hands, brush: brush.visible };
+  }
+
   dispose(): void {
     this.name.dispose();
     disposeModel(this.group);
@@ -96,6 +103,11 @@ export class People {
       this.present = [...this.avatars.values()];
       changed();
     });
+  }
+
+  /** What one sees of each, for tests. */
+  seen(): Avatar['seen'][] {
+    return this.present.map((avatar) => avatar.seen);
   }
 
   /** Names turn to the eye. */

@@ -1,7 +1,7 @@
 /** The row below the timeline: carry labels on, watch the run, judge what it is unsure of. */
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
-import { halted, unsure } from '../engine/review';
+import { halted, namesOf, unsure } from '../engine/review';
 import { frameRange, ordered } from '../panels/range';
 import type { Job } from '../protocol/messages';
 import { state, trackingJob } from '../state';
@@ -75,8 +75,7 @@ function drawRun(row: Row, job: Job): void {
 function drawDoubt(row: Row): void {
   row.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () => actions.continueRun());
   row.button(8.5, { text: 'Accept', icon: 'check', on: true }, () => void actions.acceptHere());
-  const names = unsure.peek().map(nameOf).join(', ');
-  row.say(`${names}: not sure. Mend it, or accept it`, INK.warn);
+  row.say(`${namesOf(unsure.peek())}: not sure. Mend it, or accept it`, INK.warn);
 }
 
 function drawMended(row: Row): void {
@@ -124,10 +123,10 @@ function drawOffers(row: Row, frames: number): void {
 /** What would be tracked; pressed, the active label or all that are here. */
 function offer(row: Row, labels: readonly number[], frame: number): void {
   if (labels.length === 0) {
-    row.say('Paint something, then track it', INK.quiet);
+    row.say('Paint, then track it', INK.quiet);
     return;
   }
-  const what = labels.length === 1 ? nameOf(labels[0]!) : `${labels.length} labels`;
+  const what = labels.length === 1 ? namesOf(labels) : `${labels.length} labels`;
   if (here(frame).length < 2) row.say(`Track ${what}`);
   else row.choose(`Track ${what}`, () => (all.value = !all.peek()));
 }
@@ -136,10 +135,6 @@ function track(labels: number[], start: number, stop: number): void {
   const { stopUnsure } = xrSettings.peek();
   const method = 'auto';
   actions.track({ labels, start, stop, method, overwrite: 'tracked', stop_unsure: stopUnsure });
-}
-
-function nameOf(label: number): string {
-  return state.palette.peek().find((entry) => entry.id === label)?.name ?? '';
 }
 
 /** Track all labels of the frame rather than the active one. */

@@ -92,8 +92,10 @@ function load(): [string, number][] {
 
 const FADE_PER_SECOND = 2;
 /** Metres on the grip: the first line, and from one line to the next. */
-const TOP = 0.07;
-const LINE = 0.021;
+const TOP = 0.075;
+const LINE = 0.0265;
+/** More than a degree at arm's length. */
+const EM = 0.012;
 
 export class Tips {
   readonly group = new Group();
@@ -106,7 +108,7 @@ export class Tips {
     if (!hand.device) return;
     const mirror = hand.side === 'left' ? -1 : 1;
     for (const [line, tip] of tipsFor(hand.device, paints, hand.side === 'left').entries()) {
-      const sign = new Sign({ em: 0.0095 });
+      const sign = new Sign({ em: EM });
       sign.write(tip.text);
       const half = sign.mesh.scale.x / 2;
       // One below the other, beside the controller, to the outside.
@@ -132,6 +134,11 @@ export class Tips {
       entry.sign.mesh.material.opacity = entry.opacity;
       entry.sign.mesh.visible = entry.opacity > 0.01;
     }
+  }
+
+  /** What can be read now, for tests. */
+  get shown(): string[] {
+    return this.entries.flatMap(({ tip, sign }) => (sign.mesh.visible ? tip.text : []));
   }
 
   clear(): void {

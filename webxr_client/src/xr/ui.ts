@@ -39,6 +39,8 @@ export interface ButtonLook {
   icon?: IconName;
   text?: string;
   swatch?: string;
+  /** Quiet words at the right end. */
+  note?: string;
   on?: boolean;
   disabled?: boolean;
   strong?: boolean;
@@ -149,8 +151,9 @@ export class Ui {
     const gap = em * 0.45;
     const marks = (look.icon ? size + gap : 0) + (look.swatch ? size + gap : 0);
     const text = look.text ?? '';
+    const noted = look.note ? this.note(look.note, x + w - em * 0.5, y + h / 2, w * 0.4) : 0;
     pen.font = `500 ${em}px ${FONT}`;
-    const room = w - marks - em * 0.8;
+    const room = w - marks - noted - em * 0.8;
     const wide = text ? Math.min(room, pen.measureText(text).width) : -gap;
     const pad = em * 0.5;
     let left = look.align === 'left' ? x + pad : x + Math.max(pad * 0.5, (w - marks - wide) / 2);
@@ -163,6 +166,13 @@ export class Ui {
       left += size + gap;
     }
     if (text) this.text(text, left, y + h / 2, { color, width: room });
+  }
+
+  /** Write quiet words that end at `right`; returns the room that they take. */
+  private note(text: string, right: number, y: number, width: number): number {
+    const { em, pen } = this;
+    this.text(text, right, y, { color: INK.quiet, align: 'right', width });
+    return Math.min(width, pen.measureText(text).width) + em * 0.5;
   }
 
   /** `share` 0..1. */

@@ -65,18 +65,21 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
   const { em } = ui;
   const on = label.id === state.activeLabel.peek();
   const tools = em * 4.6;
+  const doubtful = unsure.peek().includes(label.id);
+  // The sign takes the category's place.
+  const note = doubtful ? '' : label.category;
   ui.button(
     x,
     y,
     w - tools,
     h,
-    { swatch: label.color, text: label.name, on, strong: true, align: 'left' },
+    { swatch: label.color, text: label.name, note, on, strong: true, align: 'left' },
     () => {
       actions.selectLabel(label.id);
       if (state.tool.peek() === 'pick') actions.setTool('paint');
     },
   );
-  if (unsure.peek().includes(label.id)) {
+  if (doubtful) {
     ui.icon('warning', x + w - tools - em * 1.9, y + (h - em * 1.3) / 2, em * 1.3, INK.warn);
   }
   const left = x + w - tools + em * 0.15;
