@@ -12,9 +12,12 @@ from conftest import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.assign import Claim
-from pointbrush.tracking.figures import Foreground, emerged, undisputed
+from pointbrush.tracking.crowd import reclaim, recognised
+from pointbrush.tracking.figures import undisputed
+from pointbrush.tracking.foreground import Foreground
 from pointbrush.tracking.thing import Rivals, Thing, begin
 from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.wardrobe import Wardrobe
 
 STEP = 0.01
 SIZE = 3 * STEP
@@ -82,7 +85,9 @@ class Strip:
         none = np.zeros(len(self.x), np.bool_)
         sure = np.full(len(self.x), certain)
         nobody, others = none if outside is None else outside, none if other is None else other
-        return self.cells.spread(cores, nobody, others, sure, SIZE, dict.fromkeys(cores, far))
+        clothes = dict.fromkeys(cores, Wardrobe.of(np.empty((0, 3), np.float32)))
+        longest = dict.fromkeys(cores, far)
+        return self.cells.spread(cores, nobody, others, sure, SIZE, longest, clothes)
 
 
 def plain(x: np.ndarray) -> np.ndarray:
@@ -100,7 +105,8 @@ def test_a_limb_that_moved_far_hangs_together_with_its_figure() -> None:
     strip = Strip(plain)
     core = {3: strip.x < 0.1}
     assert (strip.spread(core) == 3).all()
-    assert (strip.spread(core, far=0.4)[strip.x > 0.5 + SIZE] == 0).all()
+    near = strip.spread(core, far=0.4, certain=False)
+    assert (near[strip.x > 0.5 + SIZE] == 0).all()
 
 
 def test_the_floor_goes_with_the_floor_unless_it_is_surely_something_before_it() -> None:
@@ -176,8 +182,43 @@ def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Fr
     thing.missing = 3
     last = passing[-1]
     view = View(1, last, find_lens(last))
-    found = emerged(view, thing, np.flatnonzero(last.truth > 0))
+    found = reclaim(view, {2: thing}, np.flatnonzero(last.truth > 0))[2]
     assert overlap(found, last.truth == 2) > 0.7
     assert not (last.truth[found] == 1).any()
-    assert not len(emerged(view, thing, np.flatnonzero(last.truth == 1)))
-    assert not len(emerged(view, thing, np.empty(0, np.int64)))
+    assert not reclaim(view, {2: thing}, np.flatnonzero(last.truth == 1))
+    assert not reclaim(view, {2: thing}, np.empty(0, np.int64))
+    assert not reclaim(view, {}, np.flatnonzero(last.truth > 0))
+
+
+def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scenes.Frame]) -> None:
+    things = {label: thing_of(passing[0], label, label)[0] for label in (1, 2)}
+    last = passing[-1]
+    view = View(1, last, find_lens(last))
+    for label in (1, 2):
+        seen = np.flatnonzero(last.truth == label)
+        assert recognised(label, things, view, seen)
+        assert not recognised(3 - label, things, view, seen)
+
+
+def test_what_somebody_will_uncover_is_scenery_from_the_first_frame_on() -> None:
+    frames = scenes.walking(seed=5, frames=14, people=1, rate=5.0)
+    missed = wrong = 0
+    for result in follow(frames)[1:]:
+        truth, points = frames[result.frame].truth, result.assignments[1]
+        missed += int((truth == 1).sum() - (truth[points] == 1).sum())
+        wrong += int((truth[points] != 1).sum())
+    total = sum(int((f.truth == 1).sum()) for f in frames[1:])
+    assert missed < 0.1 * total
+    assert wrong < 0.05 * total
+
+
+def test_people_at_five_frames_a_second_keep_their_bodies() -> None:
+    frames = scenes.walking(seed=61, frames=10, people=3, rate=5.0)
+    ious = [
+        overlap(result.assignments.get(label, np.empty(0, np.int64)), truth == label)
+        for result in follow(frames)[1:]
+        for truth in [frames[result.frame].truth]
+        for label in (1, 2, 3)
+        if (truth == label).sum() >= 40
+    ]
+    assert np.mean(ious) > 0.85

@@ -6,7 +6,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.scenery import BLOCK, LEAST, MOST, drawn_on, wavering
+from pointbrush.tracking.scenery import BLOCK, LEAST, MOST, drawn_on, farthest, wavering
 
 SHAPE = (96, 128)
 
@@ -70,3 +70,17 @@ def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
     assert (found[:32, :32] == 1.0).all()
     assert found.shape == SHAPE
     assert SHAPE[0] % BLOCK == 0
+
+
+def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:
+    wall = np.full(8, 3.0, np.float32)
+    images = [wall.copy() for _ in range(4)]
+    for at, image in enumerate(images):
+        image[at] = 1.0
+        image[7] = np.nan
+    images[1][6] = 3.5
+    depth, count = farthest(images, lambda depth: np.full_like(depth, 0.01))
+    np.testing.assert_allclose(depth[:6], 3.0)
+    np.testing.assert_array_equal(count[:6], [3, 3, 3, 3, 4, 4])
+    assert count[6] == 1
+    assert count[7] == 0

@@ -23,7 +23,8 @@ from pointbrush.tracking.background import (
     measure_waver,
 )
 from pointbrush.tracking.belong import grow, own_points
-from pointbrush.tracking.figures import emerged, undisputed
+from pointbrush.tracking.crowd import reclaim, recognised
+from pointbrush.tracking.figures import undisputed
 from pointbrush.tracking.hands import Hands
 from pointbrush.tracking.interface import (
     F32,
@@ -49,6 +50,8 @@ from pointbrush.tracking.witness import taught
 
 CALM = 4
 """Frames from which the noise of each place is measured."""
+SURVEY = 16
+"""Frames that are looked through for what large things hide."""
 AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
 KEPT = 0.85
@@ -142,8 +145,18 @@ class Run:
         if isinstance(self.background, ImageBackground):
             self.background.calm(view, [self.view(n) for n in self.order[1:CALM]])
         self.background.learn(view, first=True)
+        self._survey(view)
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
+
+    def _survey(self, view: View) -> None:
+        """Learn the scene behind large things from the whole recording."""
+        if isinstance(self.background, ImageBackground) and any(
+            thing.large for thing in self.things.values()
+        ):
+            last = len(self.order) - 1
+            apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
+            self.background.survey(view, [self.view(self.order[i]) for i in apart.tolist()])
 
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.noise(view, indices), _NONE)
@@ -195,8 +208,9 @@ class Run:
         places = {label: place for label, (place, _) in found.items()}
         claims = {label: claim for label, (_, claim) in found.items()}
         claims = self._settle_conflicts(view, free, places, claims)
+        loose = self._look_for(absent, view, free, places, claims)
         grown = grow(self.things, view, places, claims, free, self.background)
-        again = self._look_for(absent, view, free, places, claims, grown)
+        again = self._reclaim(loose, view, claims, grown)
         tracks: dict[int, TrackState] = {}
         view.labels = dict(fixed)
         settled = self.hands.each(
@@ -271,6 +285,7 @@ class Run:
         track = self._reseed(thing, view, points)
         anew = self.things[thing.label]
         anew.extent, anew.size, anew.trust = thing.span, thing.size, AGAIN
+        anew.worn = thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
 
     def _look_for(
@@ -280,16 +295,15 @@ class Run:
         free: Mask,
         places: dict[int, Place],
         claims: dict[int, Claim],
-        grown: dict[int, I64],
     ) -> dict[int, I64]:
-        """Look for large things that were hidden in what the others leave.
+        """Claims of large things that were hidden, in what the claims of the others leave.
 
-        Gives the points of those that came out so changed that they have to be learnt anew.
+        Gives the points where those may be that were not found.
         """
-        again: dict[int, I64] = {}
+        loose: dict[int, I64] = {}
         free = free.copy()
-        for points in [*(c.indices for c in claims.values()), *grown.values()]:
-            free[points] = False
+        for claim in claims.values():
+            free[claim.indices] = False
         for label in absent:
             thing = self.things[label]
             search = None if thing.stopped else crop(thing, view, self.background, free)
@@ -300,18 +314,26 @@ class Run:
             seen = judge(thing, view, place.pose, place.world, found).found
             if self.lens is not None and len(found.indices):
                 seen = seen and float(self.background.certain(view, found.indices).mean()) > 0.5
+                seen = seen and recognised(label, self.things, view, found.indices)
             if seen:
                 places[label], claims[label] = place, found
-                new = grow(self.things, view, {label: place}, {label: found}, free, self.background)
-                grown |= new
-                free[np.concatenate([found.indices, *new.values()])] = False
-                continue
-            loose = search.moving[self.background.certain(view, search.moving)]
-            points = emerged(view, thing, loose)
-            if len(points):
-                again[label] = points
-                free[points] = False
-        return again
+                free[found.indices] = False
+            else:
+                loose[label] = search.moving
+        return loose
+
+    def _reclaim(
+        self, loose: dict[int, I64], view: View, claims: dict[int, Claim], grown: dict[int, I64]
+    ) -> dict[int, I64]:
+        """The bodies nobody has of things so changed that they have to be learnt anew."""
+        if not loose:
+            return {}
+        moving = np.unique(np.concatenate(list(loose.values())))
+        left = np.ones(len(view.xyz), np.bool_)
+        for points in [*(c.indices for c in claims.values()), *grown.values()]:
+            left[points] = False
+        moving = moving[left[moving] & self.background.certain(view, moving)]
+        return reclaim(view, {label: self.things[label] for label in loose}, moving)
 
     def _settle_conflicts(
         self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]

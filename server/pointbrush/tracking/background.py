@@ -17,13 +17,17 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, minimum_filter
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.scenery import drawn_on, wavering
+from pointbrush.tracking.scenery import NEAR, drawn_on, farthest, wavering
 from pointbrush.tracking.view import View
 
 HIDDEN = 0.985
 """Share of its depth at which the scene drawn on behind an object begins."""
-NEAR = 3.0
-"""Deviations within which a depth is the same depth."""
+ROUGHLY = 0.93
+"""Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
+RARELY, MOSTLY = 0.25, 0.5
+"""Share of the frames that must show the scene, and show what lies off the scene drawn on."""
+ROOM = 0.15
+"""Share of a thing's length behind which nothing is a side of it."""
 
 
 class Background(Protocol):
@@ -91,6 +95,8 @@ class ImageBackground:
     last: F32
     scale: F32
     """How many times ``waver`` each cell wavers."""
+    scene: F32 = field(init=False)
+    """The depth behind all that ever moves, as far as the recording shows it; NaN elsewhere."""
     hidden: F32 = field(init=False)
     """Where the scene should be behind what was labelled in the first frame."""
     nearest: F32 | None = None
@@ -105,7 +111,7 @@ class ImageBackground:
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
-        self.hidden = self.previous = np.full_like(self.depth, np.nan)
+        self.hidden = self.previous = self.scene = np.full_like(self.depth, np.nan)
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
 
@@ -121,8 +127,8 @@ class ImageBackground:
         """See ``Background``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit = NEAR * self.waver(depth) * self.scale[cell]
-        known = self.depth[cell]
-        far = (np.abs(depth - known) < limit) | (depth > known + limit)
+        known = self._known[cell]
+        far = ~self.certain(view, indices) & np.isfinite(known)
         # Uncovered just now, where the scene around goes on: no object came there.
         bare = np.isnan(known)
         new = ~(np.abs(depth - self.previous[cell]) < limit)
@@ -140,6 +146,30 @@ class ImageBackground:
         images = [start[:-1], *(view.depth[:-1] for view in others)]
         self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.lens.shape)
 
+    @property
+    def _known(self) -> F32:
+        """The scene's depth, and where the recording does not show it what was learnt so far."""
+        return np.where(np.isfinite(self.scene), self.scene, self.depth)
+
+    def survey(self, first: View, others: Sequence[View]) -> None:
+        """Look through a recording for what its moving things uncover.
+
+        ``first`` has labels and has been learnt.  What took the place of something labelled may
+        be another side of it, or somebody else: it is scenery where the scene around goes on, or
+        where it lies well behind and stays.
+        """
+        scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
+        scene[count < max(2.0, RARELY * (1 + len(others)))] = np.nan
+        for points in first.labels.values():
+            cell, depth = first.cells[0][points], first.cells[1][points]
+            apart = ROOM * float(np.ptp(first.xyz[points], axis=0).max())
+            behind = scene[cell] > depth + NEAR * self.waver(depth)
+            behind &= scene[cell] > ROUGHLY * self.hidden[cell]
+            stays = count[cell] > MOSTLY * (1 + len(others))
+            scene[cell[~(behind | (stays & (scene[cell] > depth + apart)))]] = np.nan
+        self.scene[:-1] = scene
+        self.nearest = None
+
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
@@ -147,16 +177,8 @@ class ImageBackground:
         if view.lens is None:
             return np.zeros(len(indices), np.bool_)
         if self.nearest is None:
-            self.nearest = self._least(view.lens.shape)
+            self.nearest = _least(self._known, view.lens.shape)
         return np.asarray(depth < self.nearest[cell] - limit)
-
-    def _least(self, shape: tuple[int, int]) -> F32:
-        """The least of each cell's and its neighbours' ``depth``: at an edge either is seen."""
-        least = self.depth.copy()
-        depth = np.nan_to_num(self.depth[:-1], nan=np.inf).reshape(shape)
-        least[:-1] = minimum_filter(depth, 3).ravel()
-        least[np.isnan(self.depth)] = np.nan
-        return least
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
@@ -208,6 +230,15 @@ class ImageBackground:
         np.add(self.depth, change, out=self.depth, where=same)
         np.copyto(self.depth, seen, where=farther)
         self.nearest = None
+
+
+def _least(known: F32, shape: tuple[int, int]) -> F32:
+    """The least of each cell's and its neighbours' depth: at an edge either is seen."""
+    least = known.copy()
+    depth = np.nan_to_num(known[:-1], nan=np.inf).reshape(shape)
+    least[:-1] = minimum_filter(depth, 3).ravel()
+    least[np.isnan(known)] = np.nan
+    return least
 
 
 @dataclass(eq=False)

@@ -148,7 +148,11 @@ def target_of(view: View, indices: I64, weight: float) -> Target:
 def share_out(searches: Iterable[Search]) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
-    sure = [s for s in searches if min(s.costs) < DOUBT and not s.thing.motion.fresh]
+    sure = [
+        s
+        for s in searches
+        if min(s.costs) < (DOUBT_LARGE if s.thing.large else DOUBT) and not s.thing.motion.fresh
+    ]
     ghosts = {id(s): _ghost(s) for s in searches}
     new: list[tuple[Search, Target]] = []
     for search in searches:

@@ -41,13 +41,6 @@ class FrameRules:
             free &= mine | (know.label == 0)
         return free
 
-    def unlabelled(self) -> Mask:
-        """(N,) points that a person declared to be nothing, by erasing or deleting."""
-        know = self._knowledge
-        if know is None:
-            return np.zeros(self.count, np.bool_)
-        return np.asarray(((know.label == 0) & (know.provenance == PAINTED)) | know.deleted)
-
     def anchors(self, label: int) -> I64:
         """Points painted with ``label``: certain, whatever a method finds."""
         know = self._knowledge

@@ -7,7 +7,7 @@ object by being where the scene's surfaces, drawn on behind the object, have to 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,8 @@ from scipy.sparse.linalg import spsolve
 
 from pointbrush.tracking.interface import F32, Mask
 
+NEAR = 3.0
+"""Deviations within which a depth is the same depth."""
 STEP = 4
 """Pixels of a cell in which the hidden scene is drawn."""
 BLOCK = 16
@@ -84,6 +86,30 @@ def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.
     result = values.copy()
     result[unknown] = spsolve(matrix, right)
     return result
+
+
+def farthest(images: Iterable[F32], deviation: Callable[[F32], F32]) -> tuple[F32, F32]:
+    """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
+
+    ``images`` depths (H * W,) of frames of a whole recording; ``deviation`` depth → metres.
+    What is passed by now and then is known from the first frame on.
+    """
+    best = count = None
+    for image in images:
+        if best is None or count is None:
+            best, count = image.copy(), np.isfinite(image).astype(np.float32)
+            continue
+        limit = NEAR * deviation(image)
+        change = image - best
+        farther = np.isfinite(image) & ~(change <= limit)
+        same = np.flatnonzero(np.abs(change) <= limit)
+        count[same] += 1
+        best[same] += change[same] / count[same]
+        np.copyto(best, image, where=farther)
+        count[farther] = 1
+    if best is None or count is None:
+        return np.empty(0, np.float32), np.empty(0, np.float32)
+    return best, count
 
 
 def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F32:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,10 +13,14 @@ from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
 from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
 
 MOST_RIVALS = 1000
 BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
+TALL, COARSE = 0.4, 30.0
+"""Metres, and units, of radius from which a thing before a sensor at rest is large as people are,
+however coarse it is seen."""
 HARDLY = 0.2
 """Share of its size under which hardly anything of a thing was seen."""
 LEAST_NOISE = 0.03
@@ -61,7 +65,9 @@ class Thing:
 
     ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
     explain; ``size`` the most points it had, ``last`` in
-    the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had.
+    the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
+    ``still`` whether the sensor is at rest and sees depth images;
+    ``worn`` the colours it showed where it was painted.
     """
 
     label: int
@@ -77,6 +83,8 @@ class Thing:
     trust: float = 1.0
     last: int = 0
     extent: float = 0.0
+    still: bool = False
+    worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
     def bends(self) -> bool:
@@ -86,6 +94,8 @@ class Thing:
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are."""
+        if self.still and self.span > max(TALL, COARSE * self.unit):
+            return True
         return self.span > LARGE * self.unit
 
     @property
@@ -117,7 +127,19 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     model.hits[:] = SURE
     count = len(indices)
     motion = Motion(model.centre)
-    return Thing(label, model, motion, weight, unit, rivals, float(count), last=count)
+    still = view.lens is not None and view.T_world_frame is None
+    return Thing(
+        label,
+        model,
+        motion,
+        weight,
+        unit,
+        rivals,
+        float(count),
+        last=count,
+        still=still,
+        worn=Wardrobe.of(colour),
+    )
 
 
 def _texture(xyz: F64, colour: F32) -> tuple[float, float]:

@@ -207,6 +207,22 @@ class View:
         image[-1] = np.nan
         return image
 
+    def firm(self, indices: I64, step: float) -> Mask:
+        """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
+
+        What lies between two surfaces at an outline belongs to neither.
+        """
+        if self.lens is None:
+            return np.ones(len(indices), np.bool_)
+        cell, depth = self.cells[0][indices], self.cells[1][indices]
+        firm = np.ones(len(indices), np.bool_)
+        width = self.lens.shape[1]
+        for beside in (-width, -1, 1, width):
+            other = self.depth[np.clip(cell + beside, 0, len(self.depth) - 1)]
+            with np.errstate(invalid="ignore"):
+                firm &= ~(np.abs(other - depth) > step)
+        return firm
+
     def project(self, world: F64) -> tuple[I32, F32]:
         """Cell (-1 outside) and depth of any points of the world; needs a lens."""
         assert self.lens is not None  # noqa: S101

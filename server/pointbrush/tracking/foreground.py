@@ -1,0 +1,253 @@
+"""The foreground of a frame as a graph of small cells, and how it is shared out.
+
+Cells that a model claims are where each figure certainly is.  A body that hangs together, surely
+before the scene, goes whole to who has his claims on it; where several have, and where the scene
+behind is not known, to the figure from which the way through the foreground is shortest, and a
+change of colour makes a way longer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
+
+TOUCH = 1.7
+"""Distance of cells that touch, in cells."""
+THIN = 0.15
+"""Cells with less than this share of the usual number of points lead nowhere: flying pixels."""
+UNLIKE = 0.08
+"""Colour difference, in the units of ``View.colour``, that makes a way twice as long."""
+BRIDGE = 0.25
+"""What lies apart is a figure's within this share of the longest way."""
+BODY, CLEARLY = 12, 0.7
+"""Cells from which a part shows whose clothes it wears, and how much commoner, in the mean
+logarithm, its colours have to be among another's."""
+ENOUGH = 0.03
+"""Share of a body that has to be claimed by whom it is given to."""
+OTHER = -(2**20)
+"""What other moving things have, for a label."""
+SMALLEST = 4
+"""Cells of a part that lies apart."""
+FAR = 0.6
+"""A way ends at this share of the figure's radius."""
+
+
+@dataclass(eq=False)
+class Foreground:
+    """Cells of the points ``indices`` (M,): ``cell`` (M,) of each.
+
+    For each cell of ``size`` metres: ``count`` of points, of ``firm`` ones that are no outline's,
+    ``middle`` and ``colour``.
+    """
+
+    indices: I64
+    cell: I64
+    count: I64
+    middle: F64
+    colour: F32
+    size: float
+    firm: I64
+
+    @staticmethod
+    def of(view: View, indices: I64, size: float) -> Foreground:
+        """The cells, ``size`` metres, of some points of a frame."""
+        firm = view.firm(indices, size)
+        xyz = view.xyz[indices].astype(np.float64)
+        cell = cells_of(xyz, size)
+        count = np.bincount(cell)
+        mean = [
+            np.stack([np.bincount(cell, weights=v[:, a]) for a in range(3)], axis=1)
+            / count[:, None]
+            for v in (xyz, view.colour(indices))
+        ]
+        return Foreground(
+            indices,
+            cell,
+            count,
+            mean[0],
+            mean[1].astype(np.float32),
+            size,
+            np.bincount(cell[firm], minlength=len(count)),
+        )
+
+    @property
+    def solid(self) -> Mask:
+        """(cells,) those that are no mere outline."""
+        return np.asarray(self.firm >= THIN * np.median(self.count), np.bool_)
+
+    def bodies(self, least: int) -> list[I64]:
+        """The cells of each part that hangs together, of ``least`` solid cells or more."""
+        pairs = cKDTree(self.middle).query_pairs(TOUCH * self.size, output_type="ndarray")
+        solid = self.solid
+        pairs = pairs[solid[pairs].any(axis=1)]
+        total = len(self.count)
+        edges = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(total, total))
+        count, part = connected_components(edges, directed=False)
+        cells = np.bincount(part, weights=solid, minlength=count)
+        return [np.flatnonzero(part == n) for n in np.flatnonzero(cells >= least).tolist()]
+
+    def spread(
+        self,
+        cores: Mapping[int, Mask],
+        outside: Mask,
+        other: Mask,
+        certain: Mask,
+        size: float,
+        far: Mapping[int, float],
+        clothes: Mapping[int, Wardrobe],
+    ) -> I64:
+        """(M,) label of each point, 0 for none, OTHER for other moving things.
+
+        ``cores`` label → (M,) points that are certainly its; ``outside`` (M,) points that are
+        certainly nobody's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
+        points of other moving things, which spread anywhere; ``size`` metres of a cell; ``far``
+        label → metres of the longest way; ``clothes`` label → what it wears, of all there are.
+        """
+        labels = np.array([0, *cores])
+        total = len(self.count)
+        solid = self.solid
+        ways = self._ways(size, solid)
+        still = np.bincount(self.cell, weights=outside, minlength=total) > 0.5 * self.count
+        rival = np.bincount(self.cell, weights=other, minlength=total) > 0.5 * self.count
+        bare = still | rival
+        sure = np.bincount(self.cell, weights=certain, minlength=total) > 0.5 * self.count
+        votes = np.stack(
+            [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
+        )
+        votes[:, bare] = 0
+        off, _ = _reach(ways, np.flatnonzero(rival), np.ones(total, np.bool_))
+        away = np.minimum(_reach(ways, np.flatnonzero(still), ~sure)[0], off)
+        way, origin = _reach(ways, np.flatnonzero(votes.max(axis=0) > 0), ~bare)
+        first = votes.argmax(axis=0) + 1
+        limit = np.array([0.0, *[far[n] for n in cores]])
+        owner = np.where(np.isfinite(way), first[origin], 0)
+        owner[(way > limit[owner]) | (away < way)] = 0
+        spans = np.array([far[n] for n in cores]) / FAR
+        own = np.array([list(clothes).index(abs(n)) for n in cores])
+        self._whole_bodies(
+            owner, votes, ways, sure & solid & ~bare & ~(off < way), spans, own, clothes
+        )
+        apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
+        self._join_apart(owner, apart, ways, BRIDGE * limit)
+        owner[~solid] = 0
+        result: I64 = labels[owner][self.cell]
+        result[((owner == 0) & (off < way))[self.cell] | other] = OTHER
+        result[outside] = 0
+        for number, (label, core) in enumerate(cores.items()):
+            loose = (owner == 0) | ~solid
+            if sure.any():
+                loose &= self._beside(owner == number + 1)
+            result[core & loose[self.cell]] = label
+        return result
+
+    def _beside(self, own: Mask) -> Mask:
+        """(cells,) those that touch the cells of a figure; all where it has none."""
+        if not own.any():
+            return np.ones(len(own), np.bool_)
+        gap, _ = cKDTree(self.middle[own]).query(
+            self.middle, distance_upper_bound=TOUCH * self.size
+        )
+        return np.asarray(np.isfinite(np.asarray(gap)), np.bool_)
+
+    def _whole_bodies(
+        self,
+        owner: I64,
+        votes: NDArray[np.number],
+        ways: csr_matrix,
+        sure: Mask,
+        spans: F64,
+        own: I64,
+        clothes: Mapping[int, Wardrobe],
+    ) -> None:
+        """Give what hangs together, surely before the scene, to who has his claims there.
+
+        All of it where that is one figure, else to the claim with the shorter way.  Who has most
+        of his claims on another body has a right to this one only by most of the claims on it.
+        """
+        inside = np.flatnonzero(sure)
+        if not len(inside):
+            return
+        count, part = connected_components(ways[inside][:, inside], directed=False)
+        claim = np.stack([np.bincount(part, weights=v[inside], minlength=count) for v in votes])
+        there = claim > 0.5 * claim.sum(axis=0)
+        there[np.arange(len(claim)), claim.argmax(axis=1)] = True
+        there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
+        sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
+        middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
+        main = middle[claim.argmax(axis=1)]
+        there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
+        like = np.stack([worn.each(self.colour[inside]) for worn in clothes.values()])
+        for who, body in np.argwhere(there).tolist():
+            claimed = (part == body) & (votes[who, inside] > 0)
+            if np.count_nonzero(claimed) >= BODY:
+                mean = like[:, claimed].mean(axis=1)
+                there[who, body] = mean[own[who]] > mean.max() - CLEARLY
+        owner[inside] = 0
+        voters = np.where(there[:, part], votes[:, inside], 0)
+        allowed = np.zeros(len(sure), np.bool_)
+        allowed[inside] = True
+        source = np.flatnonzero(voters.max(axis=0) > 0)
+        way, origin = _reach(ways, inside[source], allowed)
+        first = np.zeros(len(sure), np.int64)
+        first[inside] = voters.argmax(axis=0) + 1
+        reached = np.flatnonzero(np.isfinite(way) & sure)
+        owner[reached] = first[origin[reached]]
+
+    def _join_apart(self, owner: I64, apart: I64, ways: csr_matrix, most: F64) -> None:
+        """Give what nothing reached to the figure beside it, where it wears its colours.
+
+        A leg behind the other one hangs together with nothing that the sensor sees.
+        """
+        count, part = connected_components(ways[apart][:, apart], directed=False)
+        for label in np.unique(owner[owner > 0]).tolist():
+            own = np.flatnonzero(owner == label)
+            gap, _ = cKDTree(self.middle[own]).query(
+                self.middle[apart], distance_upper_bound=most[label]
+            )
+            beside = np.bincount(part[np.isfinite(gap)], minlength=count) > 0
+            if not beside.any():
+                continue
+            tone, _ = cKDTree(self.colour[own]).query(self.colour[apart])
+            alike = np.bincount(part, weights=tone < UNLIKE / 2, minlength=count)
+            whole = np.bincount(part, minlength=count)
+            beside &= (alike > 0.6 * whole) & (whole >= SMALLEST) & (whole < len(own))
+            owner[apart[beside[part]]] = label
+
+    def _ways(self, size: float, solid: Mask) -> csr_matrix:
+        pairs = cKDTree(self.middle).query_pairs(TOUCH * size, output_type="ndarray")
+        both = np.concatenate([pairs, pairs[:, ::-1]])
+        both = both[solid[both[:, 0]]]
+        a, b = both.T
+        unlike = np.linalg.norm(self.colour[a] - self.colour[b], axis=1)
+        length = np.linalg.norm(self.middle[a] - self.middle[b], axis=1) + 1e-6
+        length *= 1 + unlike / UNLIKE
+        count = len(self.count)
+        return coo_matrix((length, (a, b)), shape=(count, count)).tocsr()
+
+
+def _reach(ways: csr_matrix, source: I64, allowed: Mask) -> tuple[F64, I64]:
+    """Length of the way from the nearest source (inf for none), and that source."""
+    count = len(allowed)
+    way, origin = np.full(count, np.inf), np.zeros(count, np.int64)
+    allowed = allowed.copy()
+    allowed[source] = True
+    inside = np.flatnonzero(allowed)
+    place = np.cumsum(allowed) - 1
+    if len(source):
+        found, _, start = dijkstra(
+            ways[inside][:, inside], indices=place[source], min_only=True, return_predecessors=True
+        )
+        way[inside] = found
+        origin[inside] = inside[np.maximum(start, 0)]
+    return way, origin

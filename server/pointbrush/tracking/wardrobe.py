@@ -1,0 +1,47 @@
+"""What a thing wears: the colours it showed where it was painted, by which it is known again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter
+
+from pointbrush.tracking.interface import F32, I64
+
+BIN = 0.028
+"""Width of a bin, in the units of ``View.colour``; a colour has its like three bins wide."""
+LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+RARE = 0.002
+"""Share of colours that are nowhere among those worn."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wardrobe:
+    """``common`` (bins,): the share of a thing's points of about that colour."""
+
+    common: F32
+
+    @staticmethod
+    def of(colour: F32) -> Wardrobe:
+        """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
+        count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
+        share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
+        return Wardrobe(27 * uniform_filter(share, 3, mode="constant").ravel())
+
+    def each(self, colour: F32) -> F32:
+        """(M,) logarithm of how common each of the colours (M, 3) is."""
+        return np.asarray(np.log(self.common[_bins(colour)] + RARE), np.float32)
+
+    def likeness(self, colour: F32) -> float:
+        """Mean logarithm of how common the colours (M, 3) are."""
+        return float(self.each(colour).mean()) if len(colour) else -np.inf
+
+    def share(self, colour: F32) -> float:
+        """Share of the colours (M, 3) that have their like."""
+        return float((self.common[_bins(colour)] > RARE).mean()) if len(colour) else 0.0
+
+
+def _bins(colour: F32) -> I64:
+    at = np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1)
+    return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)
