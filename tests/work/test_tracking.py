@@ -19,7 +19,7 @@ from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work.tracking import Findings, TrackingWork, prepare
+from pointbrush.work.tracking import LEAD, Findings, TrackingWork, lead, prepare
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -234,3 +234,15 @@ def test_what_cannot_be_tracked_is_refused_before_it_begins(
     with pytest.raises(error):
         workspace.track("plain", **asked | change)  # type: ignore[arg-type]
     assert all(map(same, before, written(workspace, "plain")))
+
+
+def test_a_run_looks_back_to_where_its_labels_were_painted() -> None:
+    tracked, painted = (100, 0), (100, 100)
+    counts = {(i, label): tracked for i in range(60) for label in (1, 2)}
+    assert lead(counts, [1, 2], list(range(50, 60)), 60) == tuple(range(50 - LEAD, 50))
+    counts[45, 1] = painted
+    assert lead(counts, [1], list(range(50, 60)), 60) == tuple(range(45, 50))
+    assert len(lead(counts, [1, 2], list(range(50, 60)), 60)) == LEAD
+    assert lead(counts, [1], [10, 9, 8], 13) == (12, 11)
+    assert lead(counts, [3], list(range(50, 60)), 60) == ()
+    assert lead(counts, [1], [0, 1], 60) == ()

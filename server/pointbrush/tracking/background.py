@@ -36,6 +36,12 @@ class Background(Protocol):
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """Which of the points (M,) are background, and which an unlabelled thing at rest."""
 
+    def revealed(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie behind all that was ever seen there.
+
+        They are the scene behind something that has moved on, or what that had hidden.
+        """
+
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """Which of the points (M,) are background, by what is known of each place's noise.
 
@@ -122,6 +128,11 @@ class ImageBackground:
         known = self.depth[cell]
         far = (np.abs(depth - known) < limit) | (depth > known + limit)
         return np.asarray(far), np.asarray(np.abs(depth - self.last[cell]) < limit)
+
+    def revealed(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return np.asarray(depth > self.depth[cell] + NEAR * self.waver(depth))
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
@@ -268,6 +279,10 @@ class TreeBackground:
             near[found] &= ~labelled[np.asarray(index)[found]]
             still[rest[near]] = True
         return still, np.zeros(len(indices), np.bool_)
+
+    def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+        """See ``Background``; without a depth image nothing is known to lie behind."""
+        return np.zeros(len(indices), np.bool_)
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
         """See ``Background``; without a depth image there is no more to know."""

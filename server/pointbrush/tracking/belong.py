@@ -13,14 +13,20 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off, together
 from pointbrush.tracking.background import Background
+from pointbrush.tracking.carve import carved
 from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
 REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
+FIRM = 0.9
+"""Reaches from well confirmed surface within which a point is the thing's in any case."""
+SHARP = 0.2
+"""Cost of a fit up to which its pose tells places beside the thing apart."""
 WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
 STRIP = 20
@@ -48,7 +54,10 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     moving[place.moving] = True
     lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
-    return near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
+    found = near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
+    # A pose is never exact: what lies on well confirmed surface is not asked.
+    firm = (thing.model.hits[found.nearest] >= SURE) & (found.gap < FIRM * thing.reach)
+    return found.pick(firm | ~_carved(thing, view, place, found.indices))
 
 
 def grow(
@@ -100,6 +109,12 @@ def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) 
 
 def _step(thing: Thing, place: Place) -> F64:
     return np.asarray(place.pose @ np.linalg.inv(thing.motion.poses[-1]))
+
+
+def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:
+    if thing.bends or thing.large or place.cost > SHARP:
+        return np.zeros(len(points), np.bool_)
+    return carved(thing.glimpses, view, place.pose, points, thing.unit)
 
 
 def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I64 | None:

@@ -49,8 +49,8 @@ SURPRISE, TURNED = 0.6, 0.6
 class Search:
     """A thing's part of the frame: points ``around`` its predictions.
 
-    ``near`` are those in front of the background, ``moving`` those that were not there either
-    in the last frame.
+    ``near`` are those that it may have, ``moving`` those before the background that were not
+    there in the last frame either.
 
     ``few`` numbers the model points that guesses are judged by; ``guesses`` (K, 4, 4) and their
     ``costs`` (K,).
@@ -101,7 +101,13 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
             speed = thing.motion.speed
             stay = int(0.5 * radius / speed) + 2 if speed > unit else PATIENT
             far = far | background.scenery(view, around, stay)
-        near, moving = around[~far], around[~(far | still)]
+        # Only what is slow can be where something else was; what has just been revealed was not
+        # seen there before, and may be the thing.
+        slow = thing.motion.slow(unit)
+        own = ~far if slow else ~(far | still)
+        if slow and not thing.large:
+            own = own | background.revealed(view, around)
+        near, moving = around[own], around[~(far | still)]
     if len(moving) < FEWEST:
         return None
     return _search(thing, view, guesses, (lo, hi), around, near, moving)
@@ -181,8 +187,7 @@ def find(search: Search) -> Place:
     if thing.bends:
         apart = max(thing.model.radius / 5, 3 * thing.unit)
         world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
-    near = search.near if thing.motion.slow(thing.unit) else search.moving
-    return Place(pose, world, search.box, search.around, near, search.moving, cost)
+    return Place(pose, world, search.box, search.around, search.near, search.moving, cost)
 
 
 def register(search: Search) -> tuple[F64, float]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.belong import unexplained
+from pointbrush.tracking.carve import remember
 from pointbrush.tracking.confidence import REGAIN, likelihood
 from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
@@ -51,6 +52,8 @@ def settle(
     thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
     if place.cost < SOUND or thing.bends or thing.large:
         learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
+    if place.cost < SOUND and not (thing.bends or thing.large):
+        remember(thing.glimpses, view, place.pose, place.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
     track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
     return track, points

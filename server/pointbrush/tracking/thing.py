@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.carve import Glimpse
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
@@ -66,6 +67,7 @@ class Thing:
     ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
     explain; ``size`` the most points it had, ``last`` in
     the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
+    ``glimpses`` of what lies around it.
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
     """
@@ -83,6 +85,7 @@ class Thing:
     trust: float = 1.0
     last: int = 0
     extent: float = 0.0
+    glimpses: list[Glimpse] = field(default_factory=list)
     still: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 

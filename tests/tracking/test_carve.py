@@ -1,0 +1,52 @@
+"""Nearest points by comparing all with all; places that a thing was seen beside of."""
+
+from __future__ import annotations
+
+import numpy as np
+import scenes
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.carve import Glimpse, carved, remember
+from pointbrush.tracking.near import gaps
+from pointbrush.tracking.view import View, find_lens
+
+CENTRE = np.array([0.0, 1.0, 1.6])
+
+
+def test_gaps_are_those_of_a_tree_for_few_points_and_for_many() -> None:
+    rng = np.random.default_rng(0)
+    for count in (300, 3000):
+        wanted, points = rng.uniform(0, 1, (count, 3)), rng.uniform(0, 1, (count, 3))
+        expected, _ = cKDTree(points).query(wanted, distance_upper_bound=0.05)
+        assert np.allclose(gaps(wanted, points, 0.05), expected)
+    assert np.isinf(gaps(wanted, points[:0], 0.05)).all()
+
+
+def turned(angle: float) -> tuple[View, np.ndarray]:
+    """A bar before a wall, turned about the line of sight, and its pose."""
+    R = Rotation.from_rotvec([0, 0, angle]).as_matrix()
+    bar = scenes.Part(1, (40, 90, 200), CENTRE, np.array([0.2, 0.03, 0.03]), rot=R)
+    frame = scenes.Camera(scenes.Sensor(256, 212), scenes.room()).shoot(
+        [bar], np.random.default_rng(1)
+    )
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = R, CENTRE - R @ CENTRE
+    view = View(0, frame, find_lens(frame))
+    view.labels = {1: np.flatnonzero(frame.truth == 1)}
+    return view, pose
+
+
+def test_beside_a_thing_is_where_it_was_looked_past() -> None:
+    glimpses: list[Glimpse] = []
+    for angle in (0.0, 0.01, 0.6, 1.2):
+        view, pose = turned(angle)
+        remember(glimpses, view, pose, view.xyz[view.labels[1]].astype(float))
+    assert len(glimpses) == 3  # the second shows nothing new
+    view, pose = turned(0.3)
+    own = view.labels[1]
+    assert carved(glimpses, view, pose, own, 0.01).mean() < 0.05  # a rim of flying pixels
+    moved = pose.copy()
+    moved[:3, 3] += pose[:3, :3] @ [0.0, 0.08, 0.0]
+    assert carved(glimpses, view, moved, own, 0.01).mean() > 0.6
+    assert not carved(glimpses[:1], view, moved, own, 0.01).any()
