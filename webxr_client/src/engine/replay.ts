@@ -13,12 +13,9 @@ export interface ReplayResult {
   readonly uploadMs: number;
 }
 
-/** Frames that stay until they are forgotten together, as a full cache drops them; fewer of few. */
-const KEPT = 8;
-
 /**
- * Seek from frame to frame for some seconds.  Frames are forgotten once they are on the GPU, so
- * that the server sends them again.
+ * Seek from frame to frame for some seconds.  Every frame is forgotten once it is on the GPU, so
+ * that the server sends it again.
  */
 export function replay(engine: Engine, seconds: number): Promise<ReplayResult> {
   const { playback, viewer, link } = engine;
@@ -27,15 +24,13 @@ export function replay(engine: Engine, seconds: number): Promise<ReplayResult> {
   const started = performance.now();
   let done = 0;
   let uploadMs = 0;
-  const kept: CloudFrame[] = [];
   return new Promise((resolve) => {
     const next = (frame: CloudFrame): void => {
       const began = performance.now();
       viewer.show(frame);
       uploadMs += performance.now() - began;
       done += 1;
-      kept.push(frame);
-      if (kept.length >= Math.min(KEPT, frames / 4)) playback.forget(kept.splice(0));
+      playback.forget([frame]);
       link.send({ type: 'seek', frame: (frame.index + 1) % frames });
       const elapsed = (performance.now() - started) / 1000;
       if (elapsed < seconds) return;
