@@ -51,7 +51,7 @@ SWAY = """
 setInterval(() => {
   const t = performance.now() / 400;
   const { left, right } = window.device.controllers;
-  const [x, y, z] = window.surface ?? [0, 1.3, -0.5];
+  const [x, y, z] = window.surface ?? [0.4, 1.3, -0.5];
   right.position.set(x + 0.2 * Math.sin(t), y, z + 0.1 * Math.cos(t));
   left.position.set(-0.25, 1.2 + 0.05 * Math.sin(t), -0.4);
 }, 8)

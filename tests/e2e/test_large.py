@@ -89,6 +89,21 @@ def large(scan: Path, browser: Browser) -> Iterator[tuple[Desk, LiveServer]]:
     assert desk.complaints == []
 
 
+@pytest.fixture
+def worn(scan: Path, tmp_path: Path, browser: Browser) -> Iterator[tuple[Headset, LiveServer]]:
+    """A headset on a page with a copy of the scan that nobody has painted yet."""
+    workspace = tmp_path / "workspace"
+    shutil.copytree(scan, workspace)
+    live = LiveServer(workspace)
+    live.start()
+    live.create_label(SEQUENCE, "mound", "#ff5d5d")
+    headset = wear(browser, live.page_url, first=UNDRAWN)
+    yield headset, live
+    headset.context.close()
+    live.stop()
+    assert headset.complaints == []
+
+
 def settled(desk: Desk) -> int:
     """Wait until the page has chosen anew and has all that it chose; returns how many points."""
     desk.until("window.__pointbrush && pb.shown().drawn > 0 && pb.engine.detail.nodes.length > 0")
@@ -184,14 +199,9 @@ def finest_at(place: list[float]) -> str:
 
 
 def test_in_the_headset_it_sharpens_where_one_walks_and_is_painted_whole(
-    scan: Path, tmp_path: Path, browser: Browser
+    worn: tuple[Headset, LiveServer],
 ) -> None:
-    workspace = tmp_path / "workspace"
-    shutil.copytree(scan, workspace)
-    live = LiveServer(workspace)
-    live.start()
-    live.create_label(SEQUENCE, "mound", "#ff5d5d")
-    headset = wear(browser, live.page_url, first=UNDRAWN)
+    headset, live = worn
     headset.until("window.__pointbrush && pb.engine.detail.nodes.length > 0")
     headset.ask("pb.setAdaptive(false)")
     headset.enter()
@@ -212,9 +222,6 @@ def test_in_the_headset_it_sharpens_where_one_walks_and_is_painted_whole(
     assert (label[away < 0.9 * RADIUS] == 1).all()
     assert (label[away > 1.1 * RADIUS] == 0).all()
     headset.until(f"pb.labels()[1] === {int((label == 1).sum())}")
-    headset.context.close()
-    live.stop()
-    assert headset.complaints == []
 
 
 def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(

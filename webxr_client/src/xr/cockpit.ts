@@ -30,6 +30,9 @@ import { resetWorld, scaleAbout, WorldGrab } from './world';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
+/** Metres from the other hand to the palette's middle. */
+const PALETTE_ABOVE = 0.265;
+const PALETTE_INWARD = 0.07;
 
 export class Cockpit {
   readonly rig = new Rig();
@@ -100,21 +103,27 @@ export class Cockpit {
     const { viewer } = this.engine;
     const { group } = this.rig;
     viewer.scene.add(group);
-    group.add(viewer.camera, this.timeline.mesh, this.hud.group);
+    group.add(viewer.camera, this.palette.mesh, this.timeline.mesh, this.hud.group);
     for (const body of this.controllers.bodies) body.addTo(viewer.scene, group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
-    this.holdPalette();
+    this.controllers.explain();
   }
 
-  /** The palette lies over the other hand, turned to the face. */
+  /** The palette stands over the other hand, turned to the face however that is held. */
   private holdPalette(): void {
-    const hand = this.controllers.other;
-    const side = hand.side === 'left' ? 1 : -1;
-    this.palette.mesh.position.set(side * 0.09, 0.232, -0.14);
-    this.palette.mesh.rotation.set(-0.75, 0, 0);
-    hand.grip.add(this.palette.mesh);
-    this.controllers.explain();
+    const { side, place, tracked } = this.controllers.other;
+    const { mesh } = this.palette;
+    mesh.visible = tracked;
+    if (!tracked) return;
+    mesh.position.copy(place);
+    this.rig.group.worldToLocal(mesh.position);
+    mesh.lookAt(this.rig.head);
+    // Along the palette itself: seen from the eyes the hand is below it.
+    mesh.translateX(side === 'left' ? PALETTE_INWARD : -PALETTE_INWARD);
+    mesh.translateY(PALETTE_ABOVE);
+    mesh.lookAt(this.rig.head);
+    mesh.updateMatrixWorld();
   }
 
   private listen(): void {
@@ -138,7 +147,7 @@ export class Cockpit {
         if (value.hand === side) return;
         side = value.hand;
         this.painter.finish();
-        this.holdPalette();
+        this.controllers.explain();
       }),
     );
   }
@@ -157,6 +166,7 @@ export class Cockpit {
     const { controllers } = this;
     controllers.update(frame, space);
     this.rig.group.updateMatrixWorld(true);
+    this.holdPalette();
     this.moveWorld();
     this.place.update();
     controllers.point(this.panels, this.farPanels, this.painter);

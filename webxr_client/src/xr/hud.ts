@@ -5,13 +5,14 @@ import { plural } from '../panels/format';
 import { state } from '../state';
 import type { Rig } from './rig';
 import { Sign } from './sign';
+import { SIZES } from './sizes';
 
 const AWAY = 1;
 const STAY_MS = 4000;
 
 export class Hud {
   readonly group = new Group();
-  private readonly sign = new Sign({ em: 0.024, order: 130 });
+  private readonly sign = new Sign({ em: SIZES.message.em, order: 130 });
   private readonly unfollow: () => void;
   private own = '';
   private ownUntil = 0;

@@ -11,6 +11,7 @@ import { drawTools } from './pages/tools';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from './settings';
+import { SIZES } from './sizes';
 import { INK, type Ui } from './ui';
 import { watch } from '../watch';
 
@@ -33,7 +34,7 @@ export class PalettePanel extends Panel {
     private readonly world: WorldControls,
     session: XRSession,
   ) {
-    super({ width: 0.27, height: 0.33, pixelsPerMetre: 3600, em: 0.0115 }, 100);
+    super({ width: 0.31, height: 0.379, pixelsPerMetre: 3135, em: SIZES.palette.em }, 100);
     this.keyboard = new SystemKeyboard(session);
     this.mesh.add(this.glow.group);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;

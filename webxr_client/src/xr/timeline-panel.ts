@@ -8,6 +8,7 @@ import { drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
 import { Panel } from './panel';
 import { Readout } from './readout';
+import { SIZES } from './sizes';
 import { drawTracking } from './timeline-tracking';
 import { FONT, INK, type Ui } from './ui';
 import { watch } from '../watch';
@@ -33,7 +34,7 @@ export class TimelinePanel extends Panel {
   private drawnAt = -Infinity;
 
   constructor() {
-    super({ width: 0.9, height: 0.43, pixelsPerMetre: 1800, em: 0.02 }, 90);
+    super({ width: 0.9, height: 0.43, pixelsPerMetre: 1800, em: SIZES.timeline.em }, 90);
     const material = new MeshBasicMaterial({
       color: 0xffffff,
       depthTest: false,

@@ -3,6 +3,7 @@ import { Group } from 'three';
 import type { Device } from './devices';
 import type { Hand } from './hand';
 import { Sign } from './sign';
+import { SIZES } from './sizes';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt'; // prettier-ignore
 
@@ -94,8 +95,6 @@ const FADE_PER_SECOND = 2;
 /** Metres on the grip: the first line, and from one line to the next. */
 const TOP = 0.075;
 const LINE = 0.0265;
-/** More than a degree at arm's length. */
-const EM = 0.012;
 
 export class Tips {
   readonly group = new Group();
@@ -108,7 +107,7 @@ export class Tips {
     if (!hand.device) return;
     const mirror = hand.side === 'left' ? -1 : 1;
     for (const [line, tip] of tipsFor(hand.device, paints, hand.side === 'left').entries()) {
-      const sign = new Sign({ em: EM });
+      const sign = new Sign({ em: SIZES.tips.em });
       sign.write(tip.text);
       const half = sign.mesh.scale.x / 2;
       // One below the other, beside the controller, to the outside.

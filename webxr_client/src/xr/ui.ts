@@ -19,6 +19,8 @@ export const INK = {
   accent: '#8bbcff',
   bad: '#ff7b72',
   good: '#4cc38a',
+  /** What cannot be pressed now. */
+  off: '#8d97a5',
   warn: '#ffc966',
 } as const;
 
@@ -145,7 +147,7 @@ export class Ui {
       : false;
     const fill = hovered ? INK.hover : look.on ? INK.on : look.strong ? INK.raised : null;
     if (fill) this.box(x, y, w, h, fill);
-    const color = look.disabled ? '#7d8795' : look.on ? INK.accent : INK.text;
+    const color = look.disabled ? INK.off : look.on ? INK.accent : INK.text;
     const { em, pen } = this;
     const size = em * 1.25;
     const gap = em * 0.45;
