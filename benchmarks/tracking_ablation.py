@@ -23,6 +23,10 @@ IDEAS: dict[str, tuple[str, Any]] = {
         "pointbrush.tracking.belong.contested",
         lambda _v, found, *_: np.zeros(len(found.indices), bool),
     ),
+    "places looked through": (
+        "pointbrush.tracking.belong.carved",
+        lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
+    ),
     "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: _NONE),
 }
 """Idea -> where it lives, and what does nothing in its place."""
