@@ -93,7 +93,7 @@ def large(scan: Path, browser: Browser) -> Iterator[tuple[Desk, LiveServer]]:
 def worn(scan: Path, tmp_path: Path, browser: Browser) -> Iterator[tuple[Headset, LiveServer]]:
     """A headset on a page with a copy of the scan that nobody has painted yet."""
     workspace = tmp_path / "workspace"
-    shutil.copytree(scan, workspace)
+    shutil.copytree(scan / "sequences", workspace / "sequences")
     live = LiveServer(workspace)
     live.start()
     live.create_label(SEQUENCE, "mound", "#ff5d5d")
