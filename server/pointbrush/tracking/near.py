@@ -12,8 +12,9 @@ FEW = 1500
 """Points up to which comparing with every one is faster than a tree over six dimensions."""
 PAIRS = 1_000_000
 """Pairs of points up to which it is faster than making a tree over three and asking it."""
-ROWS = 256
-"""Points that are compared at a time: their distances stay in the processor's cache."""
+PRODUCTS = 200_000
+"""Multiplications at a time: their results stay in the processor's cache, and BLAS shares larger
+products among threads, which on a busy machine wait for each other ten times as long."""
 
 
 class Plain:
@@ -31,9 +32,10 @@ class Plain:
         some = np.ones((len(wanted), self._points.shape[1] + 1), np.float32)
         some[:, :-1] = wanted - self._middle
         index = np.empty(len(wanted), np.int64)
-        for first in range(0, len(wanted), ROWS):
-            square = some[first : first + ROWS] @ self._rows
-            square.argmin(axis=1, out=index[first : first + ROWS])
+        rows = max(1, PRODUCTS // self._rows.size)
+        for first in range(0, len(wanted), rows):
+            square = some[first : first + rows] @ self._rows
+            square.argmin(axis=1, out=index[first : first + rows])
         # The products serve to find it; so near to each other points need all digits.
         gap = wanted - self._points[index]
         return np.sqrt(np.einsum("ij,ij->i", gap, gap)), index
