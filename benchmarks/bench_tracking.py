@@ -1,6 +1,7 @@
 """Tracking: paint frame 0 with the truth, track to the end without help, compare.
 
-    python benchmarks/bench_tracking.py [--frames 120] [--seeds 1,2] [--methods auto,icp]
+    python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
+                                        [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
@@ -56,7 +57,7 @@ def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
         yield real(kind)
         return
     for seed in given.seeds.split(","):
-        yield generated(kind, int(seed), given.frames)
+        yield generated(kind, int(seed), given.frames, given.every)
 
 
 def measure(
@@ -87,6 +88,7 @@ def main() -> None:
     """Print the two tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=120)
+    parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--seeds", default="1,2")
     parser.add_argument("--methods", default=",".join(ALL))
     parser.add_argument("--kinds", default=",".join(KINDS))

@@ -41,15 +41,14 @@ class Frame:
         return cKDTree(self.xyz, balanced_tree=False)
 
 
-def generated(kind: str, seed: int, count: int) -> list[Frame]:
-    """``count`` frames of a kind at 30 a second, 512 x 424."""
+def generated(kind: str, seed: int, count: int, every: int = 1) -> list[Frame]:
+    """``count`` frames of a kind, each ``every``-th of 30 a second, 512 x 424."""
     name, options = KINDS[kind]
-    recording = generate(name, seed, count, **options)
+    recording = generate(name, seed, count * every, **options)
+    some = range(0, count * every, every)
+    frames = ((recording.frames[i], recording.truth[i]) for i in some)
     return _with_trees(
-        [
-            Frame(f.xyz.astype(np.float32), f.rgb, recording.truth[i], f.viewpoint)
-            for i, f in enumerate(recording.frames)
-        ]
+        [Frame(f.xyz.astype(np.float32), f.rgb, truth, f.viewpoint) for f, truth in frames]
     )
 
 

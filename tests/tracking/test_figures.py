@@ -201,7 +201,7 @@ def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scen
 
 
 def test_what_somebody_will_uncover_is_scenery_from_the_first_frame_on() -> None:
-    frames = scenes.walking(seed=5, frames=14, people=1, rate=5.0)
+    frames = scenes.walking(seed=5, frames=8, people=1, rate=5.0)
     missed = wrong = 0
     for result in follow(frames)[1:]:
         truth, points = frames[result.frame].truth, result.assignments[1]
@@ -213,7 +213,7 @@ def test_what_somebody_will_uncover_is_scenery_from_the_first_frame_on() -> None
 
 
 def test_people_at_five_frames_a_second_keep_their_bodies() -> None:
-    frames = scenes.walking(seed=61, frames=10, people=3, rate=5.0)
+    frames = scenes.walking(seed=61, frames=7, people=3, rate=5.0)
     ious = [
         overlap(result.assignments.get(label, np.empty(0, np.int64)), truth == label)
         for result in follow(frames)[1:]

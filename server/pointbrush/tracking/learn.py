@@ -15,21 +15,29 @@ from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
+SAMPLE = 1000
+"""Points whose colours are compared with those worn."""
 
-def evidence(thing: Thing, place: Place, found: Claim, points: int, verdict: Verdict) -> Evidence:
-    """What the fit says about itself, for its confidence; ``points`` number assigned."""
+
+def evidence(
+    thing: Thing, view: View, place: Place, found: Claim, points: I64, verdict: Verdict
+) -> Evidence:
+    """What the fit says about itself, for its confidence; ``points`` (M,) are assigned."""
     m = max(len(found.indices), 1)
+    count = max(len(points), 1)
+    some = points[:: max(1, len(points) // SAMPLE)]
     return Evidence(
         inliers=verdict.inliers,
         sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
         gap=float(found.gap.mean() / thing.reach),
         cost=float(found.cost.mean() / thing.reach),
         fit=place.cost,
-        size=points / max(thing.size, 1.0),
-        change=points / max(thing.last, 1),
-        grown=1.0 - m / max(points, 1),
+        size=len(points) / max(thing.size, 1.0),
+        change=len(points) / max(thing.last, 1),
+        grown=1.0 - m / count,
         whole=place.whole,
         share=m / max(len(place.moving), 1),
+        worn=thing.worn.likeness(view.colour(some)) - thing.worn.usual if thing.body else 0.0,
     )
 
 

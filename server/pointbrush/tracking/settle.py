@@ -46,7 +46,7 @@ def settle(
         return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
     thing.missing = 0
     points = together(found.indices, grown)
-    here = likelihood(evidence(thing, place, found, len(points), verdict))
+    here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
     trust = min(here, thing.trust + REGAIN)
     thing.trust, thing.last = trust, len(points)
     thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)

@@ -102,6 +102,11 @@ class Thing:
         return self.span > LARGE * self.unit
 
     @property
+    def body(self) -> bool:
+        """Whether it is large and before a sensor at rest that sees depth images."""
+        return self.still and self.large
+
+    @property
     def span(self) -> float:
         """Metres from its middle that may hold all of it, hidden parts too."""
         return max(self.model.radius, self.extent)

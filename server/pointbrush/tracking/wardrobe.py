@@ -18,16 +18,22 @@ RARE = 0.002
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Wardrobe:
-    """``common`` (bins,): the share of a thing's points of about that colour."""
+    """``common`` (bins,): the share of a thing's points of about that colour.
+
+    ``usual``: how like itself it is, as ``likeness`` says it.
+    """
 
     common: F32
+    usual: float
 
     @staticmethod
     def of(colour: F32) -> Wardrobe:
         """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
-        return Wardrobe(27 * uniform_filter(share, 3, mode="constant").ravel())
+        common = 27 * uniform_filter(share, 3, mode="constant").ravel()
+        usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
+        return Wardrobe(common, usual)
 
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
