@@ -31,8 +31,7 @@ def test_a_headset_that_falls_behind_gets_fewer_points_and_recovers(headset: Hea
     headset.until(FEWER)
     # What is not drawn is not asked for either, while it plays.
     headset.ask("pb.engine.playback.play()")
-    forget = "pb.engine.playback.forget(frame)"
-    headset.ask(f"[...pb.engine.playback.store.all()].forEach((frame) => {forget})")
+    headset.ask("pb.engine.playback.forget([...pb.engine.playback.store.all()])")
     headset.until("pb.shown().points < pb.shown().total")
     # A paused frame comes whole; how much of it is drawn is for the display to say.
     headset.ask("pb.engine.playback.pause()")
