@@ -32,6 +32,16 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
             raise ClientDisconnected
         self.transport.writelines((header(len(data)), data))
 
+    def shutdown(self) -> None:
+        """The server stops.  Who is about to leave anyway is told nothing more."""
+        if self.handshake_complete and self.conn.state is not State.OPEN:
+            # uvicorn would send its close frame behind the one that answered the client's, which
+            # the protocol refuses: the whole server would end with an error.
+            self.stop_keepalive()
+            self.transport.close()
+            return
+        super().shutdown()
+
 
 def header(length: int) -> bytes:
     """What goes ahead of ``length`` bytes from a server: unmasked, in one piece."""
