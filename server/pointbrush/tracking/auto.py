@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, decide, together
+from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.background import (
     Background,
     ImageBackground,
@@ -22,9 +22,8 @@ from pointbrush.tracking.background import (
     Waver,
     measure_waver,
 )
-from pointbrush.tracking.belong import grow, own_points
-from pointbrush.tracking.crowd import reclaim, recognised
-from pointbrush.tracking.figures import undisputed
+from pointbrush.tracking.belong import grow
+from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.hands import Hands
 from pointbrush.tracking.interface import (
     F32,
@@ -38,8 +37,7 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.judge import judge
-from pointbrush.tracking.locate import Search, crop, find, share_out
+from pointbrush.tracking.locate import crop, share_out
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
@@ -54,8 +52,6 @@ SURVEY = 16
 """Frames that are looked through for what large things hide."""
 AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
-KEPT = 0.85
-"""A thing that keeps less than this share of its claim is looked for elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -187,31 +183,21 @@ class Run:
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
         """Find everything in the next frame; ``given`` labels' points are known."""
-        view = self.view(number)
+        view, things = self.view(number), self.things
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
-        free = rules.free(self.labels)
-        fixed = {n: k for n in self.things if (k := rules.keyframe(n)) is not None}
+        fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= given or {}
+        free = rules.free(self.labels)
         for points in fixed.values():
             free[points] = False
-        absent = [n for n, t in self.things.items() if t.absent and n not in fixed]
+        sought = [t for n, t in things.items() if n not in fixed]
+        absent = [thing for thing in sought if thing.absent]
         view.prepare()
-        there = [t for n, t in self.things.items() if n not in fixed and not t.stopped]
-        there = [thing for thing in there if thing.label not in absent]
-        cut = self.hands.each(lambda thing: crop(thing, view, self.background, free), there)
-        searches = {label: search for label, search in cut.items() if search is not None}
-        share_out(list(searches.values()))
-        found = self.hands.each(
-            lambda thing: _placed(thing, view, searches[thing.label]),
-            [self.things[label] for label in searches],
-        )
-        places = {label: place for label, (place, _) in found.items()}
-        claims = {label: claim for label, (_, claim) in found.items()}
-        claims = self._settle_conflicts(view, free, places, claims)
-        loose = self._look_for(absent, view, free, places, claims)
-        grown = grow(self.things, view, places, claims, free, self.background)
-        again = self._reclaim(loose, view, claims, grown)
-        tracks: dict[int, TrackState] = {}
+        places, claims = self._find([t for t in sought if not t.absent], view, free)
+        claims = settle_conflicts(things, self.background, view, free, places, claims)
+        loose = look_for(absent, things, self.background, view, free, places, claims)
+        grown = grow(things, view, places, claims, free, self.background)
+        again = bodies_left(loose, things, self.background, view, claims, grown)
         view.labels = dict(fixed)
         settled = self.hands.each(
             lambda thing: settle(
@@ -222,8 +208,41 @@ class Run:
                 grown.get(thing.label, _EMPTY),
                 self.options,
             ),
-            [t for n, t in self.things.items() if not (n in fixed or n in again or t.stopped)],
+            [t for t in sought if not (t.label in again or t.stopped)],
         )
+        tracks = self._conclude(view, rules, fixed, again, settled)
+        for label in fixed.keys() - things.keys():
+            self._begin(view, label, fixed[label])
+            tracks[label] = _painted(len(fixed[label]), np.eye(4))
+        self._look_around(view, places)
+        self.background.learn(view, keep=self._shadow(view, places))
+        return FrameResult(number, dict(view.labels), tracks)
+
+    def _find(
+        self, things: list[Thing], view: View, free: Mask
+    ) -> tuple[dict[int, Place], dict[int, Claim]]:
+        """Where things are that were seen the last time, and what each would have there."""
+        there = [thing for thing in things if not thing.stopped]
+        cut = self.hands.each(lambda thing: crop(thing, view, self.background, free), there)
+        searches = {label: search for label, search in cut.items() if search is not None}
+        share_out(list(searches.values()))
+        found = self.hands.each(
+            lambda thing: placed(thing, view, searches[thing.label]),
+            [self.things[label] for label in searches],
+        )
+        places = {label: place for label, (place, _) in found.items()}
+        return places, {label: claim for label, (_, claim) in found.items()}
+
+    def _conclude(
+        self,
+        view: View,
+        rules: FrameRules,
+        fixed: Mapping[int, I64],
+        again: Mapping[int, I64],
+        settled: Mapping[int, tuple[TrackState, I64]],
+    ) -> dict[int, TrackState]:
+        """How each thing fared; its points go to ``view.labels``."""
+        tracks: dict[int, TrackState] = {}
         for label, thing in self.things.items():
             if label in fixed:
                 tracks[label] = self._repainted(thing, view, fixed[label])
@@ -236,16 +255,15 @@ class Run:
                 if len(points) and tracks[label].state != "lost":
                     view.labels[label] = points
                     tracks[label] = replace(tracks[label], points=len(points))
-        for label in fixed.keys() - self.things.keys():
-            self._begin(view, label, fixed[label])
-            tracks[label] = _painted(len(fixed[label]), np.eye(4))
+        return tracks
+
+    def _look_around(self, view: View, places: Mapping[int, Place]) -> None:
+        """Take note of what is beside each thing and is nothing."""
         for label, place in places.items():
             taken = view.labelled()
             taken[place.neutral] = True
             beside = place.moving if place.beside is None else place.beside
             self._set_rivals(self.things[label], view, beside[~taken[beside]])
-        self.background.learn(view, keep=self._shadow(view, places))
-        return FrameResult(number, dict(view.labels), tracks)
 
     def _shadow(self, view: View, places: dict[int, Place]) -> I64:
         """Image cells where a thing is known to be, even if it claimed nothing there."""
@@ -287,84 +305,6 @@ class Run:
         anew.extent, anew.size, anew.trust = thing.span, thing.size, AGAIN
         anew.worn = thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
-
-    def _look_for(
-        self,
-        absent: list[int],
-        view: View,
-        free: Mask,
-        places: dict[int, Place],
-        claims: dict[int, Claim],
-    ) -> dict[int, I64]:
-        """Claims of large things that were hidden, in what the claims of the others leave.
-
-        Gives the points where those may be that were not found.
-        """
-        loose: dict[int, I64] = {}
-        free = free.copy()
-        for claim in claims.values():
-            free[claim.indices] = False
-        for label in absent:
-            thing = self.things[label]
-            search = None if thing.stopped else crop(thing, view, self.background, free)
-            if search is None:
-                continue
-            place = find(search)
-            found = own_points(thing, view, place)
-            seen = judge(thing, view, place.pose, place.world, found).found
-            if self.lens is not None and len(found.indices):
-                seen = seen and float(self.background.certain(view, found.indices).mean()) > 0.5
-                seen = seen and recognised(label, self.things, view, found.indices)
-            if seen:
-                places[label], claims[label] = place, found
-                free[found.indices] = False
-            else:
-                loose[label] = search.moving
-        return loose
-
-    def _reclaim(
-        self, loose: dict[int, I64], view: View, claims: dict[int, Claim], grown: dict[int, I64]
-    ) -> dict[int, I64]:
-        """The bodies nobody has of things so changed that they have to be learnt anew."""
-        if not loose:
-            return {}
-        moving = np.unique(np.concatenate(list(loose.values())))
-        left = np.ones(len(view.xyz), np.bool_)
-        for points in [*(c.indices for c in claims.values()), *grown.values()]:
-            left[points] = False
-        moving = moving[left[moving] & self.background.certain(view, moving)]
-        return reclaim(view, {label: self.things[label] for label in loose}, moving)
-
-    def _settle_conflicts(
-        self, view: View, free: Mask, places: dict[int, Place], claims: dict[int, Claim]
-    ) -> dict[int, Claim]:
-        """Where a thing lost most of its claim to others, look for it in what they left."""
-        before, claims = claims, undisputed(claims, self.things)
-        decided = decide(len(view.xyz), claims)
-        for label in sorted(
-            places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
-        ):
-            if len(decided[label].indices) >= KEPT * len(before[label].indices):
-                continue
-            left = free.copy()
-            for other, found in decided.items():
-                if other != label:
-                    left[found.indices] = False
-            search = crop(self.things[label], view, self.background, left)
-            if search is None:
-                continue
-            place = find(search)
-            again = {**claims, label: own_points(self.things[label], view, place)}
-            better = decide(len(view.xyz), again)
-            if len(better[label].indices) > 1.1 * len(decided[label].indices):
-                decided, claims, places[label] = better, again, place
-        return decided
-
-
-def _placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
-    """Where a thing is, and what it would have there."""
-    place = find(search)
-    return place, own_points(thing, view, place)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -1,0 +1,123 @@
+"""Who has what where objects meet, and where those are that the others had hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim, decide
+from pointbrush.tracking.background import Background
+from pointbrush.tracking.belong import own_points
+from pointbrush.tracking.crowd import reclaim, recognised
+from pointbrush.tracking.figures import undisputed
+from pointbrush.tracking.interface import I64, Mask
+from pointbrush.tracking.judge import judge
+from pointbrush.tracking.locate import Search, crop, find
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+KEPT = 0.85
+"""A thing that keeps less than this share of its claim is looked for elsewhere."""
+GAIN = 1.1
+"""By how much more it must have there."""
+
+
+def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
+    """Where a thing is, and what it would have there."""
+    place = find(search)
+    return place, own_points(thing, view, place)
+
+
+def settle_conflicts(
+    things: Mapping[int, Thing],
+    background: Background,
+    view: View,
+    free: Mask,
+    places: dict[int, Place],
+    claims: dict[int, Claim],
+) -> dict[int, Claim]:
+    """Each thing's points; one that lost most of its claim is looked for in what others left.
+
+    ``places`` takes in where it was found then.
+    """
+    before, claims = claims, undisputed(claims, things)
+    decided = decide(len(view.xyz), claims)
+    for label in sorted(
+        places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
+    ):
+        if len(decided[label].indices) >= KEPT * len(before[label].indices):
+            continue
+        others = [found for other, found in decided.items() if other != label]
+        search = crop(things[label], view, background, _without(free, others))
+        if search is None:
+            continue
+        place, claim = placed(things[label], view, search)
+        again = {**claims, label: claim}
+        better = decide(len(view.xyz), again)
+        if len(better[label].indices) > GAIN * len(decided[label].indices):
+            decided, claims, places[label] = better, again, place
+    return decided
+
+
+def look_for(
+    absent: Iterable[Thing],
+    things: Mapping[int, Thing],
+    background: Background,
+    view: View,
+    free: Mask,
+    places: dict[int, Place],
+    claims: dict[int, Claim],
+) -> dict[int, I64]:
+    """Find large things that were hidden in what the claims of the others leave.
+
+    ``places`` and ``claims`` take in those that were found; the points where the others may be
+    are given.
+    """
+    loose: dict[int, I64] = {}
+    free = _without(free, claims.values())
+    for thing in absent:
+        search = None if thing.stopped else crop(thing, view, background, free)
+        if search is None:
+            continue
+        place, found = placed(thing, view, search)
+        seen = judge(thing, view, place.pose, place.world, found).found
+        if view.lens is not None and len(found.indices):
+            seen = seen and float(background.certain(view, found.indices).mean()) > 0.5
+            seen = seen and recognised(thing.label, things, view, found.indices)
+        if seen:
+            places[thing.label], claims[thing.label] = place, found
+            free[found.indices] = False
+        else:
+            loose[thing.label] = search.moving
+    return loose
+
+
+def bodies_left(
+    loose: Mapping[int, I64],
+    things: Mapping[int, Thing],
+    background: Background,
+    view: View,
+    claims: Mapping[int, Claim],
+    grown: Mapping[int, I64],
+) -> dict[int, I64]:
+    """The bodies nobody has of things so changed that they have to be learnt anew.
+
+    ``loose``: the points where each of them may be.
+    """
+    if not loose:
+        return {}
+    moving = np.unique(np.concatenate(list(loose.values())))
+    left = _without(np.ones(len(view.xyz), np.bool_), claims.values())
+    for points in grown.values():
+        left[points] = False
+    moving = moving[left[moving] & background.certain(view, moving)]
+    return reclaim(view, {label: things[label] for label in loose}, moving)
+
+
+def _without(free: Mask, claims: Iterable[Claim]) -> Mask:
+    left = free.copy()
+    for claim in claims:
+        left[claim.indices] = False
+    return left
