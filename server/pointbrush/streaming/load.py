@@ -11,7 +11,7 @@ from contextlib import contextmanager
 PERIOD = 0.05
 LATE, EARLY = 0.012, 0.004
 """Seconds of lag above which there is too much to do, and below which there may be more."""
-BUSY, IDLE = 0.7, 0.55
+BUSY, IDLE = 0.6, 0.45
 """The same for the share of the time that the loop computes: strokes need the rest."""
 SENDS_A_TURN = 6
 YIELD_SECONDS, YIELDS = 0.001, 8
@@ -39,8 +39,8 @@ class Load:
         finally:
             self._edits -= 1
 
-    async def turn(self) -> bool:
-        """Wait for a turn to send points: few in each turn of the loop.  Whether there was a wait.
+    async def turn(self) -> None:
+        """Wait for a turn to send points: few in each turn of the loop.
 
         A send that fits the socket's buffer returns at once; a hundred of them in one turn would
         keep every stroke waiting at each of its steps.
@@ -51,11 +51,10 @@ class Load:
             loop.call_soon(self._next_turn)
         if self._left and not self._edits and not self._waiting:
             self._left -= 1
-            return False
+            return
         waiter = loop.create_future()
         self._waiting.append(waiter)
         await waiter
-        return True
 
     def _next_turn(self) -> None:
         """Let those go on who have waited longest, unless an edit is being applied."""

@@ -24,8 +24,6 @@ class Sender:
         self._outbox = viewer.outbox
         self._states_time = float("-inf")
         self._idle = True
-        self._turn = False
-        """Waited for a turn to send points, and has not used it yet."""
 
     async def run(self) -> None:
         """Send whatever there is; sleep when there is nothing."""
@@ -123,18 +121,14 @@ class Sender:
         """Send one piece; False when there is none, or no room for it on the link."""
         viewer = self._viewer
         room, plan = viewer.room, viewer.plan
-        if room is None:
+        if room is None or viewer.catching_up:
+            # What it missed goes first: older deltas must not come behind newer values.
             return False
         if not plan.link.has_room:
             self._idle = False
             return False
         try:
             piece = await self._next_piece(room)
-            if piece is not None and not self._turn and await self._hub.load.turn():
-                # What was most wanted before the wait may not be so any more: look again.
-                self._turn = True
-                return True
-            self._turn = False
         except UnavailableError:
             raise
         except PointbrushError as error:
@@ -144,7 +138,11 @@ class Sender:
         if piece is None:
             self._idle = True
             return False
-        if viewer.room is room and viewer.plan is plan:
+        held = plan.held.get(piece.frame)
+        await self._hub.load.turn()
+        # The viewer may have opened a sequence meanwhile, or given the frame up.
+        same = viewer.room is room and viewer.plan is plan and not viewer.catching_up
+        if same and plan.held.get(piece.frame) == held:
             await self._send_piece(room, piece)
         return True
 
