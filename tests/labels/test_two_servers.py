@@ -51,6 +51,18 @@ def here(url: str, store: LabelStore) -> LabelStore:
     return store
 
 
+def test_an_id_that_the_other_gave_and_took_back_is_not_given_again(
+    url: str, here: LabelStore
+) -> None:
+    there = LabelStore(url)
+    for _ in range(5):
+        there.palette(SEQ)
+        gone = here.create_label(SEQ, "ann", name="three")[0].id
+        here.undo(SEQ, "ann")
+        assert there.create_label(SEQ, "bob", name="four")[0].id > gone
+    there.close()
+
+
 def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
     heard: list[Commit] = []
     here.subscribe(heard.append)

@@ -48,7 +48,7 @@ class SequenceState:
         self.number: int = row.number
         self.id: str = row.id
         self.revision: int = row.revision
-        self.highest_label: int = row.highest_label
+        self.highest_label = 0
         self.points = decode_points(row.points)
         self.exists = _only_unlabeled()
         self.locked = np.zeros(1 << 16, np.bool_)
@@ -74,7 +74,9 @@ class SequenceState:
     # ── palette and counts ───────────────────────────────────────────────────────────────
 
     def reload_palette(self, connection: Connection) -> None:
-        """Read the palette again."""
+        """Read the palette again, and which ids were ever given: also to labels that are gone."""
+        highest = select(sequences.c.highest_label).where(sequences.c.number == self.number)
+        self.highest_label = connection.execute(highest).scalar_one()
         rows = connection.execute(select(labels).where(labels.c.sequence == self.number))
         self.set_palette(
             Label(row.id, row.name, row.category, row.color, bool(row.locked), bool(row.visible))
