@@ -45,6 +45,12 @@ export class Playback {
     this.viewer.setSequence(info);
   }
 
+  /** The same recording, with another name, rate or floor. */
+  renew(info: SequenceInfo): void {
+    this.info = info;
+    this.viewer.stand(info);
+  }
+
   close(): void {
     for (const frame of this.store.all()) this.link.recycle(frame.release());
     this.store = new FrameStore(1, false, CACHE_BYTES);
@@ -114,8 +120,9 @@ export class Playback {
     this.counters.bytes += segment.nbytes;
     this.counters.decodeMs += segment.decodeMs;
     if (!used) this.counters.dropped += 1;
-    this.link.applied(this.pace(), used ? [] : [segment.vertices]);
+    this.link.applied(this.pace());
     if (used) this.trim();
+    else this.link.recycle([segment.vertices]);
     const frame = this.store.get(segment.frame);
     if (used && frame?.complete) for (const tell of this.completed) tell(frame);
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();

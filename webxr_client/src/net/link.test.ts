@@ -26,7 +26,8 @@ describe('the edits without an answer', () => {
   beforeEach(() => {
     vi.stubGlobal('Worker', SlowWorker);
     pending = 0;
-    link = new Link((message) => {
+    link = new Link();
+    link.listen((message) => {
       if (message.t === 'pending') pending = message.count;
     });
     return () => vi.unstubAllGlobals();
@@ -56,5 +57,19 @@ describe('the edits without an answer', () => {
     SlowWorker.last.says(2, 0);
     link.send({ type: 'undo', id: 'a' });
     expect(pending).toBe(3);
+  });
+});
+
+describe('what comes while the page still loads', () => {
+  it('is heard in order as soon as somebody listens', () => {
+    vi.stubGlobal('Worker', SlowWorker);
+    const link = new Link();
+    SlowWorker.last.says(1, 0);
+    SlowWorker.last.says(2, 0);
+    const heard: unknown[] = [];
+    link.listen((message) => heard.push('count' in message && message.count));
+    SlowWorker.last.says(3, 0);
+    expect(heard).toEqual([1, 2, 3]);
+    vi.unstubAllGlobals();
   });
 });

@@ -1,7 +1,7 @@
-/** The page's end of the worker: typed messages in and out. */
+/** The page's end of the workers: typed messages to the socket, and from it by way of the decoder. */
 import type { ClientMessage, Open } from '../protocol/messages';
 import { begins } from './outbox';
-import type { FromWorker, Pace, ToWorker } from './wire';
+import type { FromPage, FromWorker, Pace, ToWorker } from './wire';
 
 const MOST_FREE = 4;
 const NOTHING: Transferable[] = [];
@@ -14,14 +14,31 @@ export class Link {
     type: 'module',
     name: 'pointbrush-net',
   });
+  private readonly decoder = new Worker(new URL('./decoder.ts', import.meta.url), {
+    type: 'module',
+    name: 'pointbrush-decoder',
+  });
 
   /** Edits begun here; the worker hears of them a little later. */
   private begun = 0;
   /** How many edits more than it had heard of the worker last said to be without an answer. */
   private unanswered = 0;
 
-  constructor(private readonly listen: (message: FromWorker) => void) {
-    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+  private listener: ((message: FromWorker) => void) | null = null;
+  /** What came before anybody listened. */
+  private readonly unheard: FromWorker[] = [];
+
+  constructor() {
+    this.decoder.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+    const { port1, port2 } = new MessageChannel();
+    this.post({ t: 'decoder', port: port1 }, [port1]);
+    this.tellDecoder({ t: 'socket', port: port2 }, [port2]);
+  }
+
+  /** Hear everything, from the first message on. */
+  listen(listener: (message: FromWorker) => void): void {
+    this.listener = listener;
+    for (const message of this.unheard.splice(0)) listener(message);
   }
 
   connect(): void {
@@ -48,26 +65,25 @@ export class Link {
     this.post({ t: 'close' });
   }
 
-  applied(pace: Pace, buffers: ArrayBuffer[]): void {
-    const all = this.free.splice(0).concat(buffers);
-    this.post({ t: 'applied', pace, buffers: all }, all);
+  applied(pace: Pace): void {
+    this.post({ t: 'applied', pace });
   }
 
   pace(pace: Pace): void {
     this.post({ t: 'pace', pace });
   }
 
-  /** Give buffers back; a few of them wait for the next message that goes anyway. */
+  /** Give buffers back, a few at a time. */
   recycle(buffers: ArrayBuffer[]): void {
     this.free.push(...buffers);
     if (this.free.length <= MOST_FREE) return;
     const all = this.free.splice(0);
-    this.post({ t: 'recycle', buffers: all }, all);
+    this.tellDecoder({ t: 'recycle', buffers: all }, all);
   }
 
   private receive(message: FromWorker): void {
     if (message.t !== 'pending') {
-      this.listen(message);
+      this.tell(message);
       return;
     }
     this.unanswered = message.count - message.heard;
@@ -77,10 +93,19 @@ export class Link {
   /** What the worker has not heard of yet has no answer either. */
   private reportPending(): void {
     const count = this.unanswered + this.begun;
-    this.listen({ t: 'pending', count, heard: this.begun });
+    this.tell({ t: 'pending', count, heard: this.begun });
+  }
+
+  private tell(message: FromWorker): void {
+    if (this.listener) this.listener(message);
+    else this.unheard.push(message);
   }
 
   private post(message: ToWorker, transfer: Transferable[] = NOTHING): void {
     this.worker.postMessage(message, transfer);
+  }
+
+  private tellDecoder(message: FromPage, transfer: Transferable[]): void {
+    this.decoder.postMessage(message, transfer);
   }
 }

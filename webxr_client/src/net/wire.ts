@@ -1,16 +1,24 @@
-/** What page and worker tell each other. */
-import type { ClientMessage, Open, ServerMessage } from '../protocol/messages';
+/** What the page, the socket's worker and the decoder tell each other. */
+import type { ClientMessage, Frame, Open, ServerMessage } from '../protocol/messages';
 import type { Segment } from './segment';
 
 export type ToWorker =
+  /** The way to the decoder. */
+  | { t: 'decoder'; port: MessagePort }
   | { t: 'connect'; url: string; probe: string }
   | { t: 'send'; message: ClientMessage }
   | { t: 'open'; message: Open }
   | { t: 'close' }
-  /** The page took in a segment; `buffers` are free again. */
-  | { t: 'applied'; pace: Pace; buffers: ArrayBuffer[] }
+  /** The page took in a segment. */
+  | { t: 'applied'; pace: Pace }
   /** The pace changed by itself. */
-  | { t: 'pace'; pace: Pace }
+  | { t: 'pace'; pace: Pace };
+
+/** The page to the decoder. */
+export type FromPage =
+  /** The way from the socket. */
+  | { t: 'socket'; port: MessagePort }
+  /** Segments' buffers that are free again. */
   | { t: 'recycle'; buffers: ArrayBuffer[] };
 
 /** How the page keeps up: points of a frame that it can show in time, or null. */
@@ -38,11 +46,25 @@ export interface LabelUpdate {
 type Bulk = 'frame' | 'annotation';
 export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
 
-export type FromWorker =
+/** What the decoder hands on as it is. */
+type Plain =
   | { t: 'link'; state: LinkState; detail: string; retryMs: number | null }
   | { t: 'message'; message: PlainMessage }
-  /** Points, and the values that came just ahead of them. */
-  | { t: 'segment'; segment: Segment; labels: LabelUpdate | null }
   | { t: 'labels'; update: LabelUpdate }
   /** Edits without an answer, of those that the worker had `heard` begin. */
   | { t: 'pending'; count: number; heard: number };
+
+/** The socket's worker to the decoder. */
+export type ToDecoder = Plain | { t: 'frame'; message: Frame };
+
+/** The decoder back to the socket's worker, for each frame. */
+export interface Decoded {
+  readonly nbytes: number;
+  readonly decodeMs: number;
+}
+
+/** What comes to the page, in the server's order. */
+export type FromWorker =
+  | Plain
+  /** Points, and the values that came just ahead of them. */
+  | { t: 'segment'; segment: Segment; labels: LabelUpdate | null };

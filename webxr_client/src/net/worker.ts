@@ -1,4 +1,7 @@
-/** The worker that owns the socket: nothing that takes time happens on the page's own thread. */
+/**
+ * The worker that owns the socket.  What it hears goes to the page by way of the decoder, another
+ * worker: a browser reads from a socket only while its thread is free.
+ */
 import { decode, encode, unpackU16, unpackU32 } from '../protocol/codec';
 import {
   SCHEMA_HASH,
@@ -11,21 +14,17 @@ import {
   type ServerMessage,
 } from '../protocol/messages';
 import { Backoff } from './backoff';
-import { decodeFrame, ready } from './decode';
 import { HeldFrames } from './held';
 import { begins, isEdit, Outbox } from './outbox';
-import { buffersOf, Pairing } from './pairing';
-import { BufferPool } from './pool';
 import { MemoryStorage, openStorage } from './storage';
-import type { FromWorker, LinkState, Pace, ToWorker } from './wire';
+import { buffersOf } from './pairing';
+import type { Decoded, LinkState, Pace, ToDecoder, ToWorker } from './wire';
 
-const POOL_BYTES = 64 << 20;
 /** Segments that the page may have waiting before the server must wait too. */
 const MOST_WAITING = 6;
 /** More than this unsent means that the link is stalled; what can be dropped is dropped. */
 const SEND_LIMIT = 1 << 20;
 
-const pool = new BufferPool(POOL_BYTES);
 const backoff = new Backoff();
 let outbox = new Outbox(new MemoryStorage());
 /** Edits that the page has begun. */
@@ -49,13 +48,11 @@ let owed: Credit[] = [];
 let pace: Pace = { points: null };
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-const pairing = new Pairing((message, transfer) => {
-  (self as unknown as Worker).postMessage(message, transfer);
-});
+/** The way to the page. */
+let decoder: MessagePort | null = null;
 
-function post(message: FromWorker, transfer: Transferable[] = []): void {
-  pairing.flush();
-  (self as unknown as Worker).postMessage(message, transfer);
+function post(message: ToDecoder, transfer: Transferable[] = []): void {
+  decoder?.postMessage(message, transfer);
 }
 
 function link(state: LinkState, detail = '', retryMs: number | null = null): void {
@@ -160,14 +157,7 @@ function receive(data: ArrayBuffer): void {
   switch (message.type) {
     case 'frame': {
       if (message.sequence === opened?.sequence) held.points(message);
-      const segment = decodeFrame(message, pool);
-      const { nbytes, decodeMs } = segment;
-      pairing.segment(segment);
-      waiting += 1;
-      // A page that is busy drawing takes segments in late; the link is not to blame for that.
-      const credit: Credit = { type: 'credit', frames: 1, nbytes, decode_ms: decodeMs, ...pace };
-      if (waiting <= MOST_WAITING) transmit(credit);
-      else owed.push(credit);
+      post({ t: 'frame', message }, [data]);
       return;
     }
     case 'annotation':
@@ -181,6 +171,15 @@ function receive(data: ArrayBuffer): void {
       post({ t: 'message', message });
       settleBy(message);
   }
+}
+
+/** The decoder is done with a frame: the server may send another, unless the page lags behind. */
+function decoded({ nbytes, decodeMs }: Decoded): void {
+  waiting += 1;
+  const credit: Credit = { type: 'credit', frames: 1, nbytes, decode_ms: decodeMs, ...pace };
+  // A page that is busy drawing takes segments in late; the link is not to blame for that.
+  if (waiting <= MOST_WAITING) transmit(credit);
+  else owed.push(credit);
 }
 
 function confirmed(info: SequenceInfo): void {
@@ -217,8 +216,7 @@ function annotation(message: Annotation): void {
   const { sequence, frame, base, edit, provisional, first, count } = message;
   const range = { first, count, lengths, values };
   const update = { sequence, frame, revision: message.revision, base, edit, provisional, ...range };
-  if (base === null) pairing.hold(update);
-  else post({ t: 'labels', update }, buffersOf(update));
+  post({ t: 'labels', update }, buffersOf(update));
   if (provisional || opened?.sequence !== sequence) return;
   const gap = !held.values(message) && live && revision !== null;
   if (base === null) return;
@@ -230,7 +228,7 @@ function annotation(message: Annotation): void {
 
 async function start(): Promise<void> {
   outbox = new Outbox(await openStorage());
-  await Promise.all([outbox.restore(), ready]);
+  await outbox.restore();
   report();
 }
 
@@ -239,6 +237,10 @@ const started = start();
 async function handle(message: ToWorker): Promise<void> {
   await started;
   switch (message.t) {
+    case 'decoder':
+      decoder = message.port;
+      decoder.onmessage = (event: MessageEvent<Decoded>) => decoded(event.data);
+      return;
     case 'connect':
       address = message.url;
       probe = message.probe;
@@ -261,7 +263,6 @@ async function handle(message: ToWorker): Promise<void> {
       send(message.message);
       return;
     case 'applied': {
-      for (const buffer of message.buffers) pool.give(buffer);
       pace = message.pace;
       waiting -= 1;
       const credit = owed.shift();
@@ -271,9 +272,6 @@ async function handle(message: ToWorker): Promise<void> {
     case 'pace':
       pace = message.pace;
       transmit({ type: 'credit', frames: 0, ...pace });
-      return;
-    case 'recycle':
-      for (const buffer of message.buffers) pool.give(buffer);
   }
 }
 
