@@ -34,10 +34,13 @@ class Share:
     numbers: float = 0.0
     places: Counter[str] = field(default_factory=Counter[str])
     """Bytes of objects by function."""
+    boxing: Counter[str] = field(default_factory=Counter[str])
+    """Bytes of numbers by function."""
 
-    def worst(self) -> str:
+    def worst(self, numbers: bool = False) -> str:
         """The functions that allocate most, in words."""
-        return ", ".join(f"{name} {size:.0f}" for name, size in self.places.most_common(PLACES))
+        most = (self.boxing if numbers else self.places).most_common(PLACES)
+        return ", ".join(f"{name} {size:.0f}" for name, size in most)
 
 
 def whose(url: str) -> str:
@@ -67,11 +70,12 @@ def allocations(page: Tab, pictures: str, seconds: float) -> dict[str, Share]:
     for (node, size), number in times.items():
         place = functions[node]
         share = shares[whose(place["url"])]
+        name = f"{place['functionName'] or 'anonymous'}:{place['columnNumber']}"
         if size == NUMBER_BYTES:
             share.numbers += size * number / count
+            share.boxing[name] += size * number / count
         elif number >= SELDOM * count:
             share.objects += size * number / count
-            name = f"{place['functionName'] or 'anonymous'}:{place['columnNumber']}"
             share.places[name] += size * number / count
     return shares
 

@@ -28,7 +28,7 @@ from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import accepting, exporting, importing, layers, tracking
+from pointbrush.work import accepting, exporting, flooring, importing, layers, tracking
 from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
 from pointbrush.work.library import Library
@@ -101,6 +101,19 @@ class Workspace:
         manifest = self.library.update(sequence, **fields)
         self._publish(SequencesChanged(sequence))
         return manifest
+
+    def stand_on_floor(
+        self, sequence: str, frame: int, samples: Sequence[Mapping[str, Any]]
+    ) -> Manifest:
+        """Stand a recording on the surface that rays point at; see ``flooring.room_on_floor``."""
+        recording = self.recording(sequence)
+        room = flooring.room_on_floor(self.store, recording, frame, samples)
+        return self.update_sequence(sequence, room=room)
+
+    def reset_floor(self, sequence: str) -> Manifest:
+        """Stand a recording as the import found it."""
+        found = self.recording(sequence).manifest.T_found_room_local
+        return self.update_sequence(sequence, room=found)
 
     def delete_sequence(self, sequence: str) -> None:
         """Remove a recording and its labels; raises ConflictError while a job works on it."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from io import BytesIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
@@ -32,6 +33,41 @@ def shows_paint(desk: Desk, server: LiveServer, least: int) -> None:
     count = painted(server, 0)
     assert count > least
     desk.until(f"pb.labels()[1] === {count}")
+
+
+def room_of(server: LiveServer) -> NDArray[np.float64]:
+    """``T_room_local`` (4, 4) as the server has it."""
+    manifest = server.request("GET", f"sequences/{SEQUENCE}").json()
+    assert manifest["shift"] == [0, 0, 0]
+    return np.array(manifest["room"]).reshape(4, 4)
+
+
+def heights(server: LiveServer, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of source coordinates (n, 3), metres above the floor of the room."""
+    up = room_of(server)[1]
+    above: NDArray[np.float64] = xyz @ up[:3] + up[3]
+    return above
+
+
+def stand_crooked(server: LiveServer) -> NDArray[np.float64]:
+    """Stand the recording as a badly found floor would; its true floor's points (n, 3)."""
+    xyz = server.points(SEQUENCE, 0).astype(np.float64)
+    floor = xyz[np.abs(heights(server, xyz)) < 0.02]
+    tilt = np.eye(4)
+    c, s = np.cos(0.14), np.sin(0.14)
+    tilt[1:3, 1:4] = [[c, -s, 0.25], [s, c, 0.0]]
+    room = (tilt @ room_of(server)).ravel().tolist()
+    server.request("PATCH", f"sequences/{SEQUENCE}", json={"room": room})
+    assert np.abs(heights(server, floor)).mean() > 0.1
+    return floor
+
+
+def corners_of(floor: NDArray[np.float64]) -> list[list[float]]:
+    """Three of the points of a floor that lie far apart, none at its very edge."""
+    flat = floor[:, [0, 2]]
+    low, high = np.quantile(flat, [0.3, 0.75], axis=0)
+    ends = [[low[0], low[1]], [high[0], low[1]], [(low[0] + high[0]) / 2, high[1]]]
+    return [floor[np.argmin(np.linalg.norm(flat - end, axis=1))].tolist() for end in ends]
 
 
 def put_dust(server: LiveServer) -> None:

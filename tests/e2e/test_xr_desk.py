@@ -8,7 +8,16 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, SEQUENCE, painted, put_dust
+from tests.e2e.recording import (
+    PERSON,
+    SEQUENCE,
+    corners_of,
+    heights,
+    painted,
+    put_dust,
+    room_of,
+    stand_crooked,
+)
 from tests.e2e.server import LiveServer
 
 
@@ -65,6 +74,29 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     server.request("POST", f"sequences/{SEQUENCE}/frames/1/strokes", json=stroke)
     desk.press("ArrowRight")
     desk.until(f"{overlays}.trails === 2 && {overlays}.ghost > 300")
+    set_the_floor(server, desk)
+
+
+def set_the_floor(server: LiveServer, desk: Desk) -> None:
+    """With the mouse, on a recording that stands crooked; then as it was."""
+    found = room_of(server)
+    crooked = stand_crooked(server)
+    stands = "pb.engine.viewer.room.matrix.elements"
+    desk.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    desk.page.locator("button.sequence-button").click()
+    desk.page.get_by_role("button", name="Set the floor…").click()
+    hints = ["Stands on one place", "Stands on two places", "Stands on three places"]
+    for place, hint in zip(corners_of(crooked), hints, strict=True):
+        desk.page.mouse.click(*desk.place(place))
+        desk.page.get_by_text(hint).wait_for()
+    assert np.abs(heights(server, crooked)).mean() < 0.02
+    desk.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    desk.screenshot("floor-at-the-desk")
+    desk.page.get_by_role("button", name="As found at import").click()
+    desk.until(f"Math.abs({stands}[13] - {found[1, 3]}) < 1e-6")
+    assert np.allclose(room_of(server), found)
+    desk.page.get_by_role("button", name="Done").click()
+    desk.until("pb.state.tool.value === 'paint'")
 
 
 def test_a_run_that_stopped_is_accepted_and_goes_on_from_the_desk_too(

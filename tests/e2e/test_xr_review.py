@@ -7,7 +7,17 @@ import uuid
 import numpy as np
 
 from tests.e2e.headset import PAINTING, Headset
-from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted, put_dust
+from tests.e2e.recording import (
+    PERSON,
+    SEQUENCE,
+    Truth,
+    corners_of,
+    heights,
+    painted,
+    put_dust,
+    room_of,
+    stand_crooked,
+)
 from tests.e2e.server import LiveServer
 
 
@@ -95,6 +105,35 @@ def test_the_ground_under_the_ray_is_deleted_and_comes_back(
     assert abs(height) < 0.05
     headset.button("b-button")
     headset.until("!(-1 in pb.labels())")
+
+
+def test_the_recording_is_stood_on_the_floor_that_one_points_at(
+    headset: Headset, server: LiveServer
+) -> None:
+    found = room_of(server)
+    floor = stand_crooked(server)
+    # What somebody else changed shows at once, without leaving the headset.
+    stands = "pb.engine.viewer.room.matrix.elements"
+    headset.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    headset.click("palette", "View")
+    headset.click("palette", "Floor")
+    for place in corners_of(floor):
+        x, y, z = headset.ask(f"hs.place({place})")
+        headset.move("right", [x, y + 0.3, z], [x, y, z])
+        headset.trigger(1)
+        headset.trigger(0)
+        headset.until("pb.state.notices.value.at(-1)?.title === 'The recording stands on it'")
+    # The last of three places asks for no more.
+    headset.until("pb.state.notices.value.at(-1)?.detail === ''")
+    assert np.abs(heights(server, floor)).mean() < 0.02
+    headset.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    # Nothing was painted, and the import's own floor can be had back.
+    assert painted(server, 0) == 0
+    headset.click("palette", "As found at import")
+    headset.until(f"Math.abs({stands}[13] - {found[1, 3]}) < 1e-6")
+    assert np.allclose(room_of(server), found)
+    headset.click("palette", "Done")
+    headset.until("pb.state.tool.value === 'paint'")
 
 
 # ── doubt ────────────────────────────────────────────────────────────────────────────────────

@@ -58,6 +58,7 @@ def test_roles(served: Served, role: str, may_paint: bool, may_delete: bool) -> 
         assert client.get("/sequences/wall").status_code == 200
         created = client.post("/sequences/wall/labels", json={"name": f"by {role}"})
         assert created.status_code == (201 if may_paint else 403)
+        assert client.delete("/sequences/wall/floor").status_code == (200 if may_paint else 403)
         patched = client.patch("/sequences/wall", json={"fps": 30.0})
         assert patched.status_code == (200 if may_delete else 403)
 

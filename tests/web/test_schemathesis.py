@@ -21,6 +21,7 @@ from tests.serving import TOKEN, add_sequence, serving, settings_in
 POINTS = 300
 SEMANTIC = (
     "PATCH /api/v1/sequences/{seq}",
+    "POST /api/v1/sequences/{seq}/floor",
     "POST /api/v1/sequences/{seq}/frames/{i}/strokes",
     "POST /api/v1/sequences/{seq}/tracking",
     "PUT /api/v1/sequences/{seq}/frames/{i}/annotation",

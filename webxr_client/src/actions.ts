@@ -3,6 +3,7 @@
  * (`bindActions`); before it does, they do nothing.
  */
 import type { BrushShape, Tool, ViewSettings } from './state';
+import type { PointerSample } from './tools/sample';
 
 export interface LabelPatch {
   readonly name?: string;
@@ -90,6 +91,12 @@ export interface Actions {
   /** `keep`: what was found so far stays (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;
   dismissJob(id: string): void;
+
+  // the floor
+  /** Stand the recording on what a ray meets, with the places pointed at just before. */
+  pointAtFloor(sample: PointerSample): Promise<void>;
+  /** Stand the recording as it was imported. */
+  resetFloor(): Promise<void>;
 
   // recordings
   refreshSequences(): Promise<void>;

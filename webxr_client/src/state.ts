@@ -97,8 +97,19 @@ export interface TimelineTable {
 
 // ── tools ────────────────────────────────────────────────────────────────────────────────────
 
-/** What a stroke does. `navigate`: the left button moves the camera; `pick`: takes a label. */
-export type Tool = 'navigate' | 'paint' | 'erase' | 'delete' | 'restore' | 'pick';
+/** What a stroke does to points. */
+export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
+
+/**
+ * What the button or trigger is for. `navigate`: moves the camera; `pick`: takes a label; `floor`:
+ * points at what the recording stands on.
+ */
+export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
+
+/** Whether a tool makes strokes. */
+export function isStroke(tool: Tool): tool is StrokeTool {
+  return tool !== 'navigate' && tool !== 'pick' && tool !== 'floor';
+}
 
 /** How a stroke chooses points: under the brush, a region, a flat surface, an outline. */
 export type BrushShape = 'brush' | 'fill' | 'plane' | 'lasso';

@@ -1,7 +1,19 @@
 """A stroke and a frame in, the numbers of the points it takes out: one module per shape."""
 
+from pointbrush.selection.plane import Plane, fit_plane
 from pointbrush.selection.points import Blocks, Points
 from pointbrush.selection.select import Selector, first_hits, select
 from pointbrush.selection.stroke import SHAPES, TOOLS, Stroke
 
-__all__ = ["SHAPES", "TOOLS", "Blocks", "Points", "Selector", "Stroke", "first_hits", "select"]
+__all__ = [
+    "SHAPES",
+    "TOOLS",
+    "Blocks",
+    "Plane",
+    "Points",
+    "Selector",
+    "Stroke",
+    "first_hits",
+    "fit_plane",
+    "select",
+]

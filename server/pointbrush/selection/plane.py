@@ -59,7 +59,7 @@ def plane(
     The surface is as thick as its noise, at most half of ``radius``.  Gaps up to twice the
     radius are bridged, and what stands on it or passes through it is left out.
     """
-    found = _fit(points, hit, radius, alive)
+    found = fit_plane(points, hit, radius, alive)
     if found is None:
         return np.empty(0, np.int64)
     numbers = np.empty(0, np.int64)
@@ -72,8 +72,13 @@ def plane(
     return _surface(points, found, hit, radius, alive)
 
 
-def _fit(points: Points, hit: Vector, radius: float, alive: Alive | None) -> Plane | None:
-    """The plane round a place; None where fewer than three points are near."""
+def fit_plane(
+    points: Points, hit: Vector, radius: float, alive: Alive | None = None
+) -> Plane | None:
+    """The plane round a place (3,), local metres; None where fewer than three points are near.
+
+    It is fitted to what lies within eight ``radius`` of the place.
+    """
     found: Plane | None = None
     for wide in WIDENING:
         numbers = swept_ball(points, hit[None], wide * radius)

@@ -137,14 +137,16 @@ def _rows(name: str, values: Sequence[Any], width: int) -> NDArray[np.float64]:
 
 
 def _unit(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    length = np.linalg.norm(directions, axis=1, keepdims=True)
-    if (length < 1e-12).any():
-        bad = int(np.flatnonzero(length[:, 0] < 1e-12)[0])
+    # The greatest part first: squares of huge or tiny ones are no numbers any more.
+    largest = np.abs(directions).max(axis=1, keepdims=True, initial=0.0)
+    if (largest < 1e-12).any():
+        bad = int(np.flatnonzero(largest[:, 0] < 1e-12)[0])
         raise BadInputError(
             f"samples.direction: expected a vector with a length, got {directions[bad].tolist()} "
             f"in sample {bad}"
         )
-    return np.asarray(directions / length)
+    parts = directions / largest
+    return np.asarray(parts / np.linalg.norm(parts, axis=1, keepdims=True))
 
 
 def _vector(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:

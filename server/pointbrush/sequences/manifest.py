@@ -31,6 +31,7 @@ class Manifest:
     ``shift``           local = source − shift, metres.
     ``lo``, ``hi``      bounds over all frames, local.
     ``room``            ``T_room_local``, row-major 4x4: stands it on the floor, y up.
+    ``found_room``      ``room`` as the import found it.
     ``position_error``  greatest difference per axis between a streamed coordinate and the stored
                         one, metres; for a large frame that of its coarsest chunk.
     ``intensity_range`` source values that stream as 0 and 255, or None.
@@ -49,6 +50,7 @@ class Manifest:
     lo: list[float]
     hi: list[float]
     room: Matrix
+    found_room: Matrix
     position_error: float
     intensity_range: list[float] | None
     dropped: list[int]
@@ -69,6 +71,11 @@ class Manifest:
     def T_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction
         """``room`` as a (4, 4) array."""
         return np.array(self.room).reshape(4, 4)
+
+    @property
+    def T_found_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction
+        """``found_room`` as a (4, 4) array."""
+        return np.array(self.found_room).reshape(4, 4)
 
 
 def _checksum(content: dict[str, Any]) -> str:
@@ -98,6 +105,8 @@ def read_manifest(path: Path) -> Manifest:
     given = content.pop("checksum", None)
     if given != _checksum(content):
         raise BadInputError(f"{path.name}: expected manifest checksum {given}, got another")
+    # Imports of before the room could be corrected by pointing did not keep what they found.
+    content.setdefault("found_room", content["room"])
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
 

@@ -76,6 +76,7 @@ def make_manifest(
     for record in records:
         viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
         finder.add(record.prefix, viewpoint)
+    room = finder.room(camera="pixel" in present).ravel().tolist()
     return Manifest(
         id=sequence_id,
         name=name,
@@ -86,7 +87,8 @@ def make_manifest(
         shift=grid.shift.tolist(),
         lo=lo.tolist(),
         hi=hi.tolist(),
-        room=finder.room(camera="pixel" in present).ravel().tolist(),
+        room=room,
+        found_room=room,
         position_error=max((record.error for record in records), default=0.0),
         intensity_range=None if grid.intensity_range is None else list(grid.intensity_range),
         dropped=[record.dropped for record in records],

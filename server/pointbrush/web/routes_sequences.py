@@ -24,7 +24,14 @@ from pointbrush.streaming.status import MalformedError
 from pointbrush.web.auth import Admin, Annotator, Viewer
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import ImportBody, JobOut, Name, SequenceOut, SequencePatch
+from pointbrush.web.schemas import (
+    FloorBody,
+    ImportBody,
+    JobOut,
+    Name,
+    SequenceOut,
+    SequencePatch,
+)
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["sequences"])
@@ -63,6 +70,21 @@ def patch_sequence(
         fields["room"] = np.array(patch.room).reshape(4, 4)
     if fields:
         workspace.update_sequence(seq, **fields)
+    return _out(workspace, seq)
+
+
+@router.post("/sequences/{seq}/floor", responses=responses(404, 409, 413))
+def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws, _who: Annotator) -> SequenceOut:
+    """Stand a recording on the surface that rays point at; one is enough, three level it better."""
+    samples = [sample.model_dump() for sample in body.samples]
+    workspace.stand_on_floor(seq, body.frame, samples)
+    return _out(workspace, seq)
+
+
+@router.delete("/sequences/{seq}/floor", responses=responses(404, 409))
+def reset_floor(seq: SequenceId, workspace: Ws, _who: Annotator) -> SequenceOut:
+    """Stand a recording as the import found it."""
+    workspace.reset_floor(seq)
     return _out(workspace, seq)
 
 

@@ -99,6 +99,13 @@ class SequencePatch(Body):
     room: Matrix4 | None = None
 
 
+class FloorBody(Body):
+    """Rays to the floor in a frame, source coordinates, as a stroke's samples."""
+
+    frame: FrameIndex
+    samples: Annotated[list[Sample], Field(min_length=1, max_length=64)]
+
+
 class ImportBody(Body):
     """Import files that the server can already read."""
 

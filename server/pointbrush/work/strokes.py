@@ -32,6 +32,17 @@ def frame_points(frame: StoredFrame) -> Points:
     )
 
 
+def deleted_among(
+    store: LabelStore, sequence: str, frame: int, numbers: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Which of these stored numbers of a frame are deleted."""
+    deleted = np.zeros(len(numbers), np.bool_)
+    for first, mine in by_block(numbers):
+        values = store.values(sequence, frame, first, LAYER_BLOCK)
+        deleted[mine] = values.deleted[numbers[mine] - first]
+    return deleted
+
+
 def edit_id(given: object) -> str:
     """A stroke's UUID in its normal form; a new one when none was given."""
     if given is None:
@@ -115,12 +126,7 @@ class LiveStroke:
         return ~self._deleted(numbers)
 
     def _deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        deleted = np.zeros(len(numbers), np.bool_)
-        sequence = self._recording.manifest.id
-        for first, mine in by_block(numbers):
-            values = self._store.values(sequence, self.frame, first, LAYER_BLOCK)
-            deleted[mine] = values.deleted[numbers[mine] - first]
-        return deleted
+        return deleted_among(self._store, self._recording.manifest.id, self.frame, numbers)
 
 
 def _write(brush: Stroke, numbers: NDArray[np.int64]) -> Write:

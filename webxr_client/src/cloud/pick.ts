@@ -31,15 +31,18 @@ export function firstHit(
   let widePoint = -1;
   const [ox, oy, oz] = origin;
   const [dx, dy, dz] = direction;
-  for (let at = 0; at < frame.pieces.length; at++) {
-    const piece = frame.pieces[at]!;
-    if (!rayMeets(origin, direction, piece.lo, piece.hi, radius)) continue;
+  from.set(origin);
+  way.set(direction);
+  measures[RADIUS] = radius;
+  for (let number = 0; number < frame.pieces.length; number++) {
+    const piece = frame.pieces[number]!;
+    if (!boxMeetsRay(piece.lo, piece.hi)) continue;
     const factor = densityFactor(frame, piece);
     const { words } = piece;
     const blocks = blocksOf(piece);
     for (let block = 0, first = 0; first < piece.count; block++, first += BLOCK) {
       blockBounds(piece, blocks, block);
-      if (!rayMeets(origin, direction, lo, hi, radius)) continue;
+      if (!boxMeetsRay(lo, hi)) continue;
       const spacing = spacingAt(piece, first, factor);
       const reach = Math.min(radius, Math.max(0.05 * radius, 1.5 * spacing));
       const stop = Math.min(piece.count, first + BLOCK);
@@ -84,33 +87,15 @@ export function inCapsule(
   radius: number,
   found: (point: number) => void,
 ): void {
-  const min: [number, number, number] = [0, 0, 0];
-  const max: [number, number, number] = [0, 0, 0];
   for (let k = 0; k < 3; k++) {
+    from[k] = a[k]!;
+    way[k] = b[k]! - a[k]!;
     min[k] = Math.min(a[k]!, b[k]!) - radius;
     max[k] = Math.max(a[k]!, b[k]!) + radius;
   }
-  const ax = b[0] - a[0];
-  const ay = b[1] - a[1];
-  const az = b[2] - a[2];
-  const length2 = ax * ax + ay * ay + az * az;
-  const square = radius * radius;
-  eachNear(
-    frame,
-    (boxLo, boxHi) => boxesMeet(min, max, boxLo, boxHi),
-    (point, px, py, pz) => {
-      let x = px - a[0];
-      let y = py - a[1];
-      let z = pz - a[2];
-      if (length2 > 0) {
-        const t = Math.min(1, Math.max(0, (x * ax + y * ay + z * az) / length2));
-        x -= t * ax;
-        y -= t * ay;
-        z -= t * az;
-      }
-      if (x * x + y * y + z * z <= square) found(point);
-    },
-  );
+  measures[RADIUS] = radius;
+  measures[LENGTH2] = way[0]! * way[0]! + way[1]! * way[1]! + way[2]! * way[2]!;
+  eachPoint(frame, boxMeetsCapsule, capsuleHolds, found);
 }
 
 /** Call `found` with each point within `radius` of the half-line. */
@@ -121,27 +106,37 @@ export function alongRay(
   radius: number,
   found: (point: number) => void,
 ): void {
-  const square = radius * radius;
-  eachNear(
-    frame,
-    (boxLo, boxHi) => rayMeets(origin, direction, boxLo, boxHi, radius),
-    (point, px, py, pz) => {
-      const x = px - origin[0];
-      const y = py - origin[1];
-      const z = pz - origin[2];
-      const along = x * direction[0] + y * direction[1] + z * direction[2];
-      if (along >= 0 && x * x + y * y + z * z - along * along <= square) found(point);
-    },
-  );
+  for (let k = 0; k < 3; k++) {
+    from[k] = origin[k]!;
+    way[k] = direction[k]!;
+  }
+  measures[RADIUS] = radius;
+  eachPoint(frame, boxMeetsRay, rayHolds, found);
 }
 
-/** Visit the points of every block that `meets`. */
-export function eachNear(
+// What is looked for, and where the search is.  All of it stays in typed arrays: V8 would box
+// each fractional number that is handed on, three for every point that is looked at.
+const from = new Float64Array(3);
+const way = new Float64Array(3);
+const min = new Float64Array(3);
+const max = new Float64Array(3);
+const measures = new Float64Array(2);
+const [RADIUS, LENGTH2] = [0, 1] as const;
+const lo = new Float64Array(3);
+const hi = new Float64Array(3);
+const at = new Float64Array(3);
+
+type Corner = ArrayLike<number>;
+
+/** Call `found` with the points that `holds` of all blocks that `meets`. */
+function eachPoint(
   frame: CloudFrame,
-  meets: (lo: Vec, hi: Vec) => boolean,
-  visit: (point: number, x: number, y: number, z: number) => void,
+  meets: (boxLo: Corner, boxHi: Corner) => boolean,
+  holds: () => boolean,
+  found: (point: number) => void,
 ): void {
-  for (const piece of frame.pieces) {
+  for (let number = 0; number < frame.pieces.length; number++) {
+    const piece = frame.pieces[number]!;
     if (!meets(piece.lo, piece.hi)) continue;
     const { words, origin, scale } = piece;
     const blocks = blocksOf(piece);
@@ -150,19 +145,38 @@ export function eachNear(
       if (!meets(lo, hi)) continue;
       const stop = Math.min(piece.count, first + BLOCK);
       for (let i = first, w = first * 6; i < stop; i++, w += 6) {
-        visit(
-          piece.first + i,
-          origin[0] + words[w]! * scale[0],
-          origin[1] + words[w + 1]! * scale[1],
-          origin[2] + words[w + 2]! * scale[2],
-        );
+        at[0] = origin[0] + words[w]! * scale[0];
+        at[1] = origin[1] + words[w + 1]! * scale[1];
+        at[2] = origin[2] + words[w + 2]! * scale[2];
+        if (holds()) found(piece.first + i);
       }
     }
   }
 }
 
-const lo: [number, number, number] = [0, 0, 0];
-const hi: [number, number, number] = [0, 0, 0];
+function capsuleHolds(): boolean {
+  let x = at[0]! - from[0]!;
+  let y = at[1]! - from[1]!;
+  let z = at[2]! - from[2]!;
+  const length2 = measures[LENGTH2]!;
+  if (length2 > 0) {
+    const along = (x * way[0]! + y * way[1]! + z * way[2]!) / length2;
+    const t = Math.min(1, Math.max(0, along));
+    x -= t * way[0]!;
+    y -= t * way[1]!;
+    z -= t * way[2]!;
+  }
+  return x * x + y * y + z * z <= measures[RADIUS]! * measures[RADIUS]!;
+}
+
+function rayHolds(): boolean {
+  const x = at[0]! - from[0]!;
+  const y = at[1]! - from[1]!;
+  const z = at[2]! - from[2]!;
+  const along = x * way[0]! + y * way[1]! + z * way[2]!;
+  const off = x * x + y * y + z * z - along * along;
+  return along >= 0 && off <= measures[RADIUS]! * measures[RADIUS]!;
+}
 
 function blockBounds(piece: Piece, blocks: Uint16Array, block: number): void {
   for (let k = 0; k < 3; k++) {
@@ -171,22 +185,23 @@ function blockBounds(piece: Piece, blocks: Uint16Array, block: number): void {
   }
 }
 
-function boxesMeet(aLo: Vec, aHi: Vec, bLo: Vec, bHi: Vec): boolean {
+function boxMeetsCapsule(boxLo: Corner, boxHi: Corner): boolean {
   return (
-    aLo[0] <= bHi[0] && aHi[0] >= bLo[0] &&
-    aLo[1] <= bHi[1] && aHi[1] >= bLo[1] &&
-    aLo[2] <= bHi[2] && aHi[2] >= bLo[2]
+    min[0]! <= boxHi[0]! && max[0]! >= boxLo[0]! &&
+    min[1]! <= boxHi[1]! && max[1]! >= boxLo[1]! &&
+    min[2]! <= boxHi[2]! && max[2]! >= boxLo[2]!
   ); // prettier-ignore
 }
 
-/** Whether a half-line enters a box grown by `radius` (slab method). */
-function rayMeets(origin: Vec, direction: Vec, boxLo: Vec, boxHi: Vec, radius: number): boolean {
+/** Whether the half-line enters a box grown by the radius (slab method). */
+function boxMeetsRay(boxLo: Corner, boxHi: Corner): boolean {
+  const radius = measures[RADIUS]!;
   let enter = 0;
   let leave = Infinity;
   for (let k = 0; k < 3; k++) {
-    const d = direction[k]!;
-    const a = boxLo[k]! - radius - origin[k]!;
-    const b = boxHi[k]! + radius - origin[k]!;
+    const d = way[k]!;
+    const a = boxLo[k]! - radius - from[k]!;
+    const b = boxHi[k]! + radius - from[k]!;
     if (Math.abs(d) < 1e-12) {
       if (a > 0 || b < 0) return false;
       continue;

@@ -102,11 +102,7 @@ export class Viewer {
     this.clear();
     this.info = info;
     if (!info) return;
-    this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
-    this.room.matrixWorldNeedsUpdate = true;
-    const [low, high] = this.bounds(info);
-    this.uniforms.setHeight(this.room.matrix, low.y, high.y);
-    this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
+    this.stand(info);
     if (info.large) {
       this.large = new LargeCloud(this.gl, this.uniforms);
       this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
@@ -122,6 +118,17 @@ export class Viewer {
       slot.setLimit(this.limit);
       this.room.add(slot.points);
     }
+  }
+
+  /** Put the recording on its floor, which is as `info` says from now on. */
+  stand(info: SequenceInfo): void {
+    this.info = info;
+    this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
+    this.room.matrixWorldNeedsUpdate = true;
+    const [low, high] = this.bounds(info);
+    this.uniforms.setHeight(this.room.matrix, low.y, high.y);
+    this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
+    this.invalidate();
   }
 
   /** Corners of the recording's bounds in the room. */

@@ -2,7 +2,8 @@
 import { Color, type Vector3 } from 'three';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
-import { activeLabel, state } from '../state';
+import { FLOOR_SPOT } from '../engine/floor';
+import { activeLabel, isStroke, state } from '../state';
 import type { Aim } from './aim';
 import { BrushRing } from './cursor';
 
@@ -33,7 +34,7 @@ export class BrushLight {
   update(): void {
     const tool = state.tool.peek();
     const { shape, radius } = state.brush.peek();
-    const painting = tool !== 'navigate' && tool !== 'pick';
+    const painting = isStroke(tool);
     const hit = this.aim.hit(painting ? radius : 0.03);
     const frame = this.aim.frame();
     if (!hit || !frame) {
@@ -41,16 +42,17 @@ export class BrushLight {
       return;
     }
     let points = 0;
-    if (painting && shape !== 'lasso') {
-      this.show(hit);
+    if (tool === 'floor') this.show(hit, FLOOR_SPOT);
+    else if (painting && shape !== 'lasso') {
+      this.show(hit, radius);
       inCapsule(frame, hit.position, hit.position, radius, () => (points += 1));
     } else this.putOut();
     state.hover.value = { label: frame.labelOf(hit.point), distance: hit.distance, points };
   }
 
-  private show(hit: Hit): void {
+  private show(hit: Hit, radius: number): void {
     const { uniforms, camera } = this.viewer;
-    const { shape, radius, onlyUnlabeled, through } = state.brush.peek();
+    const { shape, onlyUnlabeled, through } = state.brush.peek();
     this.color.set(toolColor());
     this.at = this.aim.roomPosition(hit);
     this.ring.show(this.at, radius, this.color, camera, this.aim.pixelAt(hit.distance));
@@ -59,7 +61,7 @@ export class BrushLight {
     uniforms.brushColour.value.set(r, g, b);
     uniforms.brushRadius.value = radius;
     uniforms.brushOnlyUnlabeled.value = state.tool.peek() === 'paint' && onlyUnlabeled ? 1 : 0;
-    if (through && shape === 'brush') {
+    if (through && shape === 'brush' && state.tool.peek() !== 'floor') {
       const { origin, direction } = this.aim.ray();
       uniforms.brushMode.value = 2;
       uniforms.brushA.value.set(...origin);

@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { DELETED, type CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
 import type { Brush } from '../protocol/messages';
-import { activeLabel, canEdit, notify, state } from '../state';
+import { activeLabel, canEdit, isStroke, notify, state } from '../state';
 import { LassoOutline } from '../tools/lasso';
 import type { Stroke, Strokes } from '../tools/strokes';
 import { Aim } from './aim';
@@ -88,6 +88,10 @@ export class DeskPointer {
       this.pickLabel();
       return null;
     }
+    if (tool === 'floor') {
+      void actions.pointAtFloor(this.aim.ray());
+      return null;
+    }
     return this.beginStroke();
   }
 
@@ -151,7 +155,7 @@ export class DeskPointer {
   /** The brush of the settings, or null with a word to the user. */
   private brush(): Brush | null {
     const tool = state.tool.peek();
-    if (tool === 'navigate' || tool === 'pick') return null;
+    if (!isStroke(tool)) return null;
     const { shape, radius, onlyUnlabeled, through } = state.brush.peek();
     const label = tool === 'paint' ? state.activeLabel.peek() : 0;
     if (tool === 'paint' && label === 0) {

@@ -1,6 +1,6 @@
 /** Tools and the brush: what the user chooses to work with. */
 import type { Actions } from '../actions';
-import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../state';
+import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../state';
 
 type BrushActions = Pick<
   Actions,
@@ -15,17 +15,13 @@ export function setRadius(metres: number): void {
   patch(state.brush, { radius: Math.min(RADIUS_MAX, Math.max(RADIUS_MIN, metres)) });
 }
 
-function changesNothing(tool: Tool): boolean {
-  return tool === 'navigate' || tool === 'pick';
-}
-
 function toggleEraser(): void {
   const tool = state.tool.peek();
   if (tool === 'erase') {
     state.tool.value = painter;
     return;
   }
-  painter = changesNothing(tool) ? 'paint' : tool;
+  painter = isStroke(tool) ? tool : 'paint';
   state.tool.value = 'erase';
 }
 
@@ -35,7 +31,7 @@ export const brushActions: BrushActions = {
   },
   setShape: (shape) => {
     patch(state.brush, { shape });
-    if (changesNothing(state.tool.peek())) state.tool.value = 'paint';
+    if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
   },
   setRadius,
   nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),

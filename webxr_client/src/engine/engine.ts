@@ -15,6 +15,7 @@ import { Strokes, type Stroke } from '../tools/strokes';
 import { watch } from '../watch';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
+import { floorActions } from './floor';
 import { Inbox } from './inbox';
 import { labelActions } from './labels';
 import { Pacing } from './pacing';
@@ -120,6 +121,7 @@ export class Engine {
     bindActions(labelActions);
     bindActions(brushActions);
     bindActions(reviewActions);
+    bindActions(floorActions);
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),

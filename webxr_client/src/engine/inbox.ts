@@ -115,7 +115,8 @@ export class Inbox {
     state.sequence.value = info;
     state.opening.value = null;
     if (again) {
-      // The link came back: what is here stays, and time goes on where it was.
+      // The link came back, or somebody changed the name, rate or floor: what is here stays.
+      this.deps.playback.renew(info);
       if (state.playing.peek()) this.deps.playback.restart();
       else this.deps.link.send({ type: 'seek', frame: state.frame.peek() });
       return;

@@ -3,7 +3,7 @@ import type { Actions, LabelPatch } from '../actions';
 import { suggestColor, suggestName } from '../panels/colors';
 import { api } from '../net/rest';
 import type { Label, Labels, Timeline } from '../protocol/messages';
-import { CELL_STATES, state, type HistoryEntry, type TimelineRow } from '../state';
+import { CELL_STATES, isStroke, state, type HistoryEntry, type TimelineRow } from '../state';
 import { attempt } from './recordings';
 
 type LabelActions = Pick<
@@ -104,7 +104,7 @@ async function create(name?: string, color?: string, category = ''): Promise<num
 function select(id: number): void {
   if (!find(id)) return;
   state.activeLabel.value = id;
-  if (state.tool.peek() === 'navigate' || state.tool.peek() === 'pick') state.tool.value = 'paint';
+  if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
 }
 
 async function history(): Promise<void> {

@@ -60,7 +60,8 @@ async function refreshSequences(): Promise<void> {
   }));
 }
 
-function sequencePath(id: string): string {
+/** The address of a recording, under the API's. */
+export function sequencePath(id: string): string {
   return `sequences/${encodeURIComponent(id)}`;
 }
 

@@ -23,6 +23,8 @@ export class Overlays {
   private ghostOf: CloudFrame | null = null;
   private ghostVersion = -1;
   private next = 0;
+  /** Where the recording stood when it was looked at. */
+  private room: readonly number[] | null = null;
 
   constructor(private readonly engine: Engine) {
     const { world, room } = engine.viewer;
@@ -46,6 +48,10 @@ export class Overlays {
       this.trails.hide();
       this.ghost.hide();
       return;
+    }
+    if (info.room !== this.room) {
+      this.room = info.room;
+      this.summaries.forget();
     }
     const moved = this.follow(state.frame.peek());
     if (boxes || trails) this.look(frame, trails, now);

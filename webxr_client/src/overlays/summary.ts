@@ -52,7 +52,7 @@ class Scratch {
 export class Summaries {
   /** Counts the summaries made anew. */
   version = 0;
-  private readonly known = new WeakMap<CloudFrame, Summary>();
+  private known = new WeakMap<CloudFrame, Summary>();
   private readonly scratch = new Scratch();
   private readonly affine = new Float64Array(12);
 
@@ -67,6 +67,11 @@ export class Summaries {
     this.version += 1;
     this.look(frame, room, summary);
     return summary;
+  }
+
+  /** The recording stands elsewhere: nothing that is known holds any more. */
+  forget(): void {
+    this.known = new WeakMap();
   }
 
   /** Whether `of` would have to look at the frame. */

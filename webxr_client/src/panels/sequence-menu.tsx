@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useCallback, useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import { importJob, state, type SequenceSummary } from '../state';
+import { canEdit, importJob, state, type SequenceSummary } from '../state';
 import { pickFiles } from './import-files';
 import { plural, shortCount } from './format';
 import { Icon } from './icon';
@@ -52,6 +52,17 @@ export function SequenceMenu() {
             }}
           >
             <Icon name="import" /> Import files…
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            disabled={!sequence || !canEdit.value}
+            onClick={() => {
+              close();
+              actions.setTool('floor');
+            }}
+          >
+            <Icon name="plane" /> Set the floor…
           </button>
           <button
             type="button"

@@ -1,7 +1,7 @@
 /** What lies over the canvas: states, progress, what is under the pointer. */
 import { useEffect, useState } from 'preact/hooks';
 import { actions, type ViewPreset } from '../actions';
-import { activeLabel, state } from '../state';
+import { activeLabel, isStroke, state } from '../state';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
@@ -93,7 +93,7 @@ function Readout() {
   const { points, total } = state.shown.value;
   const sharpening = total > 0 && points < total;
   const label = hover && state.palette.value.find((entry) => entry.id === hover.label);
-  const painting = state.tool.value !== 'navigate' && state.tool.value !== 'pick';
+  const painting = isStroke(state.tool.value);
   return (
     <div class="readout number">
       {hover && (

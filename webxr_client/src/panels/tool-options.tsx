@@ -2,7 +2,8 @@
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import { patch, RADIUS_MAX, RADIUS_MIN, state, type BrushShape, type ColorMode } from '../state';
+import { floorPlaces } from '../engine/floor';
+import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type BrushShape, type ColorMode } from '../state'; // prettier-ignore
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
@@ -41,11 +42,16 @@ export function ToolOptions() {
   const tool = state.tool.value;
   return (
     <div class="toolbar-row options">
-      {tool === 'navigate' ? <NavigateHints /> : tool === 'pick' ? <PickHint /> : <BrushOptions />}
+      {isStroke(tool) ? <BrushOptions /> : <Hints tool={tool} />}
       <span class="spacer" />
       <ViewOptions />
     </div>
   );
+}
+
+function Hints({ tool }: { tool: 'navigate' | 'pick' | 'floor' }) {
+  if (tool === 'floor') return <FloorOptions />;
+  return tool === 'navigate' ? <NavigateHints /> : <PickHint />;
 }
 
 function NavigateHints() {
@@ -59,6 +65,31 @@ function NavigateHints() {
 
 function PickHint() {
   return <span class="hint">Click a point to continue with its label</span>;
+}
+
+/** Places on the floor, and what to do next. */
+const FLOOR_HINTS = [
+  'Click the floor: the recording will stand on it',
+  'Stands on one place · another one, far from it, levels it better',
+  'Stands on two places · a third one, apart from both, levels it better',
+  'Stands on three places · a further one takes the place of the first',
+];
+
+function FloorOptions() {
+  return (
+    <>
+      <span class="hint" role="status">
+        {FLOOR_HINTS[floorPlaces.value]}
+      </span>
+      <Button
+        icon="restore"
+        label="As found at import"
+        kind="outlined"
+        onClick={() => void actions.resetFloor()}
+      />
+      <Button icon="check" label="Done" kind="outlined" onClick={() => actions.setTool('paint')} />
+    </>
+  );
 }
 
 function BrushOptions() {

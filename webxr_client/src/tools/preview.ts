@@ -1,54 +1,48 @@
 /** What a stroke will paint, found on the page's own points, shown until the server has answered. */
 import { DELETED, type CloudFrame } from '../cloud/frame';
-import { alongRay, firstHit, inCapsule, type Vec } from '../cloud/pick';
+import { alongRay, firstHit, inCapsule } from '../cloud/pick';
 import type { Brush } from '../protocol/messages';
 import type { PointerSample } from './sample';
+import { Touched } from './touched';
 
 /** Whether a label may not be changed. */
 export type Locked = (label: number) => boolean;
 
 export class StrokePreview {
-  private readonly touched = new Set<number>();
-  private last: Vec | null = null;
-  private changed = false;
+  private readonly touched = new Touched();
+  /** Where the ball was at the last sample. */
+  private readonly last: [number, number, number] = [NaN, NaN, NaN];
+  private readonly values: Uint16Array;
 
   constructor(
     readonly id: string,
     readonly frame: CloudFrame,
     private readonly brush: Brush,
     private readonly locked: Locked,
-  ) {}
-
-  /** Points that would change so far. */
-  get size(): number {
-    return this.touched.size;
+  ) {
+    const { tool, label } = brush;
+    const value = tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0;
+    this.values = Uint16Array.of(value);
   }
 
-  /** Take in a sample; returns where the brush met the surface. */
-  add(sample: PointerSample): Vec | null {
-    const { brush } = this;
+  /** Take in a sample. */
+  add({ origin, direction }: PointerSample): void {
+    const { brush, frame, last } = this;
     const radius = brush.radius ?? 0.05;
     if (brush.shape === 'ray' && brush.through) {
-      alongRay(this.frame, sample.origin, sample.direction, radius, this.touch);
-      return null;
+      alongRay(frame, origin, direction, radius, this.touch);
+    } else if (brush.shape === 'ray') {
+      const hit = firstHit(frame, origin, direction, radius);
+      if (hit) inCapsule(frame, hit.position, hit.position, radius, this.touch);
+    } else if (brush.shape === 'sphere') {
+      inCapsule(frame, Number.isNaN(last[0]) ? origin : last, origin, radius, this.touch);
+      for (let k = 0; k < 3; k++) last[k] = origin[k]!;
     }
-    if (brush.shape === 'ray') {
-      const hit = firstHit(this.frame, sample.origin, sample.direction, radius);
-      if (hit) inCapsule(this.frame, hit.position, hit.position, radius, this.touch);
-      return hit?.position ?? null;
-    }
-    if (brush.shape !== 'sphere') return null;
-    inCapsule(this.frame, this.last ?? sample.origin, sample.origin, radius, this.touch);
-    this.last = sample.origin;
-    return sample.origin;
   }
 
   private readonly touch = (point: number): void => {
-    if (this.touched.has(point)) return;
-    const current = this.frame.storedLabelOf(point);
-    if (!this.applies(current)) return;
-    this.touched.add(point);
-    this.changed = true;
+    if (!this.touched.meet(point)) return;
+    if (this.applies(this.frame.storedLabelOf(point))) this.touched.take(point);
   };
 
   private applies(current: number): boolean {
@@ -62,11 +56,9 @@ export class StrokePreview {
 
   /** Show what was found since the last call. */
   show(): void {
-    if (!this.changed) return;
-    this.changed = false;
-    const indices = Uint32Array.from(this.touched).sort();
-    const { tool, label } = this.brush;
-    const value = tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0;
-    this.frame.setOverlay(this.id, { indices, values: Uint16Array.of(value) });
+    const { touched, values } = this;
+    if (!touched.settle()) return;
+    const indices = touched.numbers.subarray(0, touched.size);
+    this.frame.setOverlay(this.id, { indices, values });
   }
 }

@@ -9,7 +9,9 @@ const ray: Brush = { label: 2, tool: 'paint', shape: 'ray', radius: 0.025 };
 function setUp(locked: (label: number) => boolean = () => false) {
   const frame = frameOf(wall(40, 1000));
   const sent: ClientMessage[] = [];
-  const deps = { send: (message: ClientMessage) => void sent.push(message), locked, changed: vi.fn(), now: () => 0 }; // prettier-ignore
+  // What is posted to the worker is copied.
+  const send = (message: ClientMessage): void => void sent.push(structuredClone(message));
+  const deps = { send, locked, changed: vi.fn(), now: () => 0 };
   return { frame, sent, strokes: new Strokes(deps) };
 }
 

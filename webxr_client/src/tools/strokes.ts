@@ -4,7 +4,13 @@
  */
 import type { CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
-import type { Brush, ClientMessage, Sample, StrokeResult } from '../protocol/messages';
+import type {
+  Brush,
+  ClientMessage,
+  Sample,
+  StrokeResult,
+  StrokeSamples,
+} from '../protocol/messages';
 import { StrokePreview, type Locked } from './preview';
 import type { PointerSample } from './sample';
 
@@ -22,16 +28,35 @@ export interface StrokeDeps {
 /** A stroke while its button or trigger is held. */
 export interface Stroke {
   readonly id: string;
-  /** `pressed` milliseconds are filled in; returns where the brush met the surface. */
-  add(sample: PointerSample): Vec | null;
+  /** The sample may be used again: it is copied. */
+  add(sample: PointerSample): void;
   end(): void;
-  /** Points that the page expects to change. */
-  readonly expected: number;
+}
+
+/** Samples on their way into a message, used again once it was sent: what is posted is copied. */
+class Batch {
+  readonly samples: Required<Sample>[] = [];
+  private readonly spare: Required<Sample>[] = [];
+
+  add({ origin, direction }: PointerSample, shift: Vec, t: number): void {
+    const sample = this.spare.pop() ?? { origin: [0, 0, 0], direction: [0, 0, 0], t: 0 };
+    for (let k = 0; k < 3; k++) {
+      sample.origin[k] = origin[k]! + shift[k]!;
+      sample.direction[k] = direction[k]!;
+    }
+    sample.t = t;
+    this.samples.push(sample);
+  }
+
+  clear(): void {
+    while (this.samples.length > 0) this.spare.push(this.samples.pop()!);
+  }
 }
 
 class LiveStroke implements Stroke {
-  private readonly waiting: Sample[] = [];
   private readonly started: number;
+  private readonly batch = new Batch();
+  private readonly message: StrokeSamples;
   readonly preview: StrokePreview;
   refused = false;
 
@@ -44,31 +69,22 @@ class LiveStroke implements Stroke {
     private readonly finished: (stroke: LiveStroke) => void,
   ) {
     this.started = deps.now();
+    this.message = { type: 'stroke_samples', id, samples: this.batch.samples };
     this.preview = new StrokePreview(id, frame, brush, deps.locked);
     deps.send({ type: 'stroke_begin', id, frame: frame.index, brush });
   }
 
-  get expected(): number {
-    return this.preview.size;
-  }
-
-  add(sample: PointerSample): Vec | null {
-    const [x, y, z] = sample.origin;
-    const [dx, dy, dz] = sample.direction;
-    this.waiting.push({
-      origin: [x + this.shift[0], y + this.shift[1], z + this.shift[2]],
-      direction: [dx, dy, dz],
-      t: this.deps.now() - this.started,
-    });
-    return this.preview.add(sample);
+  add(sample: PointerSample): void {
+    if (this.refused) return;
+    this.batch.add(sample, this.shift, this.deps.now() - this.started);
+    this.preview.add(sample);
   }
 
   /** Send what has gathered; once per picture. */
   flush(): void {
     if (this.refused) return;
-    if (this.waiting.length > 0) {
-      this.deps.send({ type: 'stroke_samples', id: this.id, samples: this.waiting.splice(0) });
-    }
+    if (this.batch.samples.length > 0) this.deps.send(this.message);
+    this.batch.clear();
     this.preview.show();
     this.deps.changed();
   }
@@ -89,7 +105,7 @@ class LiveStroke implements Stroke {
 export type ResultListener = (result: StrokeResult) => void;
 
 export class Strokes {
-  private readonly live = new Set<LiveStroke>();
+  private readonly live: LiveStroke[] = [];
   /** Ended, and waiting for the server. */
   private readonly ended = new Map<string, StrokePreview>();
   /** Told every answer: `touched` drives the haptic pulse. */
@@ -99,21 +115,16 @@ export class Strokes {
 
   begin(frame: CloudFrame, brush: Brush, shift: Vec): Stroke {
     const stroke = new LiveStroke(crypto.randomUUID(), frame, brush, shift, this.deps, (done) => {
-      this.live.delete(done);
+      this.live.splice(this.live.indexOf(done), 1);
       if (!done.refused) this.ended.set(done.id, done.preview);
     });
-    this.live.add(stroke);
+    this.live.push(stroke);
     return stroke;
   }
 
   /** Once per picture. */
   flush(): void {
-    if (this.live.size === 0) return;
-    for (const stroke of this.live) stroke.flush();
-  }
-
-  get active(): boolean {
-    return this.live.size > 0;
+    for (let i = 0; i < this.live.length; i++) this.live[i]!.flush();
   }
 
   onResult(result: StrokeResult): void {

@@ -2,7 +2,8 @@
 import { Color, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
-import { state } from '../state';
+import { FLOOR_SPOT } from '../engine/floor';
+import { isStroke, state } from '../state';
 import { brushColor, type Way } from './brush';
 import type { Hand } from './hand';
 import type { Place } from './place';
@@ -45,9 +46,10 @@ export class BrushLook {
   ): string | null {
     const { uniforms } = this.engine.viewer;
     const tool = state.tool.peek();
-    const brushes = visible && tool !== 'navigate' && tool !== 'pick';
-    const drawn = way === 'lasso' || way === 'box';
-    const far = way === 'ray' || way === 'plane';
+    const floor = tool === 'floor';
+    const brushes = visible && (floor || isStroke(tool));
+    const drawn = !floor && (way === 'lasso' || way === 'box');
+    const far = floor || way === 'ray' || way === 'plane';
     this.ball.visible = brushes && !far;
     this.ball.position.copy(tip);
     this.ball.scale.setScalar(drawn ? POINTER_SIZE : radius * this.place.scale);
@@ -56,13 +58,14 @@ export class BrushLook {
       this.reach = visible && tool === 'pick' ? PICK_LENGTH : -1;
       return this.newColor();
     }
-    uniforms.brushRadius.value = radius;
     uniforms.brushOnlyUnlabeled.value =
       tool === 'paint' && state.brush.peek().onlyUnlabeled ? 1 : 0;
-    if (far) this.followRay(hand, radius, now, way === 'ray' && state.brush.peek().through);
+    const through = !floor && way === 'ray' && state.brush.peek().through;
+    if (far) this.followRay(hand, floor ? FLOOR_SPOT : radius, now, through);
     else {
       this.reach = -1;
       uniforms.brushMode.value = 1;
+      uniforms.brushRadius.value = radius;
       this.place.toLocal(tip, uniforms.brushA.value);
       uniforms.brushB.value.copy(uniforms.brushA.value);
     }
@@ -71,6 +74,7 @@ export class BrushLook {
 
   private followRay(hand: Hand, radius: number, now: number, through: boolean): void {
     const { uniforms } = this.engine.viewer;
+    uniforms.brushRadius.value = radius;
     if (through) {
       this.reach = FAR;
       uniforms.brushMode.value = 2;

@@ -1,7 +1,7 @@
 /** What a stroke of the headset sends: the store's settings in the words of the wire. */
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
-import { activeLabel, canEdit, notify, state } from '../state';
+import { activeLabel, canEdit, isStroke, notify, state } from '../state';
 import { xrSettings } from './settings';
 
 export type Way = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
@@ -38,7 +38,7 @@ export function brushFor(way: Way, radius: number): Brush | null {
     notify('info', no, '');
     return null;
   }
-  if (tool === 'navigate' || tool === 'pick') return null;
+  if (!isStroke(tool)) return null;
   const { onlyUnlabeled, through } = state.brush.peek();
   const shape = SHAPES[way];
   const label = tool === 'paint' ? state.activeLabel.peek() : 0;
@@ -59,6 +59,7 @@ const TOOL_COLORS: Record<string, string> = {
   delete: '#ff5d5d',
   restore: '#7ddc8f',
   pick: '#ffffff',
+  floor: '#8bbcff',
 };
 
 /** The colour that the brush is shown in. */

@@ -2,7 +2,7 @@
 import { Matrix4 } from 'three';
 import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
-import { notify, patch, state } from '../state';
+import { isStroke, notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
 import { Poses } from './poses';
 
@@ -82,6 +82,8 @@ export class Headset {
     viewer.backdrop.showSky(mode === 'immersive-vr');
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
     this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
+    // At the desk one may have been looking about; here one walks.
+    if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
     patch(state.xr, { session: 'running', detail: '' });
   }
 

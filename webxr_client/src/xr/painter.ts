@@ -4,7 +4,8 @@ import { actions } from '../actions';
 import { DELETED } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
 import type { Brush } from '../protocol/messages';
-import { state } from '../state';
+import { isStroke, state } from '../state';
+import type { PointerSample } from '../tools/sample';
 import type { ResultListener, Stroke } from '../tools/strokes';
 import { AirShape } from './air';
 import { brushFor, currentWay, refusal, type Way } from './brush';
@@ -19,6 +20,8 @@ const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
 const PICK_RADIUS = 0.03;
 
+type Triple = [number, number, number];
+
 export class Painter {
   /** The ball's middle, in the scene. */
   readonly tip = new Vector3();
@@ -27,10 +30,17 @@ export class Painter {
   private stroke: Stroke | null = null;
   private way: Way = 'ball';
   private level: Level = 0;
+  /** The trigger went down to point at something once, and is not up again. */
+  private pointing = false;
   private readonly counter = new ChangeCounter();
   private readonly mine = new Set<string>();
   private readonly local = new Vector3();
   private readonly aim = new Vector3();
+  /** `local` and `aim` in the words of strokes. */
+  private readonly sample: { origin: Triple; direction: Triple } = {
+    origin: [0, 0, 0],
+    direction: [0, 0, -1],
+  };
   private readonly last = new Vector3();
   private lastRay = 0;
 
@@ -106,12 +116,13 @@ export class Painter {
     if (before > 0) this.finish(head);
     this.level = level;
     if (level === 0) return;
-    this.way = currentWay();
-    if (state.tool.peek() === 'pick') {
+    if (before === 0) this.pointing = !isStroke(state.tool.peek());
+    if (this.pointing) {
       this.way = 'ball';
-      this.pick(hand);
+      if (before === 0) this.pointAt(hand);
       return;
     }
+    this.way = currentWay();
     if (before === 0 && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
     if (this.way === 'lasso' || this.way === 'box') {
       this.air.begin(this.way, this.tip);
@@ -135,7 +146,14 @@ export class Painter {
     }
     if (!this.stroke || !this.aimSample(hand, now)) return;
     this.last.copy(this.local);
-    this.stroke.add({ origin: this.local.toArray(), direction: this.aim.toArray() });
+    this.stroke.add(this.pointed());
+  }
+
+  private pointed(): PointerSample {
+    const { local, aim, sample } = this;
+    local.toArray(sample.origin);
+    aim.toArray(sample.direction);
+    return sample;
   }
 
   /** Put the next sample into `local` and `aim`; false when none is due. */
@@ -173,6 +191,16 @@ export class Painter {
       if (brush) this.begin({ ...brush, ...shape })?.end();
     }
     this.level = 0;
+  }
+
+  private pointAt(hand: Hand): void {
+    const tool = state.tool.peek();
+    if (tool === 'pick') this.pick(hand);
+    if (tool !== 'floor') return;
+    this.place.toLocal(hand.origin, this.local);
+    this.place.directionToLocal(hand.direction, this.aim);
+    void actions.pointAtFloor(structuredClone(this.pointed()));
+    this.pulse(0.5, 30);
   }
 
   private pick(hand: Hand): void {

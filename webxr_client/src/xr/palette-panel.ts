@@ -6,6 +6,8 @@ import { activeLabel, state } from '../state';
 import { Glow } from './glow';
 import { SystemKeyboard } from './keyboard';
 import { LabelsPage, ROWS } from './pages/labels';
+import { floorPlaces } from '../engine/floor';
+import { drawFloor } from './pages/floor';
 import { drawNew } from './pages/new-label';
 import { drawTools } from './pages/tools';
 import { drawView, type WorldControls } from './pages/view';
@@ -39,7 +41,20 @@ export class PalettePanel extends Panel {
     this.mesh.add(this.glow.group);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
     this.unfollow = watch(
-      [palette, counts, active, solo, tool, brush, view, undo, redo, unsure, xrSettings],
+      [
+        palette,
+        counts,
+        active,
+        solo,
+        tool,
+        brush,
+        view,
+        undo,
+        redo,
+        unsure,
+        floorPlaces,
+        xrSettings,
+      ],
       this.touch,
     );
   }
@@ -61,15 +76,17 @@ export class PalettePanel extends Panel {
     const pad = em * 0.6;
     const inner = width - 2 * pad;
     this.drawTabs(ui, pad, inner);
-    const top = em * 3.2;
-    if (this.tab === 'labels') this.labels.draw(ui, pad, top, inner);
-    if (this.tab === 'tools') drawTools(ui, pad, top, inner);
-    if (this.tab === 'view') drawView(ui, pad, top, inner, this.world);
-    if (this.tab === 'new') {
-      drawNew(ui, pad, top, inner, this.keyboard, () => this.show('labels'));
-    }
+    this.drawPage(ui, pad, em * 3.2, inner);
     this.drawHistory(ui, pad, inner);
     this.placeGlow(pad, inner);
+  }
+
+  private drawPage(ui: Ui, x: number, top: number, inner: number): void {
+    if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
+    else if (this.tab === 'labels') this.labels.draw(ui, x, top, inner);
+    else if (this.tab === 'tools') drawTools(ui, x, top, inner);
+    else if (this.tab === 'view') drawView(ui, x, top, inner, this.world);
+    else drawNew(ui, x, top, inner, this.keyboard, () => this.show('labels'));
   }
 
   private drawTabs(ui: Ui, x: number, inner: number): void {
@@ -84,6 +101,7 @@ export class PalettePanel extends Panel {
 
   private show(tab: Tab): void {
     this.tab = tab;
+    if (state.tool.peek() === 'floor') actions.setTool('paint');
     this.touch();
   }
 

@@ -2,7 +2,7 @@
 import { actions } from '../../actions';
 import { state } from '../../state';
 import { change, xrSettings } from '../settings';
-import type { Ui } from '../ui';
+import type { ButtonLook, Ui } from '../ui';
 
 export interface WorldControls {
   /** 1, 0.1 (doll's house) or 5 (giant's eye). */
@@ -38,23 +38,30 @@ export function drawView(
     world.reset(),
   );
   drawChecks(ui, x, top + em * 9.9, inner / 2);
-  drawEnd(ui, x, top + em * 18, inner / 3, world);
+  drawEnd(ui, x, top + em * 18, inner, world);
 }
 
 /** Degrees that one turns by at a flick of the stick; 0: evenly, as long as it leans. */
 const TURNS = [30, 45, 90, 0];
 
-function drawEnd(ui: Ui, x: number, y: number, third: number, world: WorldControls): void {
-  const h = ui.em * 2.1;
-  const w = third - ui.em * 0.2;
+/** The widths of the last row's buttons, in shares of it. */
+const END = [0.31, 0.25, 0.19, 0.25] as const;
+
+function drawEnd(ui: Ui, x: number, y: number, inner: number, world: WorldControls): void {
   const { snap } = xrSettings.peek();
-  const turn = { text: snap > 0 ? `Turn ${snap}°` : 'Turn evenly', strong: true };
-  ui.button(x, y, w, h, turn, () => {
-    change({ snap: TURNS[(TURNS.indexOf(snap) + 1) % TURNS.length]! });
+  const turn = snap > 0 ? `Turn ${snap}°` : 'Turn evenly';
+  const buttons: readonly [ButtonLook, () => void][] = [
+    [{ text: turn }, () => change({ snap: TURNS[(TURNS.indexOf(snap) + 1) % TURNS.length]! })],
+    [{ text: 'Recentre' }, () => world.recentre()],
+    [{ text: 'Floor' }, () => actions.setTool('floor')],
+    [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+  ];
+  let left = x;
+  buttons.forEach(([look, act], i) => {
+    const w = END[i]! * inner;
+    ui.button(left, y, w - ui.em * 0.2, ui.em * 2.1, { ...look, strong: true }, act);
+    left += w;
   });
-  ui.button(x + third, y, w, h, { text: 'Recentre', strong: true }, () => world.recentre());
-  const leave = { icon: 'exit', text: 'Leave', strong: true } as const;
-  ui.button(x + 2 * third, y, w, h, leave, () => void actions.exitVR());
 }
 
 function drawSliders(ui: Ui, x: number, top: number, wide: number): void {

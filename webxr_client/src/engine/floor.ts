@@ -1,0 +1,83 @@
+/** The floor: people point at it, and the server stands the recording on it. */
+import { signal, type ReadonlySignal } from '@preact/signals';
+import type { Actions } from '../actions';
+import type { Vec } from '../cloud/pick';
+import { api } from '../net/rest';
+import { canEdit, notify, state } from '../state';
+import type { PointerSample } from '../tools/sample';
+import { watch } from '../watch';
+import { attempt, sequencePath } from './recordings';
+
+/** What level a floor: with one more the oldest goes. */
+const MOST = 3;
+/** Metres round the place pointed at that light up. */
+export const FLOOR_SPOT = 0.15;
+
+interface Ray {
+  readonly origin: Vec;
+  readonly direction: Vec;
+}
+
+/** Rays to the floor (source coordinates) since the tool was taken, all in one frame. */
+let rays: readonly Ray[] = [];
+let at = '';
+const count = signal(0);
+
+/** Places that the floor lies on by now. */
+export const floorPlaces: ReadonlySignal<number> = count;
+
+function keep(next: readonly Ray[], place: string): void {
+  rays = next;
+  at = place;
+  count.value = next.length;
+}
+
+// Who takes the tool anew begins anew.
+watch([state.tool], () => {
+  if (state.tool.peek() !== 'floor') keep([], '');
+});
+
+async function point({ origin, direction }: PointerSample): Promise<void> {
+  const info = state.sequence.peek();
+  const { frame } = state.shown.peek();
+  if (!info || frame < 0) return;
+  if (!canEdit.peek()) {
+    notify('info', 'You are a viewer here', 'Ask for an annotator’s token to set the floor.');
+    return;
+  }
+  const [x, y, z] = info.shift;
+  const ray = { origin: [origin[0] + x, origin[1] + y, origin[2] + z], direction } as const;
+  const place = `${info.identity}/${frame}`;
+  const samples = [...(place === at ? rays : []), ray].slice(-MOST);
+  await attempt('The floor was not set', async () => {
+    await api('POST', `${sequencePath(info.id)}/floor`, { frame, samples });
+    keep(samples, place);
+    // At the desk a message would lie over the floor, and the row of the tool's options says it.
+    if (state.xr.peek().session !== 'running') return;
+    const more = samples.length < MOST ? 'Another place, far from it, levels it better.' : '';
+    notify('success', 'The recording stands on it', more);
+  });
+}
+
+/** One after the other: the last one counts all of them. */
+let sending = Promise.resolve();
+
+function pointAtFloor(sample: PointerSample): Promise<void> {
+  sending = sending.then(() => point(sample));
+  return sending;
+}
+
+async function resetFloor(): Promise<void> {
+  const info = state.sequence.peek();
+  if (!info) return;
+  await attempt('The floor was not set', async () => {
+    await api('DELETE', `${sequencePath(info.id)}/floor`);
+    keep([], '');
+    notify('success', 'The floor is as it was found at import');
+  });
+}
+
+export const floorActions: Pick<Actions, 'pointAtFloor' | 'resetFloor'> = {
+  pointAtFloor,
+  resetFloor,
+};
