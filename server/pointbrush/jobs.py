@@ -292,6 +292,8 @@ class JobRunner:
 
 
 def _local_processes(workers: int) -> ProcessPoolExecutor:
+    # The workers share the cores: threads of BLAS in each of them would wait for one another.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Not fork: the server's threads and locks must not be copied half-way into a worker.
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)

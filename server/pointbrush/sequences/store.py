@@ -254,6 +254,10 @@ class Sequence:
         self._frames: OrderedDict[int, StoredFrame] = OrderedDict()
         self._lock = Lock()
 
+    def __reduce__(self) -> tuple[type[Sequence], tuple[Path]]:
+        """Another process opens it anew."""
+        return Sequence, (self.path,)
+
     def __len__(self) -> int:
         return self.manifest.frames
 

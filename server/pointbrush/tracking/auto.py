@@ -15,15 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.tracking.assign import Claim, together
-from pointbrush.tracking.background import (
-    Background,
-    ImageBackground,
-    TreeBackground,
-    Waver,
-    measure_waver,
-)
 from pointbrush.tracking.belong import grow
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
+from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.hands import Hands
 from pointbrush.tracking.interface import (
     F32,
@@ -41,15 +35,12 @@ from pointbrush.tracking.locate import crop, share_out
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
+from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.settle import settle
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
-from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.view import View
 from pointbrush.tracking.witness import taught
 
-CALM = 4
-"""Frames from which the noise of each place is measured."""
-SURVEY = 16
-"""Frames that are looked through for what large things hide."""
 AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
 
@@ -68,7 +59,7 @@ class AutoTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         labels = [seed.label for seed in seeds]
-        with Hands() as hands:
+        with Hands(frames if options.processes > 1 else None) as hands:
             run = Run(frames, [*options.before, *order], labels, known, options, hands)
             if options.before:
                 run.recall(seeds)
@@ -93,69 +84,28 @@ class Run:
         options: TrackOptions,
         hands: Hands,
     ) -> None:
-        self.frames, self.known, self.options, self.hands = frames, known, options, hands
-        self.labels, self.order = labels, order
-        first = frames(order[0])
-        poses = [frames(n).pose for n in (order[0], order[-1])]
-        moves = poses[0] is not None and not (
-            poses[1] is not None and np.allclose(poses[0], poses[1], atol=1e-6)
-        )
-        self.moves = moves
-        self.lens = find_lens(first)
+        self.known, self.options, self.hands = known, options, hands
+        self.labels = labels
         self.things: dict[int, Thing] = {}
-        start = self.view(order[0])
-        self.background: Background
-        self.waver = Waver(0.004, 0.002)
-        if self.lens is not None and not moves:
-            if len(order) > 1:
-                self.waver = measure_waver(start.depth, self.view(order[1]).depth)
-            unknown = np.full_like(start.depth, np.nan)
-            self.background = ImageBackground(self.waver, unknown, unknown, np.ones_like(unknown))
-        else:
-            self.background = TreeBackground(self._reach)
-        self.first = start
-
-    def view(self, number: int) -> View:
-        """Frame ``number`` with what is known of the sensor."""
-        frame = self.frames(number)
-        pose = frame.pose if self.moves else None
-        return View(number, frame, self.lens, pose)
+        self.scene = Scene(frames, order, self._reach)
+        self.background = self.scene.background
 
     def _reach(self, world: F32) -> F32:
         units = [t.unit for t in self.things.values()] or [0.02]
         return np.full(len(world), 1.5 * float(np.median(units)), np.float32)
 
-    def noise(self, view: View, indices: I64) -> float:
-        """Median depth noise at some points, metres."""
-        if self.lens is None or not len(indices):
-            return 0.0
-        depth = view.cells[1][indices]
-        return float(np.median(self.waver(depth)))
-
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
         """Begin with a person's points."""
-        view = self.first
+        view = self.scene.first
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
-        if isinstance(self.background, ImageBackground):
-            self.background.calm(view, [self.view(n) for n in self.order[1:CALM]])
-        self.background.learn(view, first=True)
-        self._survey(view)
+        self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
 
-    def _survey(self, view: View) -> None:
-        """Learn the scene behind large things from the whole recording."""
-        if isinstance(self.background, ImageBackground) and any(
-            thing.large for thing in self.things.values()
-        ):
-            last = len(self.order) - 1
-            apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
-            self.background.survey(view, [self.view(self.order[i]) for i in apart.tolist()])
-
     def _begin(self, view: View, label: int, indices: I64) -> None:
-        thing = begin(view, label, indices, self.noise(view, indices), _NONE)
+        thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         self.things[label] = thing
         self._set_rivals(thing, view, self._around(thing, view, indices))
 
@@ -183,7 +133,8 @@ class Run:
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
         """Find everything in the next frame; ``given`` labels' points are known."""
-        view, things = self.view(number), self.things
+        view, things = self.scene.view(number), self.things
+        self.hands.show(view)
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= given or {}
@@ -192,24 +143,11 @@ class Run:
             free[points] = False
         sought = [t for n, t in things.items() if n not in fixed]
         absent = [thing for thing in sought if thing.absent]
-        view.prepare()
         places, claims = self._find([t for t in sought if not t.absent], view, free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
         loose = look_for(absent, things, self.background, view, free, places, claims)
-        grown = grow(things, view, places, claims, free, self.background)
-        again = bodies_left(loose, things, self.background, view, claims, grown)
+        settled, again = self._settle(sought, view, places, claims, loose, free)
         view.labels = dict(fixed)
-        settled = self.hands.each(
-            lambda thing: settle(
-                thing,
-                view,
-                places.get(thing.label),
-                claims.get(thing.label),
-                grown.get(thing.label, _EMPTY),
-                self.options,
-            ),
-            [t for t in sought if not (t.label in again or t.stopped)],
-        )
         tracks = self._conclude(view, rules, fixed, again, settled)
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
@@ -222,16 +160,44 @@ class Run:
         self, things: list[Thing], view: View, free: Mask
     ) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""
-        there = [thing for thing in things if not thing.stopped]
-        cut = self.hands.each(lambda thing: crop(thing, view, self.background, free), there)
+        cut = {t.label: crop(t, view, self.background, free) for t in things if not t.stopped}
         searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()))
-        found = self.hands.each(
-            lambda thing: placed(thing, view, searches[thing.label]),
-            [self.things[label] for label in searches],
-        )
+        there = [self.things[label] for label in searches]
+        found = self.hands.each(placed, there, lambda thing: (searches[thing.label],))
         places = {label: place for label, (place, _) in found.items()}
         return places, {label: claim for label, (_, claim) in found.items()}
+
+    def _settle(
+        self,
+        sought: list[Thing],
+        view: View,
+        places: dict[int, Place],
+        claims: dict[int, Claim],
+        loose: Mapping[int, I64],
+        free: Mask,
+    ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
+        """Let things grow, judge and learn them; and what large things came out, changed.
+
+        What is small is judged while it is found out what hangs together with large things.
+        """
+        things, background = self.things, self.background
+        grown, taken = grow(things, view, places, claims, free, background)
+
+        def given(thing: Thing) -> tuple[object, ...]:
+            label, none = thing.label, _EMPTY
+            return places.get(label), claims.get(label), grown.get(label, none), self.options
+
+        alive = [thing for thing in sought if not thing.stopped]
+        small = [thing for thing in alive if not thing.large]
+        large = {label: place for label, place in places.items() if things[label].large}
+        meanwhile = small if large else []
+        wait = self.hands.begin(settle, meanwhile, given, changes=True)
+        grown |= hang_together(view, things, large, claims, taken, background)
+        again = bodies_left(loose, things, background, view, claims, grown)
+        rest = [t for t in alive if not (t.label in again or t in meanwhile)]
+        settled = wait()
+        return settled | self.hands.each(settle, rest, given, changes=True), again
 
     def _conclude(
         self,
@@ -267,7 +233,7 @@ class Run:
 
     def _shadow(self, view: View, places: dict[int, Place]) -> I64:
         """Image cells where a thing is known to be, even if it claimed nothing there."""
-        if self.lens is None or not places:
+        if self.scene.lens is None or not places:
             return _EMPTY
         cells = [
             view.project(place.world)[0]

@@ -1,22 +1,20 @@
 """What stood still and is unlabelled: such points are no object's, however near it comes.
 
-With a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
-that distance (measured on the recording itself).  Without one (lidar, moving sensors, unknown
-viewpoints): the unlabelled points of earlier frames, aligned by their poses, in their stored
-k-d trees.
+Here with a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
+that distance (measured on the recording itself).  Without one see ``earlier.py``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, minimum_filter
 
-from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, drawn_on, farthest, wavering
 from pointbrush.tracking.view import View
 
@@ -28,6 +26,8 @@ RARELY, MOSTLY = 0.25, 0.5
 """Share of the frames that must show the scene, and show what lies off the scene drawn on."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
+MANY = 20_000
+"""Points of a frame, in one question, from which it pays to answer for all of them."""
 
 
 class Background(Protocol):
@@ -114,6 +114,8 @@ class ImageBackground:
     """The last frame's depth, labelled or not."""
     owner: NDArray[np.int32] = field(init=False)
     """The last frame's label of each cell, 0 for none."""
+    _whole: tuple[View, Mask, Mask] | None = None
+    """What ``static`` says of all points of a frame; None where it was asked for few."""
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
@@ -123,7 +125,14 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        if len(indices) > MANY and (self._whole is None or self._whole[0] is not view):
+            self._whole = (view, *self._static(view, slice(None)))
+        if self._whole is not None and self._whole[0] is view:
+            return self._whole[1][indices], self._whole[2][indices]
+        return self._static(view, indices)
+
+    def _static(self, view: View, which: I64 | slice) -> tuple[Mask, Mask]:
+        cell, depth = view.cells[0][which], view.cells[1][which]
         limit = NEAR * self.waver(depth)
         known = self.depth[cell]
         far = (np.abs(depth - known) < limit) | (depth > known + limit)
@@ -138,7 +147,8 @@ class ImageBackground:
         """See ``Background``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit = NEAR * self.waver(depth) * self.scale[cell]
-        known = self._known[cell]
+        scene, known = self.scene[cell], self.depth[cell]
+        known = np.where(np.isfinite(scene), scene, known)
         far = ~self.certain(view, indices) & np.isfinite(known)
         # Uncovered just now, where the scene around goes on: no object came there.
         bare = np.isnan(known)
@@ -230,13 +240,13 @@ class ImageBackground:
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
             top, left = max(rows[0] - 3, 0), max(columns[0] - 3, 0)
             part = image[top : rows[-1] + 4, left : columns[-1] + 4]
-            part[...] = binary_dilation(part, iterations=3)
+            part[...] = widened(part, 3)
         seen[labelled] = np.nan
         change = seen - self.depth
         # Comparing with NaN is false: neither holds where the cell shows nothing now.
         same = np.abs(change) < limit
         farther = (change > limit) | (np.isnan(self.depth) & ~np.isnan(seen))
-        self.last = seen
+        self.last, self._whole = seen, None
         change *= np.float32(0.2)
         np.add(self.depth, change, out=self.depth, where=same)
         np.copyto(self.depth, seen, where=farther)
@@ -247,63 +257,6 @@ def _least(known: F32, shape: tuple[int, int]) -> F32:
     """The least of each cell's and its neighbours' depth: at an edge either is seen."""
     least = known.copy()
     depth = np.nan_to_num(known[:-1], nan=np.inf).reshape(shape)
-    least[:-1] = minimum_filter(depth, 3).ravel()
+    least[:-1] = least_around(depth).ravel()
     least[np.isnan(known)] = np.nan
     return least
-
-
-@dataclass(eq=False)
-class TreeBackground:
-    """The unlabelled points of earlier frames, found by their k-d trees."""
-
-    reach: Callable[[F32], F32]
-    """Points (M, 3) of the world → (M,) metres within which a point is the same point."""
-    past: list[tuple[View, Mask]] = field(default_factory=list)
-
-    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
-        """See ``Background``."""
-        world = view.xyz[indices]
-        still = np.zeros(len(indices), np.bool_)
-        reach = self.reach(world)
-        for earlier, labelled in self.past:
-            rest = np.flatnonzero(~still)
-            T = earlier.T_world_frame
-            at: F64 = world[rest].astype(np.float64)
-            if T is not None:
-                at = (at - T[:3, 3]) @ T[:3, :3]
-            distance, index = earlier.frame.kdtree.query(
-                at, distance_upper_bound=float(reach.max(initial=0.0)) + 1e-6
-            )
-            found = np.asarray(index) < len(labelled)
-            near = found & (np.asarray(distance) < reach[rest])
-            near[found] &= ~labelled[np.asarray(index)[found]]
-            still[rest[near]] = True
-        return still, np.zeros(len(indices), np.bool_)
-
-    def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
-        """See ``Background``; without a depth image nothing is known to lie behind."""
-        return np.zeros(len(indices), np.bool_)
-
-    def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
-        """See ``Background``; without a depth image there is no more to know."""
-        return np.zeros(len(indices), np.bool_)
-
-    def certain(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
-        """See ``Background``; without a depth image nothing is known to lie behind."""
-        return np.zeros(len(indices), np.bool_)
-
-    def uncovered(self, view: View) -> tuple[I64, I64]:  # noqa: ARG002
-        """See ``Background``; without a depth image nothing is known to have hidden a point."""
-        return np.empty(0, np.int64), np.empty(0, np.int64)
-
-    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
-        """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""
-        if len(view.xyz) == 0:
-            return
-        entry = (view, view.labelled())
-        if first or not self.past:
-            self.past = [entry]
-        elif len(self.past) < 3:
-            self.past.append(entry)
-        else:
-            self.past = [self.past[0], self.past[2], entry]

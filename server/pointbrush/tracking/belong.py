@@ -14,7 +14,6 @@ import numpy as np
 from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off, together
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import carved
-from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
@@ -67,8 +66,11 @@ def grow(
     claims: dict[int, Claim],
     free: Mask,
     background: Background,
-) -> dict[int, I64]:
-    """New surface: moving points that hang together with a thing, ``free`` and nobody's."""
+) -> tuple[dict[int, I64], Mask]:
+    """New surface: moving points that hang together with a thing, ``free`` and nobody's.
+
+    Of all but large things; and which points (N,) somebody has then.
+    """
     taken = ~free
     for found in claims.values():
         taken[found.indices] = True
@@ -88,8 +90,7 @@ def grow(
             new = together(new, place.uncovered)
         grown[label] = new
         taken[new] = True
-    large = {n: p for n, p in places.items() if things[n].large}
-    return grown | hang_together(view, things, large, claims, taken, background)
+    return grown, taken
 
 
 def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from pointbrush.tracking.interface import F64, I64, Mask
 
 MOST = 4_000_000
 """Cells of a grid that is kept whole; a larger one is sorted instead."""
+MOST_NEAR = 100_000
+"""Cells, about, of the grid in which points near some others are looked for."""
 
 
 def cells_of(xyz: F64, size: float) -> I64:
@@ -26,12 +29,20 @@ def cells_of(xyz: F64, size: float) -> I64:
 
 def perhaps_near(xyz: NDArray[np.floating], some: NDArray[np.floating], reach: float) -> Mask:
     """Which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do are."""
-    lo = some.min(axis=0) - 2 * reach
-    extent = ((some.max(axis=0) - lo) / reach).astype(np.int64) + 3
-    if float(np.prod(extent, dtype=np.float64)) > MOST:
-        return np.ones(len(xyz), np.bool_)
-    taken = np.zeros(extent, np.bool_)
-    taken[tuple(((some - lo) / reach).astype(np.int64).T)] = True
-    taken = binary_dilation(taken, np.ones((3, 3, 3), np.bool_))
-    key = np.clip((xyz - lo) / reach, 0, extent - 1).astype(np.int64)
-    return np.asarray(taken[key[:, 0], key[:, 1], key[:, 2]])
+    least, most = (np.asarray(end, np.float64) for end in (some.min(axis=0), some.max(axis=0)))
+    # A cell is twice the reach wide, so that each of the few meets eight at most.
+    reach = 1.001 * reach + 1e-6
+    volume = float(np.prod(most - least + 4 * reach))
+    size = max(2 * reach, float(np.cbrt(volume / MOST_NEAR)))
+    lo = least - reach - size
+    extent = ((most + reach - lo) / size).astype(np.int64) + 2
+    steps = np.array([extent[1] * extent[2], extent[2], 1])
+    taken = np.zeros(int(np.prod(extent)), np.bool_)
+    ends = [((some + way - lo) / size).astype(np.int64) * steps for way in (-reach, reach)]
+    for x, y, z in product(ends, ends, ends):
+        taken[x[:, 0] + y[:, 1] + z[:, 2]] = True
+    flat = np.zeros(len(xyz), np.int64)
+    for axis in range(3):
+        key = ((xyz[:, axis] - lo[axis]) / size).clip(0, extent[axis] - 1)
+        flat += key.astype(np.int64) * steps[axis]
+    return np.asarray(taken[flat])

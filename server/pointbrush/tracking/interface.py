@@ -96,6 +96,8 @@ class TrackOptions:
                        correction re-tracks only up to what a person has confirmed.
     ``before``         frames before the start, the farthest first, whose labels a method may
                        learn from; it yields nothing for them.
+    ``processes``      processes that a method may work in, this one included; with more than one
+                       the frames it is given have to pickle.
     """
 
     overwrite: Overwrite = "tracked"
@@ -103,6 +105,7 @@ class TrackOptions:
     continue_lost: bool = False
     until_painted: bool = False
     before: tuple[int, ...] = ()
+    processes: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -85,7 +85,7 @@ class Search:
 
 def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search | None:
     """Cut out what may be the thing, without what stood still; None where nothing is."""
-    guesses = np.stack(thing.motion.predictions())
+    guesses = thing.motion.predictions()
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
     margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
@@ -100,7 +100,8 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
             # What stays while the thing has gone half its size on is no part of it.
             speed = thing.motion.speed
             stay = int(0.5 * radius / speed) + 2 if speed > unit else PATIENT
-            far = far | background.scenery(view, around, stay)
+            rest = np.flatnonzero(~far)
+            far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not
         # seen there before, and may be the thing.
         slow = thing.motion.slow(unit)
@@ -117,7 +118,7 @@ def among(thing: Thing, view: View, points: I64) -> Search:
     """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = (xyz.min(axis=0), xyz.max(axis=0))
-    guesses = np.stack(thing.motion.predictions())
+    guesses = thing.motion.predictions()
     return _search(thing, view, guesses, box, points, points, points)
 
 
@@ -169,8 +170,12 @@ def share_out(searches: Iterable[Search]) -> None:
             if other is search or not ghost.meets(ghosts[id(search)]):
                 continue
             near = np.flatnonzero(within(left.xyz, ghost.lo - reach, ghost.hi + reach))
+            if not len(near):
+                continue
             theirs = ghost.gap(left, near)
             near, theirs = near[theirs < reach], theirs[theirs < reach]
+            if not len(near):
+                continue
             drop[near] |= theirs < 0.5 * ghosts[id(search)].gap(left, near)
         if drop.any() and (~drop).sum() >= FEWEST:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))

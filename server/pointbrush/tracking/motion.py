@@ -32,7 +32,8 @@ class Motion:
             spin = self.poses[-1][:3, :3] @ self.poses[-2][:3, :3].T
             velocity = self._at(-1) - self._at(-2)
             now = transform(pose, self.centre[None])[0]
-            self.poses = [self._pose(spin.T @ pose[:3, :3], now - velocity), pose]
+            before = _orthogonal(spin.T @ pose[:3, :3])
+            self.poses = [self._pose(before, now - velocity), pose]
             self.gap = 1
             return
         if self.gap > 1:
@@ -67,30 +68,30 @@ class Motion:
         at: F64 = transform(self.poses[which], self.centre[None])[0]
         return at
 
-    def predictions(self) -> list[F64]:
-        """Poses to try, the likeliest first: motion repeated, changing evenly, and at rest."""
-        last = self.poses[-1]
+    def predictions(self) -> F64:
+        """(K, 4, 4) poses to try, the likeliest first: motion repeated, changing evenly, at rest."""
+        last, here = self.poses[-1], self._at(-1)
         if len(self.poses) < 2:
-            return [last]
+            return last[None]
         spin = last[:3, :3] @ self.poses[-2][:3, :3].T
-        velocity = self._at(-1) - self._at(-2)
-        turned, step = last[:3, :3].copy(), np.zeros(3)
+        velocity = here - self._at(-2)
+        turned, step = last[:3, :3], np.zeros(3)
         gain = np.zeros(3)
         if len(self.poses) > 2:
             gain = velocity - (self._at(-2) - self._at(-3))
-        falling = velocity.copy()
+        falling = velocity
         even = np.zeros(3)
         for _ in range(self.gap):
             turned = spin @ turned
             step = step + velocity
             falling = falling + gain
             even = even + falling
-        guesses = [(turned, step), (last[:3, :3], step), (last[:3, :3], np.zeros(3))]
-        result = [self._pose(R, self._at(-1) + t) for R, t in guesses]
+        turned, kept = _orthogonal(np.stack([turned, last[:3, :3]]))
+        result = [self._pose(turned, here + step)]
+        result += [self._pose(kept, here + step), self._pose(kept, here)]
         if len(self.poses) > 2:
-            result.insert(0, self._pose(turned, self._at(-1) + even))
-            result.insert(0, self._swung(turned))
-        return result
+            result = [self._swung(turned), self._pose(turned, here + even), *result]
+        return np.stack(result)
 
     def _swung(self, turned: F64) -> F64:
         """Turned about the point of the object that has moved the most evenly.
@@ -108,19 +109,21 @@ class Motion:
         pivot = (centre + offset)[None]
         path = np.vstack([transform(T, pivot) for T in self.poses])
         velocity, gain = path[-1] - path[-2], np.diff(path, n=2, axis=0).mean(axis=0)
-        T = self._pose(turned, np.zeros(3))
+        T = np.eye(4)
+        T[:3, :3] = turned
         ahead = path[-1] + self.gap * velocity + self.gap * (self.gap + 1) / 2 * gain
         T[:3, 3] = ahead - T[:3, :3] @ pivot[0]
         return T
 
     def _pose(self, R: F64, at: F64) -> F64:
         T = np.eye(4)
-        T[:3, :3] = _orthogonal(R)
+        T[:3, :3] = R
         T[:3, 3] = at - T[:3, :3] @ self.centre
         return T
 
 
 def _orthogonal(R: F64) -> F64:
+    """The rotations nearest to some matrices (..., 3, 3)."""
     U, _, Vt = np.linalg.svd(R)
     return np.asarray(U @ Vt)
 

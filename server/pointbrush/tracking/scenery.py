@@ -12,11 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, map_coordinates
+from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 from pointbrush.tracking.interface import F32, Mask
+from pointbrush.tracking.pixels import widened
 
 NEAR = 3.0
 """Deviations within which a depth is the same depth."""
@@ -37,7 +38,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
     linear over the image, so that floors and walls go on exactly.
     """
     height, width = shape
-    hidden = binary_dilation(hidden.reshape(shape), iterations=2).ravel()
+    hidden = widened(hidden.reshape(shape), 2).ravel()
     open_ = np.where(hidden, np.nan, 1.0 / depth)
     rows, columns = -(-height // STEP), -(-width // STEP)
     padded = np.full((rows * STEP, columns * STEP), np.nan, np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,6 +20,8 @@ from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, Trac
 from pointbrush.tracking.rules import FEWEST
 
 TRACKED = 2
+PROCESSES = min(2, os.cpu_count() or 1)
+"""Processes of a run."""
 LEAD = 20
 """Frames before a run's start that a method may learn from."""
 UNSURE = 0.5
@@ -55,7 +58,7 @@ class TrackingWork:
                 order,
                 self.seeds,
                 _Knowledge(store, recording),
-                replace(self.options, before=before),
+                replace(self.options, before=before, processes=PROCESSES),
             )
             for done, found in enumerate(results, start=1):
                 channel.item(found)

@@ -1,0 +1,188 @@
+"""A second process that works on things of a frame: what is asked of it, and what it answers.
+
+Python's threads hardly help each other over many short NumPy calls.  The second process opens the
+frames by itself and gets things, and what else a function is called with, by pickle; what it has
+of this frame already is only named.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import IO, Any, NamedTuple
+
+from pointbrush.tracking.interface import Frames
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+PIPE = 1 << 20
+"""Bytes that are on their way before the sender waits."""
+GONE = (EOFError, OSError, pickle.UnpicklingError)
+"""What shows that the other process has ended."""
+
+
+class Task(NamedTuple):
+    """What is to be done with a thing: ``do(thing, view, *given)``."""
+
+    thing: Thing
+    given: tuple[Any, ...]
+
+
+class Answer(NamedTuple):
+    """``result`` of a task, what has become of the thing, and how many seconds it took."""
+
+    result: Any
+    state: dict[str, Any]
+    seconds: float
+
+
+class _Names:
+    """Objects that both processes have, by name."""
+
+    def __init__(self) -> None:
+        self._kept: dict[int, tuple[object, object]] = {}
+        self._named: dict[object, object] = {}
+
+    def add(self, name: object, value: object) -> None:
+        """Give ``value`` a name, which what had it before loses."""
+        if name in self._named:
+            self._kept.pop(id(self._named[name]), None)
+        self._kept[id(value)] = (name, value)
+        self._named[name] = value
+
+    def name(self, value: object) -> object:
+        found = self._kept.get(id(value))
+        return None if found is None else found[0]
+
+    def value(self, name: object) -> object:
+        return self._named[name]
+
+
+class _Pickler(pickle.Pickler):
+    def __init__(self, file: IO[bytes], names: _Names) -> None:
+        super().__init__(file, pickle.HIGHEST_PROTOCOL)
+        self._names = names
+
+    def persistent_id(self, value: object) -> object:
+        """See ``pickle.Pickler``."""
+        return self._names.name(value)
+
+
+class _Unpickler(pickle.Unpickler):
+    def __init__(self, file: IO[bytes], names: _Names) -> None:
+        super().__init__(file)
+        self._names = names
+
+    def persistent_load(self, name: object) -> object:
+        """See ``pickle.Unpickler``."""
+        return self._names.value(name)
+
+
+class _Line:
+    """One end of the connection."""
+
+    def __init__(self, incoming: IO[bytes], outgoing: IO[bytes]) -> None:
+        self._incoming, self._outgoing = incoming, outgoing
+        self.names = _Names()
+
+    def send(self, message: object) -> None:
+        _Pickler(self._outgoing, self.names).dump(message)
+        self._outgoing.flush()
+
+    def receive(self) -> Any:
+        return _Unpickler(self._incoming, self.names).load()
+
+
+class Second:
+    """The other process.  Where it has ended, all methods raise one of ``GONE``."""
+
+    def __init__(self, frames: Frames) -> None:
+        """``frames`` has to pickle."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            pipesize=PIPE,
+        )
+        assert self._process.stdin is not None  # noqa: S101  (piped)
+        assert self._process.stdout is not None  # noqa: S101
+        self._line = _Line(self._process.stdout, self._process.stdin)
+        self._worn = 0
+        self._line.send(frames)
+
+    def show(self, view: View) -> None:
+        """Let it read a frame, about which it will be asked."""
+        self._line.names.add("view", view)
+        self._line.send(("show", (view.number, view.lens, view.T_world_frame)))
+
+    def ask(self, do: Callable[..., Any], tasks: Sequence[Task], *, changes: bool) -> None:
+        """Have ``do``, the function of a module, done; each answer is to be taken before the next.
+
+        ``changes``: it changes the things.
+        """
+        names = self._line.names
+        for thing in (task.thing for task in tasks):
+            if names.name(thing.worn) is None:
+                self._worn += 1
+                self._line.send(("know", (self._worn, thing.worn)))
+                names.add(self._worn, thing.worn)
+        self._line.send(("do", (do, list(tasks), changes)))
+        _name_parts(names, tasks)
+
+    def answer(self) -> Answer:
+        """The next answer, in the order of the tasks."""
+        answer: Answer = self._line.receive()
+        return answer
+
+    def close(self) -> None:
+        """End the process, whatever it does."""
+        self._process.kill()
+        self._process.wait()
+        for end in (self._process.stdin, self._process.stdout):
+            with suppress(OSError):
+                end.close()  # type: ignore[union-attr]  # piped
+
+
+def _name_parts(names: _Names, tasks: Sequence[Task]) -> None:
+    """Long arrays that were sent are named from then on."""
+    for task in tasks:
+        for value in task.given:
+            for part in ("around", "near", "moving"):
+                if hasattr(value, part):
+                    names.add((task.thing.label, part), getattr(value, part))
+
+
+def serve() -> None:
+    """Be the second process: do what comes until nothing comes any more."""
+    # What something prints must not come between the answers.
+    outgoing = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    with suppress(EOFError, BrokenPipeError):
+        _serve(_Line(sys.stdin.buffer, outgoing))
+
+
+def _serve(line: _Line) -> None:
+    frames: Frames = line.receive()
+    view: View | None = None
+    while True:
+        kind, what = line.receive()
+        if kind == "know":
+            line.names.add(*what)
+        elif kind == "show":
+            number, lens, pose = what
+            view = View(number, frames(number), lens, pose)
+            line.names.add("view", view)
+            view.prepare()
+        else:
+            do, tasks, changes = what
+            _name_parts(line.names, tasks)
+            for thing, given in tasks:
+                start = time.perf_counter()
+                result = do(thing, view, *given)
+                seconds = time.perf_counter() - start
+                line.send(Answer(result, vars(thing) if changes else {}, seconds))
