@@ -69,7 +69,7 @@ class Motion:
         return at
 
     def predictions(self) -> F64:
-        """(K, 4, 4) poses to try, the likeliest first: motion repeated, changing evenly, at rest."""
+        """(K, 4, 4) to try, the likeliest first: motion repeated, changing evenly, and at rest."""
         last, here = self.poses[-1], self._at(-1)
         if len(self.poses) < 2:
             return last[None]

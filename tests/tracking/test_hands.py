@@ -1,0 +1,81 @@
+"""Two processes on one run: the labels of one, also when the second ends half-way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import Sequence, import_frames, open_sequence
+from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions
+from pointbrush.tracking.second import Second
+
+FIRST, LAST = 5, 8
+
+
+@pytest.fixture(scope="module")
+def stored(passing: list[scenes.Frame], tmp_path_factory: pytest.TempPathFactory) -> Sequence:
+    frames = [PointFrame(f.xyz, rgb=f.rgb, label=f.truth) for f in passing[FIRST : LAST + 1]]
+    target = tmp_path_factory.mktemp("hands") / "passing"
+    import_frames(frames, target, sequence_id="passing", name="passing", fps=30.0)
+    return open_sequence(target)
+
+
+def run(stored: Sequence, processes: int) -> list[FrameResult]:
+    truth = stored[0].label
+    assert truth is not None
+    seeds = [Seed(n, np.flatnonzero(truth == n)) for n in np.unique(truth).tolist() if n]
+    options = TrackOptions(processes=processes)
+    order = range(len(stored))
+    return list(METHODS["auto"]().track(stored.__getitem__, order, seeds, lambda _: None, options))
+
+
+@pytest.fixture(scope="module")
+def alone(stored: Sequence) -> list[FrameResult]:
+    return run(stored, 1)
+
+
+def assert_same(found: list[FrameResult], expected: list[FrameResult]) -> None:
+    assert [r.frame for r in found] == [r.frame for r in expected]
+    for one, other in zip(found, expected, strict=True):
+        assert set(one.tracks) == set(other.tracks)
+        for label, track in one.tracks.items():
+            again = other.tracks[label]
+            assert (track.state, track.points) == (again.state, again.points)
+            assert track.confidence == again.confidence
+            assert np.array_equal(track.pose, again.pose)
+        for label, points in one.assignments.items():
+            assert np.array_equal(points, other.assignments[label])
+
+
+def test_two_processes_find_what_one_finds(
+    stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = []
+    answer = Second.answer
+
+    def counted(second: Second) -> Any:
+        answers.append(answer(second))
+        return answers[-1]
+
+    monkeypatch.setattr(Second, "answer", counted)
+    assert_same(run(stored, 2), alone)
+    assert len(answers) >= len(stored) - 1
+
+
+@pytest.mark.parametrize("when", ["show", "ask", "answer"])
+def test_a_run_goes_on_when_the_second_process_ends(
+    stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch, when: str
+) -> None:
+    do = getattr(Second, when)
+
+    def ended(second: Second, *given: Any, **how: Any) -> Any:
+        second._process.kill()
+        second._process.wait()
+        return do(second, *given, **how)
+
+    monkeypatch.setattr(Second, when, ended)
+    assert_same(run(stored, 2), alone)
