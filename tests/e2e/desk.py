@@ -54,6 +54,8 @@ class Desk:
         self.until(
             "window.__pointbrush && pb.shown().total > 0 && pb.shown().drawn === pb.shown().total"
         )
+        # Panels and headset come after the first picture.
+        self.until("window.__pointbrushHeadset !== undefined")
 
     def labels(self, frame: int | None = None) -> dict[int, int]:
         counts = self.ask(f"pb.labels({'' if frame is None else frame})")

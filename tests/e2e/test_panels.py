@@ -29,6 +29,7 @@ def desk(browser: Browser, server: LiveServer) -> Iterator[Desk]:
     window.until("window.__pointbrush !== undefined")
     window.ask("pb.setDrawing(false)")
     window.until("pb.state.palette.value.length === 2")
+    window.until("document.getElementById('toolbar').childElementCount > 0")
     yield window
     window.context.close()
     assert window.complaints == []

@@ -1,12 +1,6 @@
-/** Wiring only. */
-import { Engine } from './engine/engine';
-import { installHook } from './engine/hook';
-import { installOverlays } from './overlays/index';
-import { mountPanels } from './panels/index';
-import { installHeadset } from './xr/index';
+/** First things first: points are on their way while most of the page has still to load. */
+import './style/index.css';
+import { Early } from './net/early';
 
-const engine = new Engine(document.getElementById('view') as HTMLCanvasElement);
-mountPanels();
-installHeadset(engine, installOverlays(engine));
-installHook(engine);
-engine.start();
+const early = new Early();
+void import('./page').then(({ startPage }) => startPage(early));

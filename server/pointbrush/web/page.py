@@ -6,7 +6,7 @@ import mimetypes
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import FileResponse, RedirectResponse
+from fastapi.responses import RedirectResponse
 from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.datastructures import URL
 
@@ -19,6 +19,8 @@ router = APIRouter(include_in_schema=False)
 PAGE = Path(__file__).parent / "page"
 HASHED = "assets"
 """Vite puts a hash of the content into these files' names."""
+ENCODINGS = {"br": ".br", "gzip": ".gz"}
+"""Forms of a text file that the build lays beside it, best first."""
 mimetypes.add_type("text/javascript", ".js")
 mimetypes.add_type("application/wasm", ".wasm")
 
@@ -30,8 +32,7 @@ def index(request: Request, token: str | None = None) -> Response:
         return exchange(request, token)
     if not (PAGE / "index.html").is_file():
         return problem(404, "the page has not been built: run `make page`", "No page")
-    headers = {"Cache-Control": "no-cache"}
-    return FileResponse(PAGE / "index.html", media_type="text/html", headers=headers)
+    return _file(request, PAGE / "index.html", "no-cache")
 
 
 def exchange(request: Request, token: str) -> Response:
@@ -55,11 +56,38 @@ register_url_convertor("asset", Asset())
 
 
 @router.get("/{path:asset}")
-def static(path: str) -> Response:
+def static(request: Request, path: str) -> Response:
     """A file of the built page; nothing outside its folder."""
     file = (PAGE / path).resolve() if "\x00" not in path else PAGE
     if not file.is_relative_to(PAGE.resolve()) or not file.is_file():
         raise NotFoundError(f"path: expected a page or an API route, got /{path[:100]}")
     forever = path.startswith(f"{HASHED}/")
     cache = "public, max-age=31536000, immutable" if forever else "no-cache"
-    return FileResponse(file, headers={"Cache-Control": cache})
+    return _file(request, file, cache)
+
+
+def _file(request: Request, file: Path, cache: str) -> Response:
+    """A file in the shortest form that the browser reads.
+
+    It is read at once: in pieces, each would wait for a thread of its own.
+    """
+    headers = {"Cache-Control": cache, "Vary": "Accept-Encoding"}
+    accepted = _accepted(request.headers.get("accept-encoding", ""))
+    sent = file
+    for name, ending in ENCODINGS.items():
+        packed = file.with_name(file.name + ending)
+        if name in accepted and packed.is_file():
+            headers["Content-Encoding"], sent = name, packed
+            break
+    media_type = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
+    return Response(sent.read_bytes(), media_type=media_type, headers=headers)
+
+
+def _accepted(header: str) -> set[str]:
+    """Names in an ``Accept-Encoding`` that are not ruled out by ``q=0``."""
+    found = set()
+    for item in header.split(","):
+        name, _, weight = item.partition(";")
+        if weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000"):
+            found.add(name.strip().lower())
+    return found

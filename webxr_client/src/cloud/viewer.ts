@@ -1,12 +1,13 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
-import { Color, Group, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { BufferGeometry, Color, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../protocol/messages';
 import type { ViewSettings } from '../state';
 import { Backdrop } from './backdrop';
+import { sortWithoutGarbage } from './draw-order';
 import { EyeDome } from './eyedome';
 import type { CloudFrame } from './frame';
 import { LargeCloud } from './large';
-import { PointUniforms } from './material';
+import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { Slot } from './slot';
 import { Timing } from './timing';
@@ -60,14 +61,28 @@ export class Viewer {
       powerPreference: 'high-performance',
     });
     this.renderer.autoClear = false;
+    // Each question after a program's errors waits for the GPU: three of them for each program.
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
     this.renderer.setClearColor(new Color(0x0d1014), 0);
+    sortWithoutGarbage(this.renderer, this.scene);
     this.software = isSoftware(this.renderer.getContext());
     this.world.add(this.room);
     this.room.matrixAutoUpdate = false;
-    this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad);
+    this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad, this.warmUp());
     canvas.addEventListener('webglcontextrestored', () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
+  }
+
+  /** No points, drawn with the points' program: it is there before the first of them come. */
+  private warmUp(): Points {
+    const points = new Points(
+      new BufferGeometry(),
+      pointMaterial(this.uniforms, new ChunkTable(), -1),
+    );
+    points.geometry.setDrawRange(0, 0);
+    points.frustumCulled = false;
+    return points;
   }
 
   start(): void {

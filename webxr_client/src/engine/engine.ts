@@ -8,7 +8,8 @@ import { viewOf } from '../desktop/framing';
 import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
 import { DeskPresence } from '../desktop/presence';
-import { Link } from '../net/link';
+import { nameInAddress, type Early } from '../net/early';
+import type { Link } from '../net/link';
 import type { Brush } from '../protocol/messages';
 import { dismiss, state, type Shown } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
@@ -39,10 +40,8 @@ export class Engine {
   /** What was on screen when the mouse last looked. */
   private seen: Shown | null = null;
 
-  constructor(canvas: HTMLCanvasElement) {
-    // The worker loads and connects while the GPU is made ready, which takes longer.
-    this.link = new Link((message) => inbox.receive(message));
-    this.link.connect();
+  constructor(canvas: HTMLCanvasElement, early: Early) {
+    this.link = early.link;
     this.viewer = new Viewer(canvas);
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
@@ -63,8 +62,13 @@ export class Engine {
       this.pacing.reset();
       this.unframed = true;
     };
-    const inbox = new Inbox({ viewer, playback, strokes, link, opened });
+    const { opening } = early;
+    const inbox = new Inbox({ viewer, playback, strokes, link, opened, opening });
     this.bind();
+    void opening.then((id) => {
+      if (state.sequence.peek() === null) state.opening.value = id;
+    });
+    link.listen((message) => inbox.receive(message));
     this.follow();
     listenToKeys(this.camera);
   }
@@ -168,9 +172,7 @@ export class Engine {
     if (state.sequence.peek()?.id === id) return;
     this.closeSequence();
     state.opening.value = id;
-    const url = new URL(location.href);
-    url.searchParams.set('sequence', id);
-    history.replaceState(null, '', url);
+    nameInAddress(id);
     this.link.open({ type: 'open', sequence: id, frame: 0, revision: null });
   }
 

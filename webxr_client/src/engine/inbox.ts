@@ -2,6 +2,7 @@
 import { actions } from '../actions';
 import type { CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
+import { firstOf } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { SequenceInfo, ServerPresence } from '../protocol/messages';
@@ -19,6 +20,8 @@ export interface InboxDeps {
   readonly link: Link;
   /** A recording was opened that was not open before. */
   readonly opened: () => void;
+  /** What was opened while the page loaded, or null. */
+  readonly opening: Promise<string | null>;
 }
 
 export class Inbox {
@@ -101,12 +104,10 @@ export class Inbox {
   }
 
   private async welcomed(): Promise<void> {
-    await actions.refreshSequences();
-    if (state.sequence.peek()) return;
-    const list = state.sequences.peek() ?? [];
-    const wanted = new URLSearchParams(location.search).get('sequence');
-    const first = list.find((entry) => entry.id === wanted) ?? (list.length === 1 ? list[0] : null);
-    if (first) actions.openSequence(first.id);
+    await Promise.all([actions.refreshSequences(), this.deps.opening]);
+    if (state.sequence.peek() || state.opening.peek() !== null) return;
+    const first = firstOf(state.sequences.peek() ?? []);
+    if (first !== null) actions.openSequence(first);
   }
 
   private takeSequence(info: SequenceInfo): void {

@@ -1,16 +1,9 @@
 /** Recordings: the list, import, export, change, delete. */
 import { actions, type Actions, type ImportOptions } from '../actions';
+import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import { notify, state, type SequenceSummary, type Upload } from '../state';
-
-interface SequenceOut {
-  id: string;
-  name: string;
-  frames: number;
-  fps: number;
-  points: number[];
-}
 
 type RecordingActions = Pick<
   Actions,
@@ -50,7 +43,7 @@ function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
 }
 
 async function refreshSequences(): Promise<void> {
-  const list = await api<SequenceOut[]>('GET', 'sequences');
+  const list = await listSequences();
   state.sequences.value = list.map(({ id, name, frames, fps, points }): SequenceSummary => ({
     id,
     name,

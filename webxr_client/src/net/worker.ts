@@ -24,6 +24,7 @@ import type { Decoded, LinkState, Pace, ToDecoder, ToWorker } from './wire';
 const MOST_WAITING = 6;
 /** More than this unsent means that the link is stalled; what can be dropped is dropped. */
 const SEND_LIMIT = 1 << 20;
+const AT_ONCE = new Set<ToWorker['t']>(['decoder', 'connect', 'open', 'close']);
 
 const backoff = new Backoff();
 let outbox = new Outbox(new MemoryStorage());
@@ -47,6 +48,8 @@ let owed: Credit[] = [];
 /** What the page last said of its pace. */
 let pace: Pace = { points: null };
 let timer: ReturnType<typeof setTimeout> | undefined;
+/** The outbox is the one that earlier pages wrote to. */
+let begun = false;
 
 /** The way to the page. */
 let decoder: MessagePort | null = null;
@@ -74,7 +77,7 @@ function connect(): void {
     transmit({ type: 'hello' });
     reopen();
   };
-  current.onmessage = (event: MessageEvent<ArrayBuffer>) => receive(event.data);
+  current.onmessage = (event: MessageEvent<ArrayBuffer>) => onceBegun(() => receive(event.data));
   current.onclose = (event) => {
     if (socket === current) void lost(event, welcomed);
   };
@@ -229,13 +232,19 @@ function annotation(message: Annotation): void {
 async function start(): Promise<void> {
   outbox = new Outbox(await openStorage());
   await outbox.restore();
+  begun = true;
   report();
 }
 
 const started = start();
 
-async function handle(message: ToWorker): Promise<void> {
-  await started;
+/** Now, or in its turn once the edits that an earlier page left are known. */
+function onceBegun(act: () => void): void {
+  if (begun) act();
+  else void started.then(act);
+}
+
+function handle(message: ToWorker): void {
   switch (message.t) {
     case 'decoder':
       decoder = message.port;
@@ -275,7 +284,12 @@ async function handle(message: ToWorker): Promise<void> {
   }
 }
 
-self.onmessage = (event: MessageEvent<ToWorker>) => void handle(event.data);
+self.onmessage = (event: MessageEvent<ToWorker>) => {
+  const message = event.data;
+  // The way to the server is long: it need not wait for what the browser keeps on its disk.
+  if (AT_ONCE.has(message.t)) handle(message);
+  else onceBegun(() => handle(message));
+};
 self.addEventListener('online', () => {
   if (!socket && address) connect();
 });

@@ -1,5 +1,4 @@
 /** The desk's panels, around the canvas of `index.html`. */
-import '../style/index.css';
 import { effect } from '@preact/signals';
 import { render, type ComponentChild } from 'preact';
 import { state } from '../state';

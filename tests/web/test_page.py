@@ -1,0 +1,56 @@
+"""The built page: the shortest form that a browser reads, kept for ever where it can be."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import httpx
+import pytest
+
+from pointbrush.web import page
+
+SCRIPT = b"console.log('points');\n" * 100
+
+
+@pytest.fixture
+def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "index.html").write_text("<!doctype html>")
+    script = tmp_path / "assets" / "main-1a2b.js"
+    script.write_bytes(SCRIPT)
+    script.with_name("main-1a2b.js.gz").write_bytes(gzip.compress(SCRIPT))
+    script.with_name("main-1a2b.js.br").write_bytes(b"brotli")
+    monkeypatch.setattr(page, "PAGE", tmp_path)
+    return script
+
+
+@pytest.mark.parametrize(
+    ("accepted", "encoding"),
+    [
+        ("gzip, deflate, br, zstd", "br"),
+        ("gzip, deflate", "gzip"),
+        ("br;q=0, gzip;q=0.5", "gzip"),
+        ("identity", None),
+    ],
+)
+def test_scripts_come_in_the_shortest_form(
+    anyone: httpx.Client, built: Path, accepted: str, encoding: str | None
+) -> None:
+    with anyone.stream(
+        "GET", "/assets/main-1a2b.js", headers={"Accept-Encoding": accepted}
+    ) as answer:
+        raw = b"".join(answer.iter_raw())
+    ending = {"br": ".br", "gzip": ".gz", None: ""}[encoding]
+    assert raw == built.with_name(built.name + ending).read_bytes()
+    assert answer.headers.get("content-encoding") == encoding
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert answer.headers["vary"] == "Accept-Encoding"
+    assert "immutable" in answer.headers["cache-control"]
+
+
+def test_the_document_is_asked_for_again_each_time(anyone: httpx.Client, built: Path) -> None:
+    answer = anyone.get("/")
+    assert answer.text == "<!doctype html>"
+    assert answer.headers["cache-control"] == "no-cache"
+    assert answer.headers["content-type"].startswith("text/html")

@@ -1,0 +1,41 @@
+/** Wiring only. */
+import { effect } from '@preact/signals';
+import { Engine } from './engine/engine';
+import { installHook } from './engine/hook';
+import type { Early } from './net/early';
+import { installOverlays } from './overlays/index';
+import { mountPanels } from './panels/index';
+import { state } from './state';
+
+/** Nobody waits longer for a picture before the rest is loaded. */
+const LONGEST_MS = 1500;
+
+export function startPage(early: Early): void {
+  const engine = new Engine(document.getElementById('view') as HTMLCanvasElement, early);
+  const overlays = installOverlays(engine);
+  installHook(engine);
+  engine.start();
+  // The points come first.  Nobody takes up a tool or a headset before there is a picture.
+  void pictured(early).then(async () => {
+    mountPanels();
+    const { installHeadset } = await import('./xr/index');
+    installHeadset(engine, overlays);
+  });
+}
+
+/** Resolves once points have been drawn, or when none are to be waited for. */
+async function pictured({ opening }: Early): Promise<void> {
+  if ((await opening) === null) return;
+  await new Promise<void>((resolve) => {
+    const timer = setTimeout(finish, LONGEST_MS);
+    const stop = effect(() => {
+      // Drawn with the next picture, and over when the one after that begins.
+      if (state.shown.value.total > 0) requestAnimationFrame(() => requestAnimationFrame(finish));
+    });
+    function finish(): void {
+      clearTimeout(timer);
+      stop();
+      resolve();
+    }
+  });
+}
