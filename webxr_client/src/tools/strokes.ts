@@ -35,21 +35,25 @@ export interface Stroke {
 
 /** Samples on their way into a message, used again once it was sent: what is posted is copied. */
 class Batch {
-  readonly samples: Required<Sample>[] = [];
-  private readonly spare: Required<Sample>[] = [];
+  count = 0;
+  private readonly pool: Required<Sample>[] = [];
+  /** By number: the first samples of the pool.  An array that grows and shrinks is garbage too. */
+  private readonly firsts: Required<Sample>[][] = [];
 
   add({ origin, direction }: PointerSample, shift: Vec, t: number): void {
-    const sample = this.spare.pop() ?? { origin: [0, 0, 0], direction: [0, 0, 0], t: 0 };
+    const sample = (this.pool[this.count++] ??= { origin: [0, 0, 0], direction: [0, 0, 0], t: 0 });
     for (let k = 0; k < 3; k++) {
       sample.origin[k] = origin[k]! + shift[k]!;
       sample.direction[k] = direction[k]!;
     }
     sample.t = t;
-    this.samples.push(sample);
   }
 
-  clear(): void {
-    while (this.samples.length > 0) this.spare.push(this.samples.pop()!);
+  /** What was added since the last call. */
+  take(): Required<Sample>[] {
+    const { count } = this;
+    this.count = 0;
+    return (this.firsts[count] ??= this.pool.slice(0, count));
   }
 }
 
@@ -69,7 +73,7 @@ class LiveStroke implements Stroke {
     private readonly finished: (stroke: LiveStroke) => void,
   ) {
     this.started = deps.now();
-    this.message = { type: 'stroke_samples', id, samples: this.batch.samples };
+    this.message = { type: 'stroke_samples', id, samples: [] };
     this.preview = new StrokePreview(id, frame, brush, deps.locked);
     deps.send({ type: 'stroke_begin', id, frame: frame.index, brush });
   }
@@ -83,8 +87,10 @@ class LiveStroke implements Stroke {
   /** Send what has gathered; once per picture. */
   flush(): void {
     if (this.refused) return;
-    if (this.batch.samples.length > 0) this.deps.send(this.message);
-    this.batch.clear();
+    if (this.batch.count > 0) {
+      this.message.samples = this.batch.take();
+      this.deps.send(this.message);
+    }
     this.preview.show();
     this.deps.changed();
   }

@@ -1,5 +1,5 @@
 /** What one sees of a hand: its model, its ray, its tips; and the panel that it points at. */
-import type { Group, Matrix4, Object3D } from 'three';
+import type { Matrix4, Object3D } from 'three';
 import type { Hand } from './hand';
 import { BUTTON_TICK } from './haptics';
 import { controllerModel, disposeModel, HandModel, Ray } from './model';
@@ -13,7 +13,7 @@ export class Body {
   /** The panel that its ray is on. */
   on: Panel | null = null;
   private readonly ray = new Ray();
-  private model: Group | null = null;
+  private model: Object3D | null = null;
 
   constructor(
     readonly hand: Hand,

@@ -1,5 +1,6 @@
 /** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
-import { BufferGeometry, CapsuleGeometry, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, Group, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Vector3 } from 'three'; // prettier-ignore
+import { BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Device } from './devices';
 
 const BODY = 0x2b3440;
@@ -10,42 +11,52 @@ const THUMB = 4;
 const INDEX = 9;
 const ORDER = 110;
 
-function part(geometry: BufferGeometry, color: number): Mesh {
-  // Among the transparent things, so that it is drawn over the panels.
-  const mesh = new Mesh(geometry, new MeshBasicMaterial({ color, transparent: true }));
-  mesh.renderOrder = ORDER;
-  return mesh;
+/** A part of one colour, moved and turned about x. */
+function part(
+  geometry: BufferGeometry,
+  color: number,
+  x: number,
+  y: number,
+  z: number,
+  turn = 0,
+): BufferGeometry {
+  const { r, g, b } = new Color(color);
+  const { count } = geometry.getAttribute('position');
+  const colors = Float32Array.from({ length: 3 * count }, (_, i) => [r, g, b][i % 3]!);
+  geometry.setAttribute('color', new Float32BufferAttribute(colors, 3));
+  return geometry.rotateX(turn).translate(x, y, z);
 }
 
-/** A handle along the grip's axis (−z points ahead), a head with its pad or stick, a trigger. */
-export function controllerModel(device: Device): Group {
-  const model = new Group();
-  const handle = part(new CapsuleGeometry(0.014, 0.085, 6, 16), BODY);
-  handle.rotation.x = Math.PI / 2;
-  handle.position.set(0, 0, 0.015);
-  const head = part(new CylinderGeometry(0.025, 0.021, 0.022, 28), BODY);
-  head.position.set(0, 0.006, -0.045);
-  const trigger = part(new CapsuleGeometry(0.006, 0.014, 4, 10), LIGHT);
-  trigger.position.set(0, -0.014, -0.052);
-  model.add(handle, head, trigger);
+/**
+ * A handle along the grip's axis (−z points ahead), a head with its pad or stick, a trigger: one mesh,
+ * since each one costs its time in every picture.
+ */
+export function controllerModel(device: Device): Mesh {
+  const parts = [
+    part(new CapsuleGeometry(0.014, 0.085, 6, 16), BODY, 0, 0, 0.015, Math.PI / 2),
+    part(new CylinderGeometry(0.025, 0.021, 0.022, 28), BODY, 0, 0.006, -0.045),
+    part(new CapsuleGeometry(0.006, 0.014, 4, 10), LIGHT, 0, -0.014, -0.052),
+  ];
   if (device.pad === 'touchpad') {
-    const pad = part(new CylinderGeometry(0.019, 0.019, 0.004, 28), LIGHT);
-    pad.position.set(0, 0.018, -0.045);
-    const ring = part(new TorusGeometry(0.042, 0.008, 8, 32), BODY);
-    ring.position.set(0, -0.002, -0.1);
-    ring.rotation.x = Math.PI / 2 - 0.5;
-    model.add(pad, ring);
+    const lean = Math.PI / 2 - 0.5;
+    parts.push(
+      part(new CylinderGeometry(0.019, 0.019, 0.004, 28), LIGHT, 0, 0.018, -0.045),
+      part(new TorusGeometry(0.042, 0.008, 8, 32), BODY, 0, -0.002, -0.1, lean),
+    );
   } else {
-    const stick = part(new CylinderGeometry(0.008, 0.007, 0.016, 16), LIGHT);
-    stick.position.set(0, 0.025, -0.05);
-    model.add(stick);
-    [0.008, -0.006].forEach((x, i) => {
-      const button = part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT);
-      button.position.set(x, 0.018, -0.034 + 0.006 * i);
-      model.add(button);
-    });
+    parts.push(
+      part(new CylinderGeometry(0.008, 0.007, 0.016, 16), LIGHT, 0, 0.025, -0.05),
+      part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, 0.008, 0.018, -0.034),
+      part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, -0.006, 0.018, -0.028),
+    );
   }
-  return model;
+  const geometry = mergeGeometries(parts);
+  for (const one of parts) one.dispose();
+  // Among the transparent things, so that it is drawn over the panels.
+  const look = { vertexColors: true, transparent: true };
+  const mesh = new Mesh(geometry, new MeshBasicMaterial(look));
+  mesh.renderOrder = ORDER;
+  return mesh;
 }
 
 /** A hand as its 25 joints. */
@@ -141,7 +152,7 @@ export class Ray {
 }
 
 /** Free what the GPU holds of a model. */
-export function disposeModel(model: Group | Mesh): void {
+export function disposeModel(model: Object3D): void {
   model.removeFromParent();
   model.traverse((object) => {
     if (!(object instanceof Mesh)) return;
