@@ -237,13 +237,13 @@ class Workspace:
 
         Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
         """
-        write = layers.replacement(self.store, self.recording(sequence), frame, layer, array)
+        writes = layers.replacement(self.store, self.recording(sequence), frame, layer, array)
         return self.store.apply(
             sequence,
             edit_id=edit_id(edit),
             author=author,
             kind="import",
-            writes={frame: write},
+            writes=writes,
             summary=f"annotation of frame {frame}",
             if_match=if_match,
         )

@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
+from functools import partial
 from typing import Any
 
 import msgpack
@@ -15,6 +16,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pointbrush.labels import effect
+from pointbrush.streaming import outbox, sender
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.session import ViewerSession
@@ -69,6 +72,10 @@ class Person:
         self.frames: dict[int, HeldFrame] = {}
         self.revision: int | None = None
         self.gaps = 0
+        self.flowing = asyncio.Event()
+        self.flowing.set()
+        self.lets_through: int | None = None
+        """Messages that come through before the link stalls, or None: all of them."""
 
     async def connect(self) -> None:
         self._pipe = pipe = Pipe()
@@ -90,6 +97,11 @@ class Person:
 
     def _sender(self, pipe: Pipe) -> Any:
         async def send(data: bytes) -> None:
+            await self.flowing.wait()
+            if self.lets_through is not None:
+                self.lets_through -= 1
+                if self.lets_through == 0:
+                    self.flowing.clear()
             pipe.down.put_nowait(data)
 
         return send
@@ -109,6 +121,8 @@ class Person:
         """The link breaks: what is on its way is lost."""
         for task in self._tasks:
             task.cancel()
+        self.flowing.set()
+        self.lets_through = None
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self.gaps += self.view.gaps
 
@@ -129,6 +143,9 @@ class Person:
         elif action == "forget" and frame in self.frames and self.frames[frame].chunks:
             del self.frames[frame]
             await send(type="forget", frames=[frame])
+        elif action == "stall":
+            self.flowing.clear()
+            asyncio.get_running_loop().call_later(0.002 * (number % 10), self.flowing.set)
         elif action == "relink":
             await self.leave()
             await asyncio.sleep(0.002 * (number % 10))  # while others go on
@@ -146,6 +163,11 @@ class Person:
         """Whether the server has not yet answered what was sent last."""
         return not any(m["type"] == "error" and m["about"] == self._end for m in self.view.log)
 
+    def has_all(self, frame: int) -> bool:
+        """Whether all points of a frame have come."""
+        held = self.frames.get(frame)
+        return held is not None and held.points == held.total
+
     def stale(self, wanted: list[np.ndarray[Any, Any]]) -> list[int]:
         """Frames that are shown otherwise than they are."""
         shown = {i: held for i, held in self.frames.items() if held.points}
@@ -159,7 +181,7 @@ class Person:
 
 ACTIONS = st.sampled_from(
     ["paint", "paint", "erase", "delete", "restore", "undo", "redo", "seek", "play", "forget",
-     "relink", "wait"]
+     "relink", "stall", "wait"]
 )  # fmt: skip
 STEPS = st.lists(st.tuples(st.integers(0, PEOPLE - 1), ACTIONS, st.integers(0, 41)), max_size=40)
 
@@ -207,3 +229,65 @@ def test_everybody_ends_with_what_is_stored(
     workspace: Workspace, steps: list[tuple[int, str, int]]
 ) -> None:
     asyncio.run(asyncio.wait_for(play_out(workspace, steps), 4 * PATIENCE))
+
+
+@given(steps=STEPS)
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_everybody_does_so_too_where_deltas_give_way_to_values_in_several_runs(
+    workspace: Workspace, steps: list[tuple[int, str, int]]
+) -> None:
+    """What a slow viewer of large frames meets, with little bounds in place of much data."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(outbox, "MOST_DELTA_BYTES", 1_500)
+        patch.setattr(sender, "VALUES_RUN", 2_500)
+        patch.setattr(effect, "LISTED_POINTS", 400)
+        asyncio.run(asyncio.wait_for(play_out(workspace, steps), 4 * PATIENCE))
+
+
+def test_no_delta_overtakes_what_is_owed_to_a_slow_viewer(workspace: Workspace) -> None:
+    """It counts what it has by the newest delta: what was owed before would never come again."""
+
+    async def scenario() -> None:
+        async with Hub(workspace, Metrics()).running() as hub:
+            slow, painter = Person(hub, "slow"), Person(hub, "painter")
+            for person in (slow, painter):
+                await person.connect()
+                for frame in (1, 0):
+                    await person.do("seek", frame)
+                    await until(partial(person.has_all, frame))
+            # 1. A delta fills the link; those behind it give way to the frame's whole values.
+            slow.flowing.clear()
+            for number in range(8):
+                await painter.do("erase" if number % 2 else "paint", FRAMES * number)
+                await settled(painter)
+            # 2. Another frame changes, and its delta waits as well.
+            await painter.do("paint", FRAMES * 7 + 1)
+            await settled(painter)
+            # 3. Two messages come through, and the link breaks.
+            slow.lets_through = 2
+            slow.flowing.set()
+            await asyncio.sleep(0.1)
+            await slow.leave()
+            await slow.connect()
+            await until(lambda: not slow.stale(stored(workspace)))
+            for person in (slow, painter):
+                await person.leave()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(outbox, "MOST_DELTA_BYTES", 1_500)
+        asyncio.run(asyncio.wait_for(scenario(), 4 * PATIENCE))
+
+
+async def settled(person: Person) -> None:
+    """All that somebody sent has been answered."""
+    await person.ask()
+    await until(lambda: not person.unheard)
+
+
+async def until(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end, "it never came to that"
+        await asyncio.sleep(0.002)

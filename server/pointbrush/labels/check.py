@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -69,30 +70,35 @@ def _check_points(connection: Connection, state: SequenceState) -> Iterator[str]
         ).scalars()
     )
     tally: dict[FrameLabel, tuple[int, ...]] = {}
-    blocks: dict[tuple[int, int], dict[int, States]] = {}
     table = edit_blocks.c
-    columns = (table.frame, table.layer, table.block)
+    columns = (table.frame, table.block, table.layer)
     query = select(*columns).where(table.sequence == state.number)
-    for frame, layer, block in connection.execute(query.distinct().order_by(*columns)).all():
-        place = (frame, layer, block)
-        states = np.zeros(block_size(state.frame_points(frame), block), np.uint64)
-        yield from _replay(connection, state, place, states)
-        stale = set(np.unique(writer_of(states)).tolist()) - in_force - {0}
-        if stale:
-            yield f"{_where(place)}: shows edits that are not in force: {sorted(stale)[:10]}"
-        cached = state.cached(place)
-        if cached is not None and not np.array_equal(cached.words(np.arange(len(states))), states):
-            yield f"{_where(place)}: memory differs from the journal"
-        blocks.setdefault((frame, block), {})[layer] = states
-    for (frame, _), layers in blocks.items():
+    places = connection.execute(query.distinct().order_by(*columns)).all()
+    for (frame, block), group in groupby(places, lambda row: (row.frame, row.block)):
         values = np.zeros(1, np.uint64)
-        for layer, bits in ((LABELS, VALUE_BITS & ~DELETED_BIT), (DELETION, DELETED_BIT)):
-            if layer in layers:
-                values = values | (layers[layer] & bits)
+        for _, _, layer in group:
+            states = yield from _check_place(connection, state, (frame, layer, block), in_force)
+            bits = DELETED_BIT if layer == DELETION else VALUE_BITS & ~DELETED_BIT
+            values = values | (states & bits)
         for label, found in tally_labels(values):
             old = tally.get((frame, label), NONE)
             tally[frame, label] = tuple(a + b for a, b in zip(old, found, strict=True))
     yield from _check_counts(connection, state, tally)
+
+
+def _check_place(
+    connection: Connection, state: SequenceState, place: Place, in_force: set[int]
+) -> Generator[str, None, States]:
+    """Replay one place and compare what is kept of it; returns its states."""
+    states = np.zeros(block_size(state.frame_points(place[0]), place[2]), np.uint64)
+    yield from _replay(connection, state, place, states)
+    stale = set(np.unique(writer_of(states)).tolist()) - in_force - {0}
+    if stale:
+        yield f"{_where(place)}: shows edits that are not in force: {sorted(stale)[:10]}"
+    cached = state.cached(place)
+    if cached is not None and not np.array_equal(cached.words(np.arange(len(states))), states):
+        yield f"{_where(place)}: memory differs from the journal"
+    return states
 
 
 def _replay(

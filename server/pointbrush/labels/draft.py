@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Connection
 
 from pointbrush.labels.blocks import Place
+from pointbrush.labels.changes import Changes
 from pointbrush.labels.packing import (
     BLOCK,
     DELETED_BIT,
@@ -41,7 +42,7 @@ class Draft:
 
     connection: Connection
     state: SequenceState
-    changes: dict[Place, Change] = field(default_factory=dict)
+    changes: Changes = field(default_factory=Changes)
     labels: dict[int, Label | None] = field(default_factory=dict)
     """Palette entries that it sets or, None, removes."""
     label_fields: dict[int, dict[str, Any]] = field(default_factory=dict)
@@ -123,7 +124,7 @@ class Draft:
             return
         earlier = self.changes.get(place)
         if earlier is None:
-            self.changes[place] = Change(indices, before, after)
+            self.changes.put(place, Change(indices, before, after))
             return
         both = np.union1d(earlier.indices, indices)
         old, new = np.searchsorted(both, earlier.indices), np.searchsorted(both, indices)
@@ -132,7 +133,7 @@ class Draft:
         merged.before[old] = earlier.before  # before the edit, not before this part of it
         merged.after[old] = earlier.after
         merged.after[new] = after
-        self.changes[place] = merged
+        self.changes.put(place, merged)
 
     def clear_label(self, label: int) -> None:
         """Take a label from all points that hold it, seen or not."""
@@ -144,7 +145,7 @@ class Draft:
 
     def foreign_writers(self) -> NDArray[np.uint64]:
         """Revisions that the points it touches come from, each once."""
-        found = [change.before >> WRITER_SHIFT for change in self.changes.values()]
+        found = [np.unique(change.before >> WRITER_SHIFT) for change in self.changes.values()]
         writers = np.unique(np.concatenate(found)) if found else np.empty(0, np.uint64)
         return writers[writers > 0]
 
@@ -153,18 +154,30 @@ def holders(
     connection: Connection, state: SequenceState, label: int
 ) -> Iterator[tuple[int, int, NDArray[np.int64]]]:
     """Frame, block and points in it that hold ``label`` in their word, deleted ones too."""
-    frames = sorted(
-        frame for (frame, one), count in state.counts.items() if one == label and count[2]
-    )
-    for frame in frames:
-        points = state.frame_points(frame)
-        for block in range(-(-points // BLOCK)):
-            states = state.block(connection, (frame, LABELS, block)).states
-            if states is None:
-                continue
-            found = np.flatnonzero((states & LABEL_BITS) == np.uint64(label))
-            if len(found):
-                yield frame, block, found
+    for frame, block in blocks_holding(state, {label}):
+        found = holding(connection, state, frame, block, {label})
+        if len(found):
+            yield frame, block, found
+
+
+def blocks_holding(state: SequenceState, labels: set[int]) -> Iterator[tuple[int, int]]:
+    """Frame and block wherever points may hold one of ``labels`` in their word, in order."""
+    frames = {
+        frame for (frame, label), count in state.counts.items() if label in labels and count[2]
+    }
+    for frame in sorted(frames):
+        for block in range(-(-state.frame_points(frame) // BLOCK)):
+            yield frame, block
+
+
+def holding(
+    connection: Connection, state: SequenceState, frame: int, block: int, labels: set[int]
+) -> NDArray[np.int64]:
+    """Points of a block that hold one of ``labels`` in their word, deleted ones too."""
+    states = state.block(connection, (frame, LABELS, block)).states
+    if states is None:
+        return np.empty(0, np.int64)
+    return np.flatnonzero(np.isin(states & LABEL_BITS, np.fromiter(labels, np.uint64)))
 
 
 def match_sorted(

@@ -1,8 +1,11 @@
-"""What changes mean for those who look: deltas per frame, and counts per frame and label."""
+"""What changes mean for those who look: deltas per frame, and counts per frame and label.
+
+Everything is worked out block by block, so that an edit of a whole scan takes the memory of a few.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +13,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Connection
 
 from pointbrush.labels.blocks import Place
-from pointbrush.labels.draft import Draft, holders, match_sorted
+from pointbrush.labels.draft import Draft, blocks_holding, holding, match_sorted
 from pointbrush.labels.packing import (
     BLOCK,
     DELETED_BIT,
@@ -25,9 +28,12 @@ from pointbrush.labels.packing import (
     provenance_of,
 )
 from pointbrush.labels.state import NONE, Count, FrameLabel, SequenceState, visible
-from pointbrush.labels.types import PAINTED, Delta
+from pointbrush.labels.types import PAINTED, Delta, Deltas
 
 Indices = NDArray[np.int64]
+
+LISTED_POINTS = 5_000_000
+"""Changed points that one edit lists at most; frames beyond are told without their points."""
 
 
 @dataclass(slots=True, eq=False)
@@ -35,31 +41,51 @@ class Effect:
     """``changed`` points, their values now by frame, and the counts that are new."""
 
     changed: int = 0
-    frames: dict[int, Delta] = field(default_factory=dict)
+    frames: Deltas = field(default_factory=dict)
     counts: dict[FrameLabel, Count] = field(default_factory=dict)
+
+
+@dataclass(slots=True, eq=False)
+class _Listing:
+    """Gathers deltas in the order of frames and blocks."""
+
+    changed: int = 0
+    _listed: int = 0
+    _pieces: dict[int, list[Delta] | None] = field(default_factory=dict)
+
+    def add(self, frame: int, piece: Delta) -> None:
+        """Note changed points of a frame."""
+        self.changed += len(piece)
+        self._listed += len(piece)
+        pieces = self._pieces.setdefault(frame, [])
+        if pieces is None:
+            return
+        if self._listed <= LISTED_POINTS:
+            pieces.append(piece)
+            return
+        self._listed -= sum(map(len, pieces)) + len(piece)
+        self._pieces[frame] = None
+
+    def frames(self) -> Deltas:
+        """The delta of each frame, None for one with too many points."""
+        return {
+            frame: None if pieces is None else _joined(pieces)
+            for frame, pieces in self._pieces.items()
+        }
 
 
 def effect_of(draft: Draft) -> Effect:
     """What committing ``draft`` changes for those who look."""
-    state, connection = draft.state, draft.connection
-    exists = draft.exists
-    turned = [n for n, label in draft.labels.items() if (label is not None) != state.exists[n]]
-    effect = Effect()
-    pieces: dict[int, list[Delta]] = {}
-    turns: dict[int, list[tuple[States, States]]] = {}
-    for (frame, block), indices in _touched(connection, state, draft.changes, turned).items():
-        before, after = _both_layers(connection, state, draft.changes, frame, block, indices)
-        turns.setdefault(frame, []).append((before, after))
-        shown = visible(after, exists)
-        differs = visible(before, state.exists) != shown
+    state, exists = draft.state, draft.exists
+    turned = {n for n, label in draft.labels.items() if (label is not None) != state.exists[n]}
+    effect, listing = Effect(), _Listing()
+    for block in _touched(draft.connection, state, draft.changes, turned):
+        _count(effect.counts, state, block)
+        shown = visible(block.after, exists)
+        differs = visible(block.before, state.exists) != shown
         if differs.any():
-            first = block * BLOCK
-            pieces.setdefault(frame, []).append(_delta(indices[differs] + first, shown[differs]))
-    for frame, pairs in turns.items():
-        before, after = (np.concatenate(column) for column in zip(*pairs, strict=True))
-        _count(effect.counts, state, frame, before, after)
-    effect.frames = {frame: _joined(deltas) for frame, deltas in pieces.items()}
-    effect.changed = sum(len(delta) for delta in effect.frames.values())
+            listing.add(block.frame, block.delta(differs, shown))
+    effect.frames, effect.changed = listing.frames(), listing.changed
     return effect
 
 
@@ -68,59 +94,78 @@ def deltas_of(
     state: SequenceState,
     changes: Mapping[Place, Change],
     labels: Iterable[int],
-) -> dict[int, Delta]:
+) -> Deltas:
     """Deltas of an edit that ``state`` already contains, from its journal entry.
 
     ``labels``: palette entries it changed; points that hold them are included, for whether
     they are seen may have changed.
     """
-    pieces: dict[int, list[Delta]] = {}
-    for (frame, block), indices in _touched(connection, state, changes, labels).items():
-        before, after = _both_layers(connection, state, changes, frame, block, indices)
-        held = np.isin(label_of(after), list(labels))
-        differs = (before != after) | held
+    chosen, listing = set(labels), _Listing()
+    for block in _touched(connection, state, changes, chosen):
+        differs = block.before != block.after
+        if chosen:
+            differs |= np.isin(label_of(block.after), list(chosen))
         if differs.any():
-            shown = visible(after, state.exists)[differs]
-            pieces.setdefault(frame, []).append(_delta(indices[differs] + block * BLOCK, shown))
-    return {frame: _joined(deltas) for frame, deltas in pieces.items()}
+            listing.add(block.frame, block.delta(differs, visible(block.after, state.exists)))
+    return listing.frames()
 
 
-def labels_in(changes: Mapping[Place, Change], frames: Mapping[int, Delta]) -> set[FrameLabel]:
+def labels_in(changes: Mapping[Place, Change], frames: Deltas) -> set[FrameLabel]:
     """Frames and labels whose counts an edit may have changed."""
     found: set[FrameLabel] = set()
     for (frame, layer, _), change in changes.items():
         if layer == LABELS:
-            words = np.concatenate([change.before, change.after])
-            found.update((frame, label) for label in np.unique(label_of(words)).tolist())
+            for words in (change.before, change.after):
+                found.update((frame, label) for label in np.unique(label_of(words)).tolist())
     for frame, delta in frames.items():
-        found.update((frame, label) for label in np.unique(delta.label).tolist())
+        if delta is not None:
+            found.update((frame, label) for label in np.unique(delta.label).tolist())
     return {key for key in found if key[1]}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """Points of one block that an edit is about: value bits of both layers, before and after."""
+
+    frame: int
+    number: int
+    indices: Indices
+    before: States
+    after: States
+
+    def delta(self, which: NDArray[np.bool_], shown: States) -> Delta:
+        """Those ``which`` changed, and their values as they are ``shown`` now."""
+        indices = self.indices[which] + self.number * BLOCK
+        values = shown[which]
+        return Delta(
+            indices.astype(np.uint32), label_of(values), provenance_of(values), deleted_of(values)
+        )
 
 
 def _touched(
     connection: Connection,
     state: SequenceState,
     changes: Mapping[Place, Change],
-    labels: Iterable[int],
-) -> dict[tuple[int, int], Indices]:
-    touched: dict[tuple[int, int], Indices] = {}
-
-    def add(frame: int, block: int, indices: Indices) -> None:
-        earlier = touched.get((frame, block))
-        touched[frame, block] = indices if earlier is None else np.union1d(earlier, indices)
-
-    for (frame, _, block), change in changes.items():
-        add(frame, block, change.indices)
-    for label in labels:
-        for frame, block, indices in holders(connection, state, label):
-            add(frame, block, indices)
-    return dict(sorted(touched.items()))
+    labels: set[int],
+) -> Iterator[_Block]:
+    """Blocks that changes, or points that hold one of ``labels``, lie in; in order."""
+    holders = set(blocks_holding(state, labels)) if labels else set()
+    for frame, block in sorted({(frame, block) for frame, _, block in changes} | holders):
+        layers = {layer: changes.get((frame, layer, block)) for layer in (LABELS, DELETION)}
+        about = [change.indices for change in layers.values() if change is not None]
+        if (frame, block) in holders:
+            about.append(holding(connection, state, frame, block, labels))
+        indices = about[0] if len(about) == 1 else np.unique(np.concatenate(about))
+        if not len(indices):
+            continue
+        before, after = _both_layers(connection, state, layers, frame, block, indices)
+        yield _Block(frame, block, indices, before, after)
 
 
 def _both_layers(
     connection: Connection,
     state: SequenceState,
-    changes: Mapping[Place, Change],
+    changes: Mapping[int, Change | None],
     frame: int,
     block: int,
     indices: Indices,
@@ -130,7 +175,7 @@ def _both_layers(
     after = np.zeros(len(indices), np.uint64)
     for layer, bits in ((LABELS, VALUE_BITS & ~DELETED_BIT), (DELETION, DELETED_BIT)):
         words = state.block(connection, (frame, layer, block)).words(indices)
-        change = changes.get((frame, layer, block))
+        change = changes[layer]
         before_words, after_words = words, words
         if change is not None:
             at, mine = match_sorted(change.indices, indices)
@@ -142,17 +187,11 @@ def _both_layers(
     return before, after
 
 
-def _count(
-    counts: dict[FrameLabel, Count],
-    state: SequenceState,
-    frame: int,
-    before: States,
-    after: States,
-) -> None:
-    differs = before != after
-    for values, sign in ((before[differs], -1), (after[differs], 1)):
+def _count(counts: dict[FrameLabel, Count], state: SequenceState, block: _Block) -> None:
+    differs = block.before != block.after
+    for values, sign in ((block.before[differs], -1), (block.after[differs], 1)):
         for label, tally in tally_labels(values):
-            key = (frame, label)
+            key = (block.frame, label)
             old = counts.get(key) or state.counts.get(key, NONE)
             new = tuple(o + sign * t for o, t in zip(old, tally, strict=True))
             counts[key] = (new[0], new[1], new[2])
@@ -163,23 +202,14 @@ def tally_labels(values: States) -> Iterable[tuple[int, Count]]:
     values = values[(values & LABEL_BITS) != 0]
     if not len(values):
         return
-    present, at = np.unique(label_of(values), return_inverse=True)
+    labels = label_of(values)
     alive = ~deleted_of(values)
+    held = np.bincount(labels)
+    points = np.bincount(labels[alive], minlength=len(held))
     painted = alive & (provenance_of(values) == PAINTED)
-    n = len(present)
-    columns = (
-        np.bincount(at[alive], minlength=n),
-        np.bincount(at[painted], minlength=n),
-        np.bincount(at, minlength=n),
-    )
-    for label, points, drawn, held in zip(present.tolist(), *map(list, columns), strict=True):
-        yield label, (int(points), int(drawn), int(held))
-
-
-def _delta(indices: Indices, shown: States) -> Delta:
-    return Delta(
-        indices.astype(np.uint32), label_of(shown), provenance_of(shown), deleted_of(shown)
-    )
+    drawn = np.bincount(labels[painted], minlength=len(held))
+    for label in np.flatnonzero(held).tolist():
+        yield label, (int(points[label]), int(drawn[label]), int(held[label]))
 
 
 def _joined(deltas: list[Delta]) -> Delta:

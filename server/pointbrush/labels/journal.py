@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,6 @@ from sqlalchemy import (
     Row,
     and_,
     bindparam,
-    delete,
     insert,
     select,
     update,
@@ -21,10 +20,12 @@ from sqlalchemy import (
 
 from pointbrush.labels import schema
 from pointbrush.labels.blocks import Place
+from pointbrush.labels.changes import Changes
 from pointbrush.labels.database import CHUNK, Database
+from pointbrush.labels.derived import derive
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect
-from pointbrush.labels.packing import Change, decode_change, encode_change
+from pointbrush.labels.packing import Change, decode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
 
 # Statements of every stroke, built once: building one takes longer than running it.
@@ -55,7 +56,7 @@ _CHANGE_AT = select(edit_blocks.c.data).where(
 _ID_OF = select(edits.c.id).where(
     edits.c.sequence == bindparam("of_sequence"), edits.c.revision == bindparam("of_revision")
 )
-_REDONE = select(edits.c.revision, edits.c.redone).where(
+_REDONE = select(edits.c.revision).where(
     edits.c.sequence == bindparam("of_sequence"),
     edits.c.redone > bindparam("since"),
     edits.c.state.in_(schema.IN_FORCE),
@@ -71,6 +72,8 @@ _STACK = (
 )
 _FIRST, _LAST = _STACK.order_by(edits.c.revision), _STACK.order_by(edits.c.revision.desc())
 _INSERT_EDIT, _INSERT_BLOCK = insert(edits), insert(edit_blocks)
+
+BLOCKS_AT_ONCE = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +113,7 @@ def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> fl
         },
     )
     _append_parts(draft, key)
-    _derive(database, draft, effect)
+    derive(database, draft, effect)
     connection.execute(
         _ADVANCE,
         {
@@ -123,19 +126,19 @@ def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> fl
 
 
 def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
-    connection = draft.connection
-    if draft.changes:
+    connection, places = draft.connection, list(draft.changes)
+    for first in range(0, len(places), BLOCKS_AT_ONCE):
         connection.execute(
             _INSERT_BLOCK,
             [
                 {
                     **key,
-                    "frame": frame,
-                    "layer": layer,
-                    "block": block,
-                    "data": encode_change(change),
+                    "frame": place[0],
+                    "layer": place[1],
+                    "block": place[2],
+                    "data": draft.changes.packed(place),
                 }
-                for (frame, layer, block), change in sorted(draft.changes.items())
+                for place in places[first : first + BLOCKS_AT_ONCE]
             ],
         )
     if draft.label_fields:
@@ -154,51 +157,6 @@ def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
                 for (frame, label), data in draft.tracks.items()
             ],
         )
-
-
-def _derive(database: Database, draft: Draft, effect: Effect) -> None:
-    """Bring the palette, the tracks and the counts up to date."""
-    connection, number = draft.connection, draft.state.number
-    set_labels = [label for label in draft.labels.values() if label is not None]
-    fields = ("id", "name", "category", "color", "locked", "visible")
-    database.upsert(
-        connection,
-        schema.labels,
-        [{"sequence": number, **{f: getattr(label, f) for f in fields}} for label in set_labels],
-    )
-    for gone in (label_id for label_id, label in draft.labels.items() if label is None):
-        here = and_(schema.labels.c.sequence == number, schema.labels.c.id == gone)
-        connection.execute(delete(schema.labels).where(here))
-    database.upsert(
-        connection,
-        schema.tracks,
-        [
-            {"sequence": number, "frame": frame, "label": label, "data": data}
-            for (frame, label), data in draft.tracks.items()
-            if data is not None
-        ],
-    )
-    table = schema.tracks.c
-    gone_tracks = [
-        {"at_frame": frame, "of_label": label}
-        for (frame, label), data in draft.tracks.items()
-        if data is None
-    ]
-    if gone_tracks:
-        here = and_(
-            table.sequence == number,
-            table.frame == bindparam("at_frame"),
-            table.label == bindparam("of_label"),
-        )
-        connection.execute(delete(schema.tracks).where(here), gone_tracks)
-    database.upsert(
-        connection,
-        schema.counts,
-        [
-            {"sequence": number, "frame": f, "label": n, "points": a, "painted": b, "held": c}
-            for (f, n), (a, b, c) in effect.counts.items()
-        ],
-    )
 
 
 # ── reading ──────────────────────────────────────────────────────────────────────────────────
@@ -223,23 +181,14 @@ def edit_id_of(connection: Connection, number: int, revision: int | None) -> str
     return connection.execute(_ID_OF, values).scalar_one_or_none()
 
 
-def changes_of(connection: Connection, number: int, revision: int) -> dict[Place, Change]:
+def changes_of(connection: Connection, number: int, revision: int) -> Changes:
     """What an edit did to points."""
-    return dict(iterate_changes(connection, number, revision))
-
-
-def iterate_changes(
-    connection: Connection, number: int, revision: int
-) -> Iterator[tuple[Place, Change]]:
-    """What an edit did to points, place by place."""
     table = edit_blocks.c
-    query = (
-        select(table.frame, table.layer, table.block, table.data)
-        .where(table.sequence == number, table.revision == revision)
-        .order_by(table.frame, table.layer, table.block)
+    query = select(table.frame, table.layer, table.block, table.data).where(
+        table.sequence == number, table.revision == revision
     )
-    for frame, layer, block, data in connection.execute(query):
-        yield (frame, layer, block), decode_change(data)
+    rows = connection.execute(query)
+    return Changes({(frame, layer, block): data for frame, layer, block, data in rows})
 
 
 def change_at(connection: Connection, number: int, revision: int, place: Place) -> Change | None:
@@ -280,14 +229,10 @@ def by_others(connection: Connection, number: int, revisions: Sequence[int], aut
     return False
 
 
-def redone_since(
-    connection: Connection, number: int, since: int, after: int, before: int
-) -> list[tuple[int, int]]:
-    """Edits between two revisions, in force, redone after ``since``: in order, and when."""
-    # The range of revisions is no condition of the query: it would make SQLite look through the
-    # whole history instead of the few that were ever redone.
+def redone_since(connection: Connection, number: int, since: int) -> list[int]:
+    """Edits in force that were redone after revision ``since``, in order."""
     rows = connection.execute(_REDONE, {"of_sequence": number, "since": since})
-    return sorted((row.revision, row.redone) for row in rows if after < row.revision < before)
+    return sorted(row.revision for row in rows)
 
 
 # ── stacks ───────────────────────────────────────────────────────────────────────────────────

@@ -28,6 +28,8 @@ VALUE_BITS = np.uint64((1 << 25) - 1)
 DELETED_BIT = np.uint64(1 << 24)
 
 _HEAD = struct.Struct("<II")
+_LOW_BITS = np.uint64(18)
+"""Label and the two bits of provenance in use: what differs within an edit's block, mostly."""
 _LEVEL = 1  # zlib: the fastest; these bytes are written while somebody waits
 
 
@@ -88,7 +90,15 @@ def _distinct(states: States) -> tuple[States, NDArray[np.intp]]:
     """The distinct words, and for each word its place among them."""
     if len(states) and (states == states[0]).all():  # of most edits, at once
         return states[:1], np.zeros(len(states), np.intp)
-    return np.unique(states, return_inverse=True)
+    high = states >> _LOW_BITS
+    if len(states) < BLOCK // 16 or not (high == high[0]).all():
+        return np.unique(states, return_inverse=True)
+    # One writer: a table of the values there are is an eighth of the time of sorting words.
+    low = (states & np.uint64((1 << int(_LOW_BITS)) - 1)).astype(np.intp)
+    present = np.flatnonzero(np.bincount(low))
+    codes = np.empty(present[-1] + 1, np.intp)
+    codes[present] = np.arange(len(present))
+    return present.astype(np.uint64) | (high[0] << _LOW_BITS), codes[low]
 
 
 def decode_change(data: bytes) -> Change:

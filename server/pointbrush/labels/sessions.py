@@ -139,7 +139,7 @@ class Sessions:
             state.forget_blocks()
         else:
             for row in journal.rows_since(connection, state.number, first, GAP):
-                state.adopt(journal.iterate_changes(connection, state.number, row.revision))
+                state.adopt(journal.changes_of(connection, state.number, row.revision))
                 state.turn(row.kind, row.target)
         state.reload_palette(connection)
         state.reload_counts(connection)
@@ -233,7 +233,8 @@ class Sessions:
         state.counts.update(effect.counts)
         if draft.labels:
             state.set_palette(draft.palette.values())
-        for place in state.adopt(draft.changes.items()):
+        state.adopt(draft.changes)
+        for place in draft.changes:
             block = state.cached(place)
             if block is not None and block.age >= SNAPSHOT_EVERY and not block.queued:
                 block.queued = True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import zlib
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -151,16 +151,13 @@ class SequenceState:
                 self._blocks.put(self.number, (frame, layer, block), held)
         return [block for block in found if block is not None]
 
-    def adopt(self, changes: Iterable[tuple[Place, Change]]) -> list[Place]:
-        """Bring blocks in memory up to date; returns the places."""
-        places = []
-        for place, change in changes:
-            places.append(place)
+    def adopt(self, changes: Mapping[Place, Change]) -> None:
+        """Bring blocks in memory up to date."""
+        for place in changes:
             block = self._blocks.get(self.number, place)
             if block is not None:
-                block.apply(change, block_size(self.frame_points(place[0]), place[2]))
+                block.apply(changes[place], block_size(self.frame_points(place[0]), place[2]))
                 self._blocks.put(self.number, place, block)
-        return places
 
     def cached(self, place: Place) -> Block | None:
         """A block, if it is in memory."""

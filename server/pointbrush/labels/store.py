@@ -218,12 +218,14 @@ class LabelStore:
         Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
         already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
         with at least ``frame`` and ``label``.  ``if_match``: the revision it must commit on.
+        ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
+        memory come as they are made.
 
         Raises LockedLabelError when the label to write is locked, ConflictError for another
         revision than ``if_match``.
         """
         entry = new_entry(edit_id, author, kind, summary)
-        pairs = list(writes.items() if isinstance(writes, Mapping) else writes)
+        pairs = writes.items() if isinstance(writes, Mapping) else writes
         for label in labels:
             palette.check_id(label.id)
             palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})

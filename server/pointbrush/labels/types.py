@@ -76,6 +76,10 @@ class Delta:
         return len(self.indices)
 
 
+Deltas = Mapping[int, Delta | None]
+"""Deltas by frame; None where so many points changed that reading all values is the shorter way."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameValues:
     """A run of a frame's annotation: label (n,) uint16, provenance (n,) uint8, deleted (n,) bool.
@@ -121,7 +125,7 @@ class Commit:
     time: float = 0.0
     target: str | None = None
     repeated: bool = False
-    frames: Mapping[int, Delta] = field(default_factory=dict)
+    frames: Deltas = field(default_factory=dict)
     palette_changed: bool = False
     tracks_changed: bool = False
     cells: tuple[Cell, ...] = ()

@@ -27,6 +27,7 @@ from pointbrush.labels.state import visible
 from pointbrush.labels.writes import locked_error
 
 Indices = NDArray[np.int64]
+_Redone = dict[int, list[int]]
 
 
 @dataclass(slots=True, eq=False)
@@ -52,18 +53,17 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
     # Read first, since it is kept in memory: if this undo is not committed, it never was.
     undone = draft.state.undone(connection)
     journal.set_state(connection, number, edit.revision, state=schema.UNDONE)
-    uncovered = []
-    for place, change in journal.iterate_changes(connection, number, edit.revision):
+    redone: _Redone = {}
+    for place, change in journal.changes_of(connection, number, edit.revision).items():
         now = draft.words(place, change.indices)
         mine = writer_of(now) == np.uint64(edit.revision)
-        if mine.any():
-            before = change.before[mine]  # a copy
-            uncovered.append(
-                _Uncovered(place, change.indices[mine], now[mine], before, edit.revision)
-            )
-    _follow_chains(connection, number, uncovered, undone)
-    _lay_redone_over(connection, number, uncovered, edit.revision)
-    for one in uncovered:
+        if not mine.any():
+            continue
+        before = change.before[mine]  # a copy
+        one = _Uncovered(place, change.indices[mine], now[mine], before, edit.revision)
+        while gone := undone.intersection(np.unique(writer_of(one.words)).tolist()):
+            _step_down(connection, number, one, sorted(gone))
+        _lay_redone_over(connection, number, one, edit.revision, redone)
         draft.put(one.place, one.indices, one.now, one.words)
     _require_unlocked(draft)
     _palette(draft, edit)
@@ -77,7 +77,7 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
     """
     connection, number = draft.connection, draft.state.number
     journal.set_state(connection, number, edit.revision, state=schema.ACTIVE, redone=draft.revision)
-    for place, change in journal.iterate_changes(connection, number, edit.revision):
+    for place, change in journal.changes_of(connection, number, edit.revision).items():
         now = draft.words(place, change.indices)
         older = writer_of(now) < np.uint64(edit.revision)
         draft.put(place, change.indices[older], now[older], change.after[older])
@@ -86,20 +86,11 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
     _tracks(draft, edit)
 
 
-def _follow_chains(
-    connection: Connection, number: int, uncovered: list[_Uncovered], undone: set[int]
-) -> None:
-    """Go down from the words an edit found to those of an edit that is in force.
-
-    The writer of a word that it found may have been undone since: then what *that* one found
-    counts, and so on.
-    """
-    for one in uncovered:
-        while gone := undone.intersection(np.unique(writer_of(one.words)).tolist()):
-            _step_down(connection, number, one, sorted(gone))
-
-
 def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> None:
+    """Put in place of words of edits that are out of force what *those* edits found.
+
+    The writer of a word that an edit found may have been undone since, and so on down the chain.
+    """
     writers = writer_of(one.words)
     for writer in gone:
         rows = np.flatnonzero(writers == np.uint64(writer))
@@ -114,28 +105,27 @@ def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[
 
 
 def _lay_redone_over(
-    connection: Connection, number: int, uncovered: list[_Uncovered], revision: int
+    connection: Connection, number: int, one: _Uncovered, revision: int, known: _Redone
 ) -> None:
-    """Put in place what the chains cannot know of.
+    """Put in place what a chain cannot know of.
 
-    A chain misses an edit only if that was undone when a link of the chain was made, and redone
-    afterwards; those few are laid over in the order of the journal.
+    It misses an edit only if that was undone when a link of the chain was made, and redone
+    afterwards; those few are laid over in the order of the journal.  ``known``: edits redone
+    since a link, which most places have in common.
     """
-    if not uncovered:
-        return
-    oldest = min(int(writer_of(one.words).min()) for one in uncovered)
-    link = min(one.link for one in uncovered)
-    for other, redone in journal.redone_since(connection, number, link, oldest, revision):
-        for one in uncovered:
-            if redone <= one.link:
-                continue
-            change = journal.change_at(connection, number, other, one.place)
-            if change is None:
-                continue
-            at, mine = match_sorted(change.indices, one.indices)
-            rows = np.flatnonzero(mine)
-            newer = writer_of(one.words[rows]) < np.uint64(other)
-            one.words[rows[newer]] = change.after[at[newer]]
+    if one.link not in known:
+        known[one.link] = journal.redone_since(connection, number, one.link)
+    oldest = int(writer_of(one.words).min())
+    for other in known[one.link]:
+        if not oldest < other < revision:
+            continue
+        change = journal.change_at(connection, number, other, one.place)
+        if change is None:
+            continue
+        at, mine = match_sorted(change.indices, one.indices)
+        rows = np.flatnonzero(mine)
+        newer = writer_of(one.words[rows]) < np.uint64(other)
+        one.words[rows[newer]] = change.after[at[newer]]
 
 
 def _require_unlocked(draft: Draft) -> None:

@@ -50,7 +50,7 @@ def record(
     none = np.full(3, np.nan)
     return Record(
         count=len(xyz),
-        fields=("xyz", *(name for name in POINT_FIELDS if name in arrays)),
+        fields=("xyz", *(name for name in POINT_FIELDS if _says_something(name, arrays))),
         lo=chunks["lo"].min(axis=0).astype(np.float64) if len(xyz) else none,
         hi=chunks["hi"].max(axis=0).astype(np.float64) if len(xyz) else none,
         error=error,
@@ -62,6 +62,11 @@ def record(
         large=large,
         checksums=checksums,
     )
+
+
+def _says_something(name: str, arrays: dict[str, NDArray[Any]]) -> bool:
+    """Whether a frame has a field; labels that are all 0 are none, and nobody looks for them."""
+    return name in arrays and (name != "label" or bool(arrays[name].any()))
 
 
 def make_manifest(

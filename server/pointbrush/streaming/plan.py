@@ -44,6 +44,8 @@ class Plan:
     """One viewer's place in a sequence and what it holds.
 
     ``held[frame]``: chunks from the first on that were sent and not forgotten.
+    ``chunks[frame]``: of large frames, the chunks that were sent in any order; where a viewer came
+    back with a frame, nobody knows them, and there is no entry.
     """
 
     frames: int
@@ -55,6 +57,7 @@ class Plan:
     clock: PlayClock | None = None
     direction: int = 1
     held: dict[int, int] = field(default_factory=dict)
+    chunks: dict[int, set[int]] = field(default_factory=dict)
     pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
     _step: int = -1
@@ -86,6 +89,7 @@ class Plan:
         """The viewer dropped these."""
         for frame in frames:
             self.held.pop(frame, None)
+            self.chunks.pop(frame, None)
 
     def sent(self, piece: Piece, now: float) -> None:
         """A piece is on its way."""
@@ -95,6 +99,13 @@ class Plan:
         lead = (self.clock.time_of(piece.step) - now) / LOOKAHEAD
         self.pace.left(piece.step - self._step - 1 - self._had, lead, now)
         self._step, self._had = piece.step, 0
+
+    def unsent(self, piece: Piece, held: int | None) -> None:
+        """A piece was not sent after all; ``held``: what was held of its frame before."""
+        if held is None:
+            self.held.pop(piece.frame, None)
+        else:
+            self.held[piece.frame] = held
 
     def passed(self, step: int) -> None:
         """A step needs nothing: the viewer holds its frame."""

@@ -8,6 +8,7 @@ from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.plan import Piece
 from pointbrush.streaming.room import Room
+from pointbrush.streaming.table import FrameTable
 from pointbrush.streaming.viewer import Viewer
 
 VALUES_RUN = 4_000_000
@@ -58,32 +59,51 @@ class Sender:
             await send(outbox.presence.pop(next(iter(outbox.presence))))
 
     async def _deltas(self, up_to: int | None = None) -> None:
-        while (delta := self._outbox.next_delta(up_to)) is not None:
+        # None while values are owed: a viewer counts what it has by the newest delta that came,
+        # and if the link broke now, it would not be told again what it was owed before that.
+        while not self._outbox.stale and (delta := self._outbox.next_delta(up_to)) is not None:
             await self._viewer.send(delta.data)
 
     async def _stale(self) -> None:
         while self._outbox.stale and (room := self._viewer.room) is not None:
-            frame, noted = next(iter(self._outbox.stale.items()))
-            del self._outbox.stale[frame]
-            points = (await room.table(frame)).firsts[-1]
+            frame = next(iter(self._outbox.stale))
             try:
-                for first in range(0, max(points, 1), VALUES_RUN):
-                    run = min(VALUES_RUN, points - first)
-                    await self._values(room, frame, first, run, anew=first == 0)
+                await self._anew(room, frame)
             except UnavailableError:
-                self._outbox.stale.setdefault(frame, noted)
+                self._outbox.stale.setdefault(frame)
                 raise
 
-    async def _values(self, room: Room, frame: int, first: int, count: int, *, anew: bool) -> None:
-        """``anew``: nothing that the viewer has of the frame counts, these are its first values."""
-        revision, data = await room.values_message(frame, first, count)
-        if anew:
-            # A delta ahead of them would build on what the viewer does not have.
-            self._outbox.drop(frame, revision)
-        else:
-            # Older deltas go first: a viewer that applies everything as it comes is always right.
-            await self._deltas(revision)
-        await self._viewer.send(data)
+    async def _anew(self, room: Room, frame: int) -> None:
+        """All values of a frame.
+
+        Deltas that come while a large one is sent wait: they go over its runs again, in order,
+        whichever of them each run had in it already.
+        """
+        runs = self._runs(room, frame, await room.table(frame))
+        # From here on deltas of this frame come to the outbox again: nothing falls between.
+        self._outbox.stale.pop(frame, None)
+        oldest = None
+        for first, count in runs:
+            revision, data = await room.values_message(frame, first, count)
+            if self._viewer.room is not room:
+                return  # it has opened another one meanwhile
+            oldest = revision if oldest is None else oldest
+            # What the first run had in it, all have.
+            self._outbox.drop(frame, oldest)
+            await self._viewer.send(data)
+
+    def _runs(self, room: Room, frame: int, table: FrameTable) -> list[tuple[int, int]]:
+        """First point and number of the runs of a frame that a viewer may have points of."""
+        viewer, spans = self._viewer, [(0, table.firsts[-1])]
+        if room.recording.manifest.large and not viewer.resumed:
+            chunks = viewer.plan.chunks.get(frame)
+            if chunks is not None:
+                spans = table.spans(chunks)
+        return [
+            (first, min(VALUES_RUN, stop - first))
+            for start, stop in spans
+            for first in range(start, max(stop, start + 1), VALUES_RUN)
+        ]
 
     def _states_pause(self) -> float | None:
         room = self._viewer.room
@@ -104,11 +124,11 @@ class Sender:
         cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
         try:
-            await room.refresh()
+            await room.board.refresh()
             if labels:
-                await viewer.send(await room.labels_message(viewer.author))
+                await viewer.send(await room.board.labels_message(viewer.author))
             if cells is None or cells:
-                await viewer.send(await room.timeline_message(cells))
+                await viewer.send(await room.board.timeline_message(cells))
         except UnavailableError:
             outbox.labels = outbox.labels or labels
             outbox.all_cells = outbox.all_cells or cells is None
@@ -184,20 +204,42 @@ class Sender:
         plan = viewer.plan
         table = await room.table(piece.frame)
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
-        anew = not viewer.has(piece.frame)
+        anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
         plan.sent(piece, viewer.now())
-        if viewer.wanted is not None and viewer.wanted[0] == piece.frame:
-            sent = set(range(piece.first, piece.stop))
-            viewer.wanted[1][:] = [chunk for chunk in viewer.wanted[1] if chunk not in sent]
         try:
-            await self._values(room, piece.frame, first, stop - first, anew=anew)
+            revision, values = await room.values_message(piece.frame, first, stop - first)
         except UnavailableError:
-            plan.forget([piece.frame])
+            plan.unsent(piece, held)
             raise
+        if self._outbox.stale:
+            # What is owed goes first, and these values are then read again.
+            plan.unsent(piece, held)
+            return
+        if anew:
+            # A delta ahead of its first values would build on what the viewer does not have.
+            self._outbox.drop(piece.frame, revision)
+        else:
+            # Older deltas go first: a viewer that applies everything as it comes is always right.
+            await self._deltas(revision)
+        await viewer.send(values)
+        self._note(room, piece, anew=anew)
         data = await room.frame_message(piece.frame, piece.first, piece.stop, final=piece.final)
         plan.link.sent(len(data), viewer.now(), idle=self._idle)
         self._idle = False
         self._hub.metrics.frames.inc()
         self._hub.metrics.sent.inc(len(data))
         await viewer.send(data)
+
+    def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
+        """Note which chunks of a large frame are on their way."""
+        viewer = self._viewer
+        if not room.recording.manifest.large:
+            return
+        sent, chunks = set(range(piece.first, piece.stop)), viewer.plan.chunks
+        if anew:
+            chunks[piece.frame] = set()
+        if piece.frame in chunks:
+            chunks[piece.frame] |= sent
+        if viewer.wanted is not None and viewer.wanted[0] == piece.frame:
+            viewer.wanted[1][:] = [chunk for chunk in viewer.wanted[1] if chunk not in sent]

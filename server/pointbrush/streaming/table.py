@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +46,12 @@ class FrameTable:
     def chunks(self) -> int:
         """Number of chunks."""
         return len(self.ends)
+
+    def spans(self, chunks: Collection[int]) -> list[tuple[int, int]]:
+        """First point and end of each run of neighbouring ``chunks``, in order."""
+        numbers = np.unique(np.fromiter(chunks, np.int64, len(chunks)))
+        runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
+        return [(self.firsts[run[0]], self.firsts[run[-1] + 1]) for run in runs if len(run)]
 
     def start(self, chunk: int) -> int:
         """Where a chunk begins in the wire file."""

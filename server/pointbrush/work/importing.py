@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
@@ -138,16 +139,12 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
     Its id follows from the recording's, so that whoever comes back to it does nothing twice.
     """
     sequence = recording.manifest.id
-    writes: dict[int, Write] = {}
     found: set[int] = set()
-    for index in range(len(recording)):
-        label = recording[index].label
-        if label is None or not label.any():
-            continue
-        numbers = np.flatnonzero(label)
-        found.update(np.unique(label[numbers]).tolist())
-        writes[index] = Write(numbers, label=np.asarray(label[numbers]), provenance=IMPORTED)
-    if not writes:
+    frames: set[int] = set()
+    for index, _, label in _source_labels(recording):
+        frames.add(index)
+        found.update(np.unique(label).tolist())
+    if not frames:
         return
     sources = [Path(source) for source in recording.manifest.source.split(", ")]
     named = {label.id: label for label in source_palette(sources)}
@@ -156,10 +153,27 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
         author="import",
         kind="import",
-        writes=writes,
-        summary=f"labels that came with the files, {len(writes)} frames",
+        writes=(
+            (index, Write(numbers, label=label, provenance=IMPORTED))
+            for index, numbers, label in _source_labels(recording)
+        ),
+        summary=f"labels that came with the files, {len(frames)} frames",
         labels=[label_of(label_id, named.get(label_id)) for label_id in sorted(found)],
     )
+
+
+def _source_labels(
+    recording: Sequence,
+) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.uint16]]]:
+    """Frame, numbers (n,) and labels (n,) of the points that came with one, in little memory."""
+    for frame in recording:
+        if frame.label is None:
+            continue
+        for first in range(0, frame.count, PART_POINTS):
+            label = frame.read("label", first, min(first + PART_POINTS, frame.count))
+            numbers = np.flatnonzero(label)
+            if len(numbers):
+                yield frame.index, numbers + first, np.asarray(label[numbers])
 
 
 def label_of(label_id: int, given: SourceLabel | None) -> Label:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,30 +10,9 @@ from numpy.typing import NDArray
 
 from pointbrush.labels import LabelStore
 from pointbrush.work.layers import LAYERS
+from pointbrush.work.packed import Packed
 
 PIECE_POINTS = 1_000_000
-_LEVEL = 1  # zlib: the fastest; neighbours in stored order have the same label mostly
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Packed:
-    """Values of a run of points: compressed, or the one that all of them have."""
-
-    count: int
-    dtype: np.dtype[Any]
-    data: bytes | None
-    value: Any
-
-    @classmethod
-    def of(cls, values: NDArray[Any]) -> _Packed:
-        same = not len(values) or bool((values == values[0]).all())
-        data = None if same else zlib.compress(values.tobytes(), _LEVEL)
-        return cls(len(values), values.dtype, data, values[0] if same and len(values) else 0)
-
-    def values(self) -> NDArray[Any]:
-        if self.data is None:
-            return np.full(self.count, self.value, self.dtype)
-        return np.frombuffer(zlib.decompress(self.data), self.dtype)
 
 
 class KeptAnnotation:
@@ -48,10 +25,10 @@ class KeptAnnotation:
         self.revision = 0
         self.sizes = np.zeros(1, np.int64)
         """Points of each label that are not deleted, by label id."""
-        self._pieces: list[dict[str, _Packed]] = []
+        self._pieces: list[dict[str, Packed]] = []
         for values in store.runs(sequence, frame, PIECE_POINTS):
             self.revision = values.revision
-            self._pieces.append({name: _Packed.of(getattr(values, name)) for name in layers})
+            self._pieces.append({name: Packed.of(getattr(values, name)) for name in layers})
             counts = np.bincount(values.label[~values.deleted], minlength=len(self.sizes))
             counts[: len(self.sizes)] += self.sizes
             self.sizes = counts.astype(np.int64)

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, LockedLabelError
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Label, LabelStore, Write
+from pointbrush.labels.packing import BLOCK
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.packed import Packed
 
 LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
 IMPORTED = 3
-PIECE_POINTS = 1_000_000
+PIECE_POINTS = 16 * BLOCK
+"""Points compared at once: whole blocks of the journal."""
 
 
 def require_layer(layer: str) -> np.dtype[Any]:
@@ -25,30 +30,43 @@ def require_layer(layer: str) -> np.dtype[Any]:
 
 def replacement(
     store: LabelStore, recording: Recording, frame: int, layer: str, array: NDArray[Any]
-) -> Write:
-    """The write that makes a frame's layer equal ``array`` (N,), source order.
+) -> Iterator[tuple[int, Write]]:
+    """The writes that make a frame's layer equal ``array`` (N,), source order.
 
+    What differs is found at once and kept compressed, so that a whole scan takes little memory.
     Raises BadInputError (shape, type, unknown labels, values), LockedLabelError.
     """
-    dtype, stored, sequence = require_layer(layer), recording[frame], recording.manifest.id
+    dtype, stored = require_layer(layer), recording[frame]
     if array.shape != (stored.count,) or array.dtype != dtype:
         raise BadInputError(
             f"annotation: expected ({stored.count},) {dtype}, got {array.shape} {array.dtype}"
         )
+    if layer == "provenance" and array.size and array.max() > IMPORTED:
+        raise BadInputError(f"provenance: expected 0 to 3, got {int(array.max())}")
+    palette = {label.id: label for label in store.palette(recording.manifest.id)}
     found = [
-        _difference(store, recording, frame, layer, array, first)
-        for first in range(0, max(stored.count, 1), PIECE_POINTS)
+        _difference(store, recording, frame, layer, array, first, palette)
+        for first in range(0, stored.count, PIECE_POINTS)
     ]
-    numbers, before, value = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    if layer == "label":
-        _require_allowed(store, sequence, before, value)
-        provenance = np.where(value > 0, IMPORTED, 0).astype(np.uint8)
-        return Write(numbers, label=value, provenance=provenance)
-    if layer == "provenance":
-        if value.size and value.max() > IMPORTED:
-            raise BadInputError(f"provenance: expected 0 to 3, got {int(value.max())}")
-        return Write(numbers, provenance=value)
-    return Write(numbers, deleted=value)
+    return ((frame, piece.write(layer)) for piece in found if piece.wanted.count)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Difference:
+    """Where a piece from stored number ``first`` on is not as wanted, and what is wanted there."""
+
+    first: int
+    differs: Packed
+    wanted: Packed
+
+    def write(self, layer: str) -> Write:
+        numbers, value = np.flatnonzero(self.differs.values()) + self.first, self.wanted.values()
+        if layer == "label":
+            provenance = np.where(value > 0, IMPORTED, 0).astype(np.uint8)
+            return Write(numbers, label=value, provenance=provenance)
+        if layer == "provenance":
+            return Write(numbers, provenance=value)
+        return Write(numbers, deleted=value)
 
 
 def _difference(
@@ -58,21 +76,21 @@ def _difference(
     layer: str,
     array: NDArray[Any],
     first: int,
-) -> tuple[NDArray[np.int64], NDArray[Any], NDArray[Any]]:
-    """Where a piece from stored number ``first`` on is not as wanted: numbers, values, wanted."""
+    palette: dict[int, Label],
+) -> _Difference:
     stored = recording[frame]
     stop = min(first + PIECE_POINTS, stored.count)
     wanted = array[stored.read("source_index", first, stop)]
-    values = store.values(recording.manifest.id, frame, first, stop - first)
-    now = getattr(values, layer)
-    differs = np.flatnonzero(wanted != now)
-    return differs + first, now[differs], wanted[differs]
+    now = getattr(store.values(recording.manifest.id, frame, first, stop - first), layer)
+    differs = wanted != now
+    if layer == "label":
+        _require_allowed(palette, now[differs], wanted[differs])
+    return _Difference(first, Packed.of(differs), Packed.of(wanted[differs]))
 
 
 def _require_allowed(
-    store: LabelStore, sequence: str, now: NDArray[np.uint16], wanted: NDArray[np.uint16]
+    palette: dict[int, Label], now: NDArray[np.uint16], wanted: NDArray[np.uint16]
 ) -> None:
-    palette = {label.id: label for label in store.palette(sequence)}
     unknown = [n for n in np.unique(wanted).tolist() if n and n not in palette]
     if unknown:
         raise BadInputError(
