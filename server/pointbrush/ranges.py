@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,3 +14,11 @@ def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
     begin = np.cumsum(length) - length
     offset = np.repeat(start - begin, length)
     return np.asarray(np.arange(len(offset), dtype=np.int64) + offset)
+
+
+def by_block(numbers: NDArray[np.int64], size: int) -> Iterator[tuple[int, slice]]:
+    """The first number of each block of ``size`` that sorted ``numbers`` (n,) meet, and where."""
+    blocks = numbers // size
+    starts = np.flatnonzero(np.diff(blocks, prepend=-1))
+    for start, stop in zip(starts.tolist(), [*starts[1:].tolist(), len(numbers)], strict=False):
+        yield int(blocks[start]) * size, slice(start, stop)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection import Points, Selector, Stroke, first_hits, select
+from pointbrush.selection import points as selected_points
 from pointbrush.sequences.blocks import Blocks, bound, cut
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -213,9 +216,41 @@ def test_batches_of_samples_take_what_the_whole_stroke_takes(
             whole.directions[start : start + batch],
             radius=0.15,
         )
-        fresh.append(selector.add(some))
-    assert selector.numbers.tolist() == select(points, whole).tolist()
-    assert np.sort(np.concatenate(fresh)).tolist() == selector.numbers.tolist()
+        fresh.extend(selector.add(some))
+    taken = np.concatenate(list(selector.taken.parts()))
+    assert taken.tolist() == select(points, whole).tolist()
+    assert np.sort(np.concatenate(fresh)).tolist() == taken.tolist()
+
+
+@pytest.mark.parametrize("shape", ["sphere", "ray", "tube", "lasso", "box", "plane"])
+def test_a_scan_looked_at_in_groups_gives_the_same(
+    shape: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(9)
+    xyz = rng.uniform(-1, 1, (30_000, 3)).astype(np.float32)
+    xyz[::2, 2] = rng.normal(0, 0.004, 15_000)
+    points, released = indexed(xyz), []
+    fields: dict[str, object] = {"label": 1, "shape": shape, "radius": 0.4}
+    aim = {"origin": [0.1, 0.2, 2.0], "direction": [0.05, 0.0, -1.0]}
+    match shape:
+        case "lasso":
+            polygon = [[-0.5, -0.6], [0.7, -0.2], [0.1, 0.8]]
+            fields |= {"polygon": polygon, "matrix": np.eye(4).tolist()}
+        case "box":
+            fields |= {"center": [0, 0, 0], "size": [1.0, 1.5, 0.7]}
+        case "tube":
+            fields |= {"shape": "ray", "through": True, "samples": [aim]}
+        case "sphere":
+            fields |= {"samples": [{"origin": [-0.5, 0, 0]}, {"origin": [0.5, 0.3, 0]}]}
+        case _:
+            fields |= {"samples": [aim]}
+    brush = Stroke.parse(fields)
+    at_once = select(points, brush)
+    monkeypatch.setattr(selected_points, "GROUP_POINTS", 1_000)
+    grouped = replace(points, release=lambda: released.append(1))
+    assert select(grouped, brush).tolist() == at_once.tolist()
+    assert len(at_once) > 200
+    assert released
 
 
 @pytest.mark.parametrize("shape", ["sphere", "ray", "grow", "plane"])

@@ -1,15 +1,18 @@
 """A stroke and a frame in, the numbers of the points it takes out: one module per shape."""
 
-from pointbrush.selection.plane import Plane, fit_plane
+from pointbrush.selection.plane import fit_plane
 from pointbrush.selection.points import Blocks, Points
+from pointbrush.selection.pointset import PointSet
 from pointbrush.selection.select import Selector, first_hits, select
 from pointbrush.selection.stroke import SHAPES, TOOLS, Stroke
+from pointbrush.selection.surface import Plane
 
 __all__ = [
     "SHAPES",
     "TOOLS",
     "Blocks",
     "Plane",
+    "PointSet",
     "Points",
     "Selector",
     "Stroke",

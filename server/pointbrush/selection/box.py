@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,12 +15,13 @@ def box(
     center: NDArray[np.float64],
     size: NDArray[np.float64],
     rotation: NDArray[np.float64],
-) -> NDArray[np.int64]:
-    """Numbers of the points in the box; sorted.
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points in the box; sorted, in parts.
 
     ``center`` (3,) local metres, ``size`` (3,) full edges, ``rotation`` (3, 3) box axes as columns.
     """
     reach = np.abs(rotation) @ (size / 2)
-    numbers = points.numbers(points.blocks_in_box(center - reach, center + reach))
-    inside = np.abs((points.xyz[numbers].astype(np.float64) - center) @ rotation) <= size / 2
-    return numbers[inside.all(axis=1)]
+    for blocks in points.groups(points.blocks_in_box(center - reach, center + reach)):
+        numbers = points.numbers(blocks)
+        inside = np.abs((points.xyz[numbers].astype(np.float64) - center) @ rotation) <= size / 2
+        yield numbers[inside.all(axis=1)]

@@ -6,6 +6,8 @@ constraint" (ISPRS 2006), with a colour criterion; grown in waves so that it is 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -22,13 +24,13 @@ SURFACE = 0.15
 LIKE_NEIGHBOUR = 32.0
 LIKE_SEED = 80.0
 """Greatest colour distances (RGB, 0..255 each) to the neighbour and to the seed."""
-REACH = 5.0
-"""Metres round the seed that are searched where the frame has no tree of its own."""
+REACH, LEAST_REACH, MOST = 5.0, 0.05, 4_000_000
+"""Metres round the seed that are searched where the frame has no tree of its own, and points."""
 
 
 def grow(
     points: Points, seed: NDArray[np.float64], radius: float, alive: Alive | None = None
-) -> NDArray[np.int64]:
+) -> Iterator[NDArray[np.int64]]:
     """Numbers of the region that holds the point nearest to ``seed`` (3,) local metres; sorted.
 
     Neighbours belong together when they are nearer than ``radius`` and than a few times the
@@ -38,15 +40,27 @@ def grow(
         members = None
         xyz, tree = points.xyz, points.kdtree()
     else:
-        members = swept_ball(points, seed[None], REACH)
+        members = swept_ball(points, seed[None], _reach(points, seed))
         if len(members) == 0:
-            return members
+            return
         xyz = points.xyz[members]
         tree = cKDTree(xyz)
     rgb = points.rgb if members is None or points.rgb is None else points.rgb[members]
     region = _grow_waves(xyz, rgb, tree, seed, radius)
     numbers = np.sort(region if members is None else members[region])
-    return numbers if alive is None else numbers[alive(numbers)]
+    yield numbers if alive is None else numbers[alive(numbers)]
+
+
+def _reach(points: Points, seed: NDArray[np.float64]) -> float:
+    """How far round the seed is searched: less where the scan is so dense that a tree of all that
+    lies there would not fit in memory."""
+    reach, first = REACH, points.blocks.first
+    while reach > LEAST_REACH:
+        near = points.blocks_in_box(seed - reach, seed + reach)
+        if int((first[near + 1] - first[near]).sum()) <= MOST:
+            break
+        reach /= 2
+    return reach
 
 
 def _grow_waves(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +12,8 @@ from pointbrush.selection.points import Points
 
 def lasso(
     points: Points, polygon: NDArray[np.float64], matrix: NDArray[np.float64]
-) -> NDArray[np.int64]:
-    """Numbers of the points whose projection lies in ``polygon``; sorted.
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points whose projection lies in ``polygon``; sorted, in parts.
 
     ``polygon`` (V, 2) in normalised device coordinates, even-odd rule; ``matrix`` (4, 4)
     ``clip_from_local``.  Points behind the camera's near plane are never taken.
@@ -28,13 +30,14 @@ def lasso(
         outside |= (y > hi[1] * w).all(1) | (y < lo[1] * w).all(1) | (w <= 0).all(1)
         return np.asarray(~outside)
 
-    numbers = points.numbers(points.blocks_where(touches))
-    x, y, z, w = _project(points.xyz[numbers], matrix).T
-    seen = (w > 0) & (z >= -w)
-    numbers, x, y = numbers[seen], x[seen] / w[seen], y[seen] / w[seen]
-    boxed = (x >= lo[0]) & (x <= hi[0]) & (y >= lo[1]) & (y <= hi[1])
-    numbers, x, y = numbers[boxed], x[boxed], y[boxed]
-    return np.asarray(numbers[inside_polygon(x, y, polygon)])
+    for blocks in points.groups(points.blocks_where(touches)):
+        numbers = points.numbers(blocks)
+        x, y, z, w = _project(points.xyz[numbers], matrix).T
+        seen = (w > 0) & (z >= -w)
+        numbers, x, y = numbers[seen], x[seen] / w[seen], y[seen] / w[seen]
+        boxed = (x >= lo[0]) & (x <= hi[0]) & (y >= lo[1]) & (y <= hi[1])
+        numbers, x, y = numbers[boxed], x[boxed], y[boxed]
+        yield numbers[inside_polygon(x, y, polygon)]
 
 
 def inside_polygon(

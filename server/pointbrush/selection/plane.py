@@ -8,16 +8,16 @@ hypotheses of RANSAC, Fischler and Bolles 1981, without its dice).  Nothing here
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive
 from pointbrush.selection.sphere import swept_ball
+from pointbrush.selection.surface import Plane, Surface
 
 Vector = NDArray[np.float64]
 
@@ -34,42 +34,27 @@ THINNEST, SEARCHED, THICKEST = 0.02, 0.2, 0.5
 DEVIATIONS = 3.0
 NOISE = 1.4826
 """Standard deviations for one median absolute deviation, normal noise."""
-BESIDE = 4.0
-"""What stands on a surface shows within so many of its thicknesses."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Plane:
-    """``normal`` (3,) of length 1; ``normal · p = height``; points within ``thick`` are on it."""
-
-    normal: Vector
-    height: float
-    thick: float
-
-    def off(self, xyz: NDArray[np.floating]) -> Vector:
-        """Signed distances of points (n, 3) from the plane, metres."""
-        return np.asarray(xyz, np.float64) @ self.normal - self.height
 
 
 def plane(
     points: Points, hit: Vector, radius: float, alive: Alive | None = None
-) -> NDArray[np.int64]:
-    """Numbers of the points of the flat surface that holds ``hit`` (3,) local metres; sorted.
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points of the flat surface that holds ``hit`` (3,) local metres; in parts.
 
     The surface is as thick as its noise, at most half of ``radius``.  Gaps up to twice the
     radius are bridged, and what stands on it or passes through it is left out.
     """
     found = fit_plane(points, hit, radius, alive)
     if found is None:
-        return np.empty(0, np.int64)
-    numbers = np.empty(0, np.int64)
+        return
     for _ in range(2):
         # What hangs together decides the plane anew: a floor is known better as a whole.
-        numbers = _surface(points, found, hit, radius, alive)
-        if len(numbers) < 3:
-            return numbers
-        found = _least_squares(_thin(points.xyz[numbers]), found, radius)
-    return _surface(points, found, hit, radius, alive)
+        surface = Surface(points, found, hit, radius, alive)
+        if surface.count < 3:
+            yield from surface.parts()
+            return
+        found = _least_squares(surface.thinned(MOST), found, radius)
+    yield from Surface(points, found, hit, radius, alive).parts()
 
 
 def fit_plane(
@@ -126,71 +111,6 @@ def _least_squares(near: Vector, before: Plane, radius: float) -> Plane:
     noise = NOISE * float(np.median(off[off <= 2 * before.thick]))
     thick = float(np.clip(DEVIATIONS * noise, THINNEST * radius, THICKEST * radius))
     return replace(found, thick=thick)
-
-
-def _surface(
-    points: Points, found: Plane, hit: Vector, radius: float, alive: Alive | None
-) -> NDArray[np.int64]:
-    """Numbers of the points on a plane that hang together with ``hit``; sorted."""
-    beside = BESIDE * found.thick
-    numbers = points.numbers(_blocks_near(points, found, beside))
-    xyz = points.xyz[numbers]
-    off = np.abs(found.off(xyz))
-    near = off <= beside
-    numbers, off, flat = numbers[near], off[near], _flat(found, xyz[near], hit)
-    if alive is not None:
-        living = alive(numbers)
-        numbers, off, flat = numbers[living], off[living], flat[living]
-    on = off <= found.thick
-    # 1. Where more points lie beside the surface than on it, something stands there.
-    cells, cell = np.unique(_keys(flat, radius / 2), return_inverse=True)
-    bare = np.bincount(cell[on], minlength=len(cells)) >= np.bincount(
-        cell[~on], minlength=len(cells)
-    )
-    on &= bare[cell]
-    # 2. What hangs together with the place that was met.
-    return np.asarray(numbers[on][_together(flat[on], 2 * radius)])
-
-
-def _blocks_near(points: Points, found: Plane, beside: float) -> NDArray[np.int64]:
-    """Blocks whose boxes come within ``beside`` of the plane."""
-
-    def touches(lo: NDArray[np.float32], hi: NDArray[np.float32]) -> NDArray[np.bool_]:
-        half = (hi.astype(np.float64) - lo) / 2
-        return np.asarray(np.abs(found.off(lo + half)) <= half @ np.abs(found.normal) + beside)
-
-    return points.blocks_where(touches)
-
-
-def _flat(found: Plane, xyz: NDArray[np.float32], hit: Vector) -> Vector:
-    """Coordinates (n, 2) in the plane, with the hit at zero."""
-    aside = np.cross(found.normal, np.eye(3)[int(np.abs(found.normal).argmin())])
-    aside /= np.linalg.norm(aside)
-    axes = np.stack([aside, np.cross(found.normal, aside)], axis=1)
-    return np.asarray((xyz - hit) @ axes)
-
-
-def _keys(flat: Vector, size: float) -> NDArray[np.int64]:
-    """One number for each square of ``size`` metres."""
-    column = np.floor(flat / size).astype(np.int64)
-    return np.asarray(column[:, 0] * 2**31 + column[:, 1])
-
-
-def _together(flat: Vector, size: float) -> NDArray[np.bool_]:
-    """Which points lie in squares that join, corner to corner, with the one nearest to zero."""
-    if len(flat) == 0:
-        return np.empty(0, np.bool_)
-    squares, square = np.unique(_keys(flat, size), return_inverse=True)
-    links = []
-    for step in (1, 2**31 - 1, 2**31, 2**31 + 1):
-        at = np.minimum(np.searchsorted(squares, squares + step), len(squares) - 1)
-        joined = np.flatnonzero(squares[at] == squares + step)
-        links.append(np.stack([joined, at[joined]]))
-    one, other = np.concatenate(links, axis=1)
-    ones = np.ones(len(one), np.bool_)
-    _, part = connected_components(coo_array((ones, (one, other)), shape=(len(squares),) * 2))
-    start = square[int((flat**2).sum(axis=1).argmin())]
-    return np.asarray(part[square] == part[start])
 
 
 def _thin(xyz: NDArray[np.float32]) -> Vector:

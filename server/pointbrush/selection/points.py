@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pointbrush.ranges import ranges
+
+GROUP_POINTS = 1 << 21
 
 
 class Blocks(Protocol):
@@ -51,7 +53,8 @@ class Points:
 
     ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``levels`` first point number of
     each progressive level (each level is an even subsample of the frame); ``kdtree`` gives the
-    frame's tree, or is None where the frame is too large to have one.
+    frame's tree, or is None where the frame is too large to have one; ``release`` lets go of the
+    memory of what was looked at, where the frame is larger than memory.
     """
 
     xyz: NDArray[np.float32]
@@ -59,6 +62,7 @@ class Points:
     rgb: NDArray[np.uint8] | None = None
     levels: tuple[int, ...] = (0,)
     kdtree: Callable[[], cKDTree] | None = None
+    release: Callable[[], None] | None = None
 
     def __len__(self) -> int:
         return len(self.xyz)
@@ -81,6 +85,19 @@ class Points:
         numbers = ranges(first[chunks], first[chunks + 1])
         kept = touches(self.blocks.lo[numbers], self.blocks.hi[numbers])
         return np.asarray(numbers[kept])
+
+    def groups(self, blocks: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+        """``blocks`` in runs of about two million points, to be worked on one after another."""
+        ends = np.cumsum(self.blocks.first[blocks + 1] - self.blocks.first[blocks])
+        start = 0
+        while start < len(blocks):
+            before = int(ends[start - 1]) if start else 0
+            stop = int(np.searchsorted(ends, before + GROUP_POINTS, side="right"))
+            stop = max(stop, start + 1)
+            yield blocks[start:stop]
+            if self.release is not None and stop - start < len(blocks):
+                self.release()
+            start = stop
 
     def numbers(self, blocks: NDArray[np.int64]) -> NDArray[np.int64]:
         """Stored numbers of all points in ``blocks``, ascending when ``blocks`` is."""

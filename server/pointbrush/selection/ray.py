@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection.points import Points
-from pointbrush.selection.sphere import swept_ball
+from pointbrush.selection.sphere import swept_parts
 
 Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
 """Says of point numbers whether each can be hit (a deleted point cannot)."""
@@ -20,11 +20,11 @@ def ray_balls(
     directions: NDArray[np.float64],
     radius: float,
     alive: Alive | None = None,
-) -> NDArray[np.int64]:
-    """Numbers of the points within ``radius`` of the first hit of any ray; sorted, unique."""
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points within ``radius`` of the first hit of a ray; parts, each sorted."""
     hits = first_hits(points, origins, directions, radius, alive)
-    balls = [swept_ball(points, hit[None], radius) for hit in hits[np.isfinite(hits[:, 0])]]
-    return np.unique(np.concatenate(balls)) if balls else np.empty(0, np.int64)
+    for hit in hits[np.isfinite(hits[:, 0])]:
+        yield from swept_parts(points, hit[None], radius)
 
 
 def ray_tubes(
@@ -32,14 +32,13 @@ def ray_tubes(
     origins: NDArray[np.float64],
     directions: NDArray[np.float64],
     radius: float,
-) -> NDArray[np.int64]:
-    """Numbers of the points within ``radius`` of any of the half-lines; sorted, unique."""
-    found = [np.empty(0, np.int64)]
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points within ``radius`` of a half-line; parts, each sorted."""
     for origin, direction in zip(origins, directions, strict=True):
-        numbers = points.numbers(_blocks_on_ray(points, origin, direction, radius))
-        along, off = _along_and_off(points.xyz[numbers], origin, direction)
-        found.append(numbers[(along >= 0) & (off <= radius)])
-    return np.unique(np.concatenate(found))
+        for blocks in points.groups(_blocks_on_ray(points, origin, direction, radius)):
+            numbers = points.numbers(blocks)
+            along, off = _along_and_off(points.xyz[numbers], origin, direction)
+            yield numbers[(along >= 0) & (off <= radius)]
 
 
 def first_hits(
@@ -56,7 +55,22 @@ def first_hits(
     """
     hits = np.full((len(origins), 3), np.nan)
     for k, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
-        blocks = _blocks_on_ray(points, origin, direction, radius)
+        along = _first_along(points, origin, direction, radius, alive)
+        if np.isfinite(along):
+            hits[k] = origin + along * direction
+    return hits
+
+
+def _first_along(
+    points: Points,
+    origin: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    radius: float,
+    alive: Alive | None,
+) -> float:
+    """How far along a ray the surface is met; infinity when it is not."""
+    first_near = first_met = np.inf
+    for blocks in points.groups(_blocks_on_ray(points, origin, direction, radius)):
         numbers = points.numbers(blocks)
         counts = points.blocks.first[blocks + 1] - points.blocks.first[blocks]
         reach = np.repeat(np.clip(points.spacing(blocks), 0.05 * radius, radius), counts)
@@ -64,12 +78,10 @@ def first_hits(
         met = (along > 0) & (off <= radius)
         if alive is not None:
             met[met] = alive(numbers[met])
-        near = met & (off <= reach)
-        # Sparse clouds: where nothing lies within the spacing, the brush's own width decides.
-        met = near if near.any() else met
-        if met.any():
-            hits[k] = origin + along[met].min() * direction
-    return hits
+        first_met = min(first_met, along[met].min(initial=np.inf))
+        first_near = min(first_near, along[met & (off <= reach)].min(initial=np.inf))
+    # Sparse clouds: where nothing lies within the spacing, the brush's own width decides.
+    return float(first_near if np.isfinite(first_near) else first_met)
 
 
 def _blocks_on_ray(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +14,12 @@ from pointbrush.selection.grow import grow
 from pointbrush.selection.lasso import lasso
 from pointbrush.selection.plane import plane
 from pointbrush.selection.points import Points
+from pointbrush.selection.pointset import PointSet
 from pointbrush.selection.ray import Alive, first_hits, ray_balls, ray_tubes
-from pointbrush.selection.sphere import swept_ball
+from pointbrush.selection.sphere import swept_ball, swept_parts
 from pointbrush.selection.stroke import Stroke
 
-__all__ = ["Selector", "first_hits", "select"]
+__all__ = ["Selector", "first_hits", "select", "select_parts"]
 
 REGIONS = {"grow": grow, "plane": plane}
 """Shapes that take a region round each place that a ray meets."""
@@ -30,6 +32,17 @@ def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArra
     rules of locked labels and ``only_unlabeled``, are the label store's.
     Raises BadInputError when a sampled shape has no samples.
     """
+    parts = list(select_parts(points, stroke, alive))
+    if len(parts) == 1:
+        return parts[0]
+    numbers = np.concatenate([np.empty(0, np.int64), *parts])
+    return numbers if (np.diff(numbers) > 0).all() else np.unique(numbers)
+
+
+def select_parts(
+    points: Points, stroke: Stroke, alive: Alive | None = None
+) -> Iterator[NDArray[np.int64]]:
+    """The same in parts, each sorted, so that a selection of a whole scan takes little memory."""
     if stroke.lasso is not None:
         return lasso(points, stroke.lasso.polygon, stroke.lasso.matrix)
     if stroke.box is not None:
@@ -37,7 +50,7 @@ def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArra
     if len(stroke.origins) == 0:
         raise BadInputError(f"samples: expected at least one for shape '{stroke.shape}', got none")
     if stroke.shape == "sphere":
-        return swept_ball(points, stroke.origins, stroke.radius)
+        return swept_parts(points, stroke.origins, stroke.radius)
     if stroke.shape in REGIONS:
         return _regions(points, stroke, alive)
     if stroke.through:
@@ -55,14 +68,15 @@ class Selector:
         """``brush`` is the stroke without samples, in local coordinates."""
         self._points, self._brush, self._alive = points, brush, alive
         self._last: Stroke | None = None
-        self.numbers: NDArray[np.int64] = np.empty(0, np.int64)
+        self.taken = PointSet()
         if brush.shape in ("lasso", "box"):
-            self.numbers = select(points, brush)
+            for part in select_parts(points, brush):
+                self.taken.add(part)
 
-    def add(self, samples: Stroke) -> NDArray[np.int64]:
-        """Take in a batch (the brush with new samples); returns the newly touched numbers."""
+    def add(self, samples: Stroke) -> Iterator[NDArray[np.int64]]:
+        """Take in a batch (the brush with new samples) while the newly touched numbers are read."""
         if self._brush.shape in ("lasso", "box") or len(samples.origins) == 0:
-            return np.empty(0, np.int64)
+            return
         batch = samples
         if self._last is not None and self._brush.shape == "sphere":
             # The ball sweeps on from where the last batch ended.
@@ -70,19 +84,16 @@ class Selector:
                 samples, origins=np.concatenate([self._last.origins[-1:], samples.origins])
             )
         self._last = samples
-        taken = select(self._points, batch, self._alive)
-        fresh = np.setdiff1d(taken, self.numbers, assume_unique=True)
-        self.numbers = np.union1d(self.numbers, fresh)
-        return fresh
+        for part in select_parts(self._points, batch, self._alive):
+            yield self.taken.add(part)
 
 
-def _regions(points: Points, stroke: Stroke, alive: Alive | None) -> NDArray[np.int64]:
-    region = np.empty(0, np.int64)
+def _regions(points: Points, stroke: Stroke, alive: Alive | None) -> Iterator[NDArray[np.int64]]:
+    filled = PointSet()
     hits = first_hits(points, stroke.origins, stroke.directions, stroke.radius, alive)
     for hit in hits[np.isfinite(hits[:, 0])]:
         near = swept_ball(points, hit[None], stroke.radius)
         # Dragging over a region that is already filled must not fill it again.
-        if len(near) and not np.isin(near, region, assume_unique=True).any():
-            fill = REGIONS[stroke.shape]
-            region = np.union1d(region, fill(points, hit, stroke.radius, alive))
-    return region
+        if len(near) and not filled.has_any(near):
+            for part in REGIONS[stroke.shape](points, hit, stroke.radius, alive):
+                yield filled.add(part)

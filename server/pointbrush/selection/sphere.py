@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,12 +18,32 @@ def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> N
 
     One sample is a ball, two are a capsule.  Sorted, each point once.
     """
+    parts = list(swept_parts(points, origins, radius))
+    return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0, np.int64), *parts])
+
+
+def swept_parts(
+    points: Points, origins: NDArray[np.float64], radius: float
+) -> Iterator[NDArray[np.int64]]:
+    """The same in parts, for balls that may hold most of a scan."""
     if len(origins) == 0:
-        return np.empty(0, np.int64)
+        return
     starts, stops = _segments(origins)
-    # 1. Blocks near the stroke, and their points, gathered once.
     lo, hi = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
-    near = points.blocks_in_box(lo.min(axis=0), hi.max(axis=0))
+    for near in points.groups(points.blocks_in_box(lo.min(axis=0), hi.max(axis=0))):
+        yield _swept_of(points, near, starts, stops, radius)
+
+
+def _swept_of(
+    points: Points,
+    near: NDArray[np.int64],
+    starts: NDArray[np.float64],
+    stops: NDArray[np.float64],
+    radius: float,
+) -> NDArray[np.int64]:
+    """Those of the points in blocks ``near``."""
+    # 1. The blocks' points, gathered once.
+    lo, hi = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
     block_lo, block_hi = points.blocks.lo[near], points.blocks.hi[near]
     first = points.blocks.first[near]
     counts = points.blocks.first[near + 1] - first

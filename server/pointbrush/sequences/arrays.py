@@ -110,6 +110,12 @@ def _open_npy(path: Path) -> NDArray[Any]:
     return mapped.view(np.ndarray)
 
 
+def release(array: NDArray[Any]) -> None:
+    """Take the pages of a mapped ``.npy`` out of this process's memory; others are left alone."""
+    if isinstance(array.base, np.memmap) and hasattr(mmap, "MADV_DONTNEED"):
+        array.base._mmap.madvise(mmap.MADV_DONTNEED)  # type: ignore[attr-defined]  # numpy's own
+
+
 def _parse(data: memoryview) -> tuple[Arrays, dict[str, Any]]:
     if bytes(data[:8]) != MAGIC:
         raise ValueError("another magic number")

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
-from pointbrush.sequences.arrays import map_file, open_arrays, read_range, read_rows
+from pointbrush.sequences.arrays import map_file, open_arrays, read_range, read_rows, release
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.columns import from_local
@@ -160,6 +160,11 @@ class StoredFrame:
         if self.large:
             return read_rows(self._path / f"{name}.npy", first, stop)
         return self._arrays[name][first:stop]
+
+    def release(self) -> None:
+        """Let go of the mapped memory that was looked at; it comes again when it is looked at."""
+        for array in self._arrays.values():
+            release(array)
 
     def read_source(self, first: int, stop: int, names: Collection[str]) -> dict[str, NDArray[Any]]:
         """Those of the columns ``names`` that the frame has, stored order, as imported.

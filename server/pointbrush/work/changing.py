@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED, FrameValues
-from pointbrush.selection import Stroke
+from pointbrush.ranges import by_block
+from pointbrush.selection import PointSet, Stroke
 
 LAYER_BLOCK = 65_536
 """Points whose values are looked up at once."""
-
-
-def by_block(numbers: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.bool_]]]:
-    """The first point of each block that ``numbers`` meet, and which of them lie in it."""
-    blocks = numbers // LAYER_BLOCK
-    for block in np.unique(blocks).tolist():
-        yield block * LAYER_BLOCK, blocks == block
 
 
 class Changing:
@@ -32,19 +24,19 @@ class Changing:
     def __init__(self, store: LabelStore, sequence: str, frame: int, brush: Stroke) -> None:
         self._store, self._sequence, self._frame, self._brush = store, sequence, frame, brush
         self._blocks: dict[int, NDArray[np.bool_]] = {}
-        self._waiting: list[NDArray[np.int64]] = []
+        self._waiting = PointSet()
         self._locked: list[int] | None = None
         self._count = 0
 
     def add(self, numbers: NDArray[np.int64]) -> None:
-        """Take in stored numbers that the stroke has newly touched."""
-        self._waiting.append(numbers)
+        """Take in stored numbers that the stroke has newly touched, sorted."""
+        self._waiting.add(numbers)
 
     def count(self) -> int:
         """How many of the points taken in so far will change."""
-        while self._waiting:
-            numbers = self._waiting.pop()
-            for first, mine in by_block(numbers):
+        waiting, self._waiting = self._waiting, PointSet()
+        for numbers in waiting.parts():
+            for first, mine in by_block(numbers, LAYER_BLOCK):
                 self._count += int(np.count_nonzero(self._block(first)[numbers[mine] - first]))
         return self._count
 

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, Only
+from pointbrush.ranges import by_block
 from pointbrush.selection import Points, Selector, Stroke
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.changing import LAYER_BLOCK, Changing, by_block
+from pointbrush.work.changing import LAYER_BLOCK, Changing
 
 
 def frame_points(frame: StoredFrame) -> Points:
@@ -29,6 +30,7 @@ def frame_points(frame: StoredFrame) -> Points:
         # An octree's nodes are not global levels: there each block stands for itself.
         levels=(0,) if large else tuple(first for _, first in levels) or (0,),
         kdtree=None if large else lambda: frame.kdtree,
+        release=frame.release if large else None,
     )
 
 
@@ -37,7 +39,7 @@ def deleted_among(
 ) -> NDArray[np.bool_]:
     """Which of these stored numbers of a frame are deleted."""
     deleted = np.zeros(len(numbers), np.bool_)
-    for first, mine in by_block(numbers):
+    for first, mine in by_block(numbers, LAYER_BLOCK):
         values = store.values(sequence, frame, first, LAYER_BLOCK)
         deleted[mine] = values.deleted[numbers[mine] - first]
     return deleted
@@ -85,13 +87,14 @@ class LiveStroke:
         """Take in samples (``origin``, ``direction``) and return how many points are touched."""
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
-        self._changing.add(self._selector.add(stroke))
-        return len(self._selector.numbers)
+        for fresh in self._selector.add(stroke):
+            self._changing.add(fresh)
+        return self.touched
 
     @property
     def touched(self) -> int:
         """Points taken so far."""
-        return len(self._selector.numbers)
+        return len(self._selector.taken)
 
     @property
     def changing(self) -> int:
@@ -104,15 +107,20 @@ class LiveStroke:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
-        numbers = self._selector.numbers
         restores = self._brush.tool == "restore"
-        count = np.count_nonzero(self._deleted(numbers) == restores)
+        count = sum(
+            int(np.count_nonzero(self._deleted(numbers) == restores))
+            for numbers in self._selector.taken.parts()
+        )
         return self._store.apply(
             self._recording.manifest.id,
             edit_id=self.id,
             author=author,
             kind=self._brush.tool,
-            writes={self.frame: _write(self._brush, numbers)},
+            writes=(
+                (self.frame, _write(self._brush, numbers))
+                for numbers in self._selector.taken.parts()
+            ),
             summary=f"{self._brush.tool} {count:,} points{self._as_what()}",
         )
 
