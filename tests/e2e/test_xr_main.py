@@ -16,6 +16,16 @@ def test_paints_with_the_trigger_and_feels_what_the_server_counts(
 ) -> None:
     x, y, z = truth(0, PERSON)
     headset.pulses()
+    # What the ball holds is lit by the shader before anything is pressed.
+    headset.reach([x, y, z])
+    lit = headset.ask(
+        "(({ brushMode, brushA, brushRadius }) => "
+        "[brushMode.value, brushRadius.value, ...brushA.value.toArray()])"
+        "(pb.engine.viewer.uniforms)"
+    )
+    assert lit[0] == 1
+    assert lit[1] == headset.ask("pb.state.brush.value.radius")
+    assert np.allclose(lit[2:], [x, y, z], atol=2e-3)
     headset.paint([[x, y, z], [x, y + 0.1, z]], release=False)
     # The page shows the paint before the server has the whole stroke.
     headset.until("(pb.labels()[1] ?? 0) > 20")
@@ -190,13 +200,20 @@ def test_makes_chooses_locks_and_picks_labels(
     labels = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
     rows = labels["labels"] if isinstance(labels, dict) else labels
     assert rows[1]["name"] == "pin 1"
+    assert rows[1]["category"] == "pin"
     assert rows[1]["color"] != rows[0]["color"]
+    count = painted(server, 0, 1)
     headset.click("palette", "Pick")
     target = headset.ask(f"hs.place({truth(0, PERSON)})")
     headset.move("right", [target[0], target[1], target[2] + 0.3], target)
-    headset.trigger(1)
-    headset.trigger(0)
+    # Pressed slowly: half of the way picks, and the rest of it does not paint.
+    headset.trigger(0.4)
     headset.until("pb.state.activeLabel.value === 1 && pb.state.tool.value === 'paint'")
+    headset.trigger(1)
+    headset.move("right", [target[0], target[1] + 0.1, target[2]])
+    headset.trigger(0)
+    headset.settled()
+    assert painted(server, 0, 1) == count
     # A locked label refuses, says so, and bumps.
     headset.click("palette", "unlock")
     headset.until("pb.state.palette.value[0].locked")

@@ -117,6 +117,8 @@ def test_the_recording_is_stood_on_the_floor_that_one_points_at(
     headset.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
     headset.click("palette", "View")
     headset.click("palette", "Floor")
+    # The timeline lies where one points, and makes way.
+    headset.until("!hs.headset.cockpit.timeline.mesh.visible")
     for place in corners_of(floor):
         x, y, z = headset.ask(f"hs.place({place})")
         headset.move("right", [x, y + 0.3, z], [x, y, z])
@@ -133,19 +135,19 @@ def test_the_recording_is_stood_on_the_floor_that_one_points_at(
     headset.until(f"Math.abs({stands}[13] - {found[1, 3]}) < 1e-6")
     assert np.allclose(room_of(server), found)
     headset.click("palette", "Done")
-    headset.until("pb.state.tool.value === 'paint'")
+    headset.until("pb.state.tool.value === 'paint' && hs.headset.cockpit.timeline.mesh.visible")
 
 
 # ── doubt ────────────────────────────────────────────────────────────────────────────────────
 
 
-def pretend_doubt(headset: Headset, frame: int) -> None:
-    """The page believes that tracking was unsure in a frame: what a run would have written."""
+def pretend_tracked(headset: Headset, frame: int, confidence: float) -> None:
+    """The page believes that a frame was tracked: what a run would have written."""
     headset.ask(
         f"""(() => {{
           const table = pb.state.timeline.value, row = table.rows.get(1);
           row.points[{frame}] = 50; row.painted[{frame}] = 0;
-          row.confidence[{frame}] = 0.2; row.state[{frame}] = 2;
+          row.confidence[{frame}] = {confidence}; row.state[{frame}] = 2;
           pb.state.timeline.value = {{ rows: new Map(table.rows) }};
         }})()"""
     )
@@ -176,7 +178,8 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     headset.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
     assert headset.ask("hs.doubt().pulse") == 0
     for frame in (2, 4):
-        pretend_doubt(headset, frame)
+        pretend_tracked(headset, frame, 0.2)
+    pretend_tracked(headset, 5, 0.95)
     for frame in (2, 4, 2):
         headset.button("thumbstick", "left")
         headset.until(f"pb.state.frame.value === {frame} && hs.doubt().unsure[0] === 1")
@@ -184,12 +187,15 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     headset.until("hs.doubt().pulse < 0.4")
     headset.flick_to_frame(3)
     headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")
-    # In the room's timeline painted frames are the label's colour, doubtful and empty ones others.
+    # In the room's timeline painted frames are the label's colour, tracked ones a paler one of it,
+    # doubtful ones hatched, and empty ones neither.
     headset.page.wait_for_timeout(200)
     assert 0xFF5D5D in cell(headset, 0)
     assert len(cell(headset, 2)) > 1
     assert len(cell(headset, 3)) == 1
-    assert 0xFF5D5D not in cell(headset, 2) + cell(headset, 3)
+    assert 0xFF5D5D not in cell(headset, 2) + cell(headset, 3) + cell(headset, 5)
+    (tracked,), (empty,) = cell(headset, 5), cell(headset, 3)
+    assert (tracked >> 16) - (tracked & 255) > (empty >> 16) - (empty & 255) + 40
 
 
 def test_labels_and_range_are_chosen_and_what_is_found_shows_while_the_run_goes_on(

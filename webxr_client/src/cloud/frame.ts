@@ -317,12 +317,15 @@ export function blocksOf(piece: Piece): Uint16Array {
 
 /** How much denser the frame's first `shown` points are than the piece's level: scales its spacing. */
 export function densityFactor(frame: CloudFrame, piece: Piece, shown = frame.loaded): number {
-  let level = 0;
-  const { pieces } = frame;
+  return Math.sqrt(Math.min(1, pointsOfLevel(frame, piece.level) / Math.max(1, shown)));
+}
+
+function pointsOfLevel({ pieces }: CloudFrame, level: number): number {
+  let points = 0;
   for (let i = 0; i < pieces.length; i++) {
-    if (pieces[i]!.level === piece.level) level += pieces[i]!.count;
+    if (pieces[i]!.level === level) points += pieces[i]!.count;
   }
-  return Math.sqrt(Math.min(1, level / Math.max(1, shown)));
+  return points;
 }
 
 /** Points of the finest levels that together have at most `limit`; the first level always. */

@@ -27,6 +27,7 @@ import { TimelinePanel } from './timeline-panel';
 import { layLow, standBefore } from './standing';
 import { Lessons } from './tips';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
+import { watch } from '../watch';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
@@ -138,6 +139,7 @@ export class Cockpit {
     const moved = (): boolean => (this.standing = false);
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
+    undo.push(this.clearTheFloor());
     let { hand: side, seated } = xrSettings.peek();
     undo.push(
       effect(() => {
@@ -150,6 +152,18 @@ export class Cockpit {
         this.controllers.explain();
       }),
     );
+  }
+
+  /** The timeline lies where one points at the floor: it makes way for that. */
+  private clearTheFloor(): () => void {
+    const { mesh } = this.timeline;
+    let away = false;
+    return watch([state.tool], () => {
+      const pointing = state.tool.peek() === 'floor';
+      if (pointing) away = mesh.visible;
+      if (pointing || away) mesh.visible = !pointing;
+      if (!pointing) away = false;
+    });
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────

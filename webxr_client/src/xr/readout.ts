@@ -9,6 +9,7 @@ const [WIDTH, HEIGHT] = [11.6, 2.3];
 const PLAYING_MS = 120;
 
 const DIGITS = '0123456789';
+const UNITS = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 
 interface Type {
   readonly font: string;
@@ -85,9 +86,9 @@ export class Readout {
     const hundredths = Math.round((100 * frame) / Math.max(info.fps, 1e-3));
     this.digits(Math.floor(hundredths / 6000));
     this.sign(':', 0.4);
-    this.digits(Math.floor(hundredths / 100) % 60, 10);
+    this.digits(Math.floor(hundredths / 100) % 60, 2);
     this.sign('.', 0.4);
-    this.digits(hundredths % 100, 10);
+    this.digits(hundredths % 100, 2);
     this.texture.needsUpdate = true;
   }
 
@@ -98,10 +99,11 @@ export class Readout {
     this.x = x;
   }
 
-  /** Digit by digit, `unit` the least first one's: a text would be made anew for each frame. */
-  private digits(value: number, unit = 1): void {
-    while (unit * 10 <= value) unit *= 10;
-    for (; unit >= 1; unit /= 10) this.sign(DIGITS[Math.floor(value / unit) % 10]!, 1);
+  /** Digit by digit, `least` of them or more: a text would be made anew for each frame. */
+  private digits(value: number, least = 1): void {
+    let places = least;
+    while (places < UNITS.length && UNITS[places]! <= value) places++;
+    while (places > 0) this.sign(DIGITS[Math.floor(value / UNITS[--places]!) % 10]!, 1);
   }
 
   /** `width` in digits. */

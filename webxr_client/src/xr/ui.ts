@@ -14,6 +14,7 @@ export const INK = {
   hover: '#303a46',
   on: '#1c416d',
   line: '#38424e',
+  edge: '#56636f',
   text: '#f2f5f9',
   quiet: '#aeb8c4',
   accent: '#8bbcff',
@@ -72,6 +73,13 @@ export class Ui {
     pen.beginPath();
     pen.roundRect(0, 0, width, height, em * 0.7);
     pen.fill();
+    // An edge: where one panel is seen before another, each must end somewhere.
+    const edge = em * 0.08;
+    pen.beginPath();
+    pen.roundRect(edge / 2, edge / 2, width - edge, height - edge, em * 0.7 - edge / 2);
+    pen.lineWidth = edge;
+    pen.strokeStyle = INK.edge;
+    pen.stroke();
   }
 
   /** Note a place that answers; true while the ray is on it. */
