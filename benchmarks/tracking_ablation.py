@@ -8,7 +8,6 @@ from unittest.mock import patch
 
 import numpy as np
 
-_NONE = np.empty(0, np.int64)
 IDEAS: dict[str, tuple[str, Any]] = {
     "motion": ("pointbrush.tracking.motion.Motion.predictions", lambda self: [self.poses[-1]]),
     "background": (
@@ -27,7 +26,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
         "pointbrush.tracking.belong.carved",
         lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
     ),
-    "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: _NONE),
+    "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: np.empty((0, 3))),
 }
 """Idea -> where it lives, and what does nothing in its place."""
 

@@ -67,9 +67,9 @@ class AutoTracker:
             else:
                 first = run.start(seeds)
             back = {n: _inverse(track.pose) for n, track in first.tracks.items()}
-            yield _since(replace(first, assignments={}), back)
+            yield run.scene.since(replace(first, assignments={}), back, order[0])
             for number in order[1:]:
-                yield _since(run.step(number), back)
+                yield run.scene.since(run.step(number), back, order[0])
 
 
 class Run:
@@ -231,16 +231,15 @@ class Run:
             beside = place.moving if place.beside is None else place.beside
             self._set_rivals(self.things[label], view, beside[~taken[beside]])
 
-    def _shadow(self, view: View, places: dict[int, Place]) -> I64:
-        """Image cells where a thing is known to be, even if it claimed nothing there."""
-        if self.scene.lens is None or not places:
-            return _EMPTY
-        cells = [
-            view.project(place.world)[0]
-            for label, place in places.items()
-            if label in view.labels and self.things[label].motion.slow(self.things[label].unit)
-        ]
-        return np.concatenate([_EMPTY, *cells])
+    def _shadow(self, view: View, places: dict[int, Place]) -> F64:
+        """(M, 3) where a thing is known to be, even if it claimed nothing there."""
+        slow = {n: t for n, t in self.things.items() if t.motion.slow(t.unit)}
+        there = [places[n].world for n in places if n in view.labels and n in slow]
+        if view.lens is None:
+            # What is hidden cannot be told from what is gone: it may be where it was.
+            hidden = [t for n, t in slow.items() if n not in view.labels and not t.stopped]
+            there += [transform(t.motion.poses[-1], t.model.xyz) for t in hidden]
+        return np.concatenate([np.empty((0, 3)), *there])
 
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
@@ -279,12 +278,6 @@ _NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
 def _inverse(T: F64) -> F64:
     return np.asarray(np.linalg.inv(T), np.float64)
-
-
-def _since(found: FrameResult, back: Mapping[int, F64]) -> FrameResult:
-    """A result whose poses count from the start; ``back`` are the inverse poses there."""
-    tracks = {n: replace(track, pose=track.pose @ back[n]) for n, track in found.tracks.items()}
-    return replace(found, tracks=tracks)
 
 
 def _painted(points: int, pose: F64) -> TrackState:

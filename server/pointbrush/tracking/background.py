@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, drawn_on, farthest, wavering
 from pointbrush.tracking.view import View
@@ -58,10 +58,10 @@ class Background(Protocol):
         Without background, and what lies where the scene goes on behind the first objects.
         """
 
-    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
+    def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """Take in a frame whose ``labels`` are decided; ``first``: by a person.
 
-        ``keep`` image cells that something occupies though it claimed no point there.
+        ``keep`` (M, 3) where something is though it claimed no point there.
         """
 
 
@@ -213,7 +213,7 @@ class ImageBackground:
         points = points[~self.static(view, points)[0]]
         return points, hider[points].astype(np.int64)
 
-    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:
+    def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
         height, width = view.lens.shape if view.lens else (0, 0)
@@ -222,8 +222,8 @@ class ImageBackground:
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
         labelled = self.owner != 0
-        if keep is not None:
-            labelled[keep] = True
+        if keep is not None and len(keep):
+            labelled[view.project(keep)[0]] = True
             labelled[-1] = False
         if first and view.lens is not None:
             beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])

@@ -51,6 +51,7 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     lost &= near.cost > thing.reach
     moving = np.zeros(len(view.xyz), np.bool_)
     moving[place.moving] = True
+    moving |= view.low
     lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
     found = near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
@@ -113,7 +114,7 @@ def _step(thing: Thing, place: Place) -> F64:
 
 
 def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:
-    if thing.bends or thing.large or place.cost > SHARP:
+    if thing.bends or thing.soft or thing.large or place.cost > SHARP:
         return np.zeros(len(points), np.bool_)
     return carved(thing.glimpses, view, place.pose, points, thing.unit)
 
@@ -131,7 +132,9 @@ def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I6
         return new
     before = _was_there(thing, view, new)
     limit = WAS_CUT if cut_off(view, new, 3 * thing.unit) else WAS_OPEN
-    if taken[new].any() or float(before.mean()) >= limit:
+    # A sensor that moves sees new sides all the time, and what it missed once it may see again.
+    seen_before = float(before.mean()) >= limit and not view.roams
+    if taken[new].any() or seen_before:
         place.neutral = np.concatenate([place.neutral, new[~before]])
         return None
     return new

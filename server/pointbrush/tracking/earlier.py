@@ -9,9 +9,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.near import gaps, within
 from pointbrush.tracking.view import View
+
+RIM = 2.0
+"""Reaches beside what is labelled that are not taken for background."""
 
 
 @dataclass(eq=False)
@@ -42,6 +48,17 @@ class TreeBackground:
             still[rest[near]] = True
         return still, np.zeros(len(indices), np.bool_)
 
+    def _widen(self, view: View, labelled: Mask, some: NDArray[np.floating]) -> None:
+        """What a run missed beside ``some`` (M, 3) of its objects must not become background."""
+        if not len(some):
+            return
+        reach = float(RIM * self.reach(some[:1])[0])
+        rest = np.flatnonzero(
+            ~labelled & within(view.xyz, some.min(0) - reach, some.max(0) + reach)
+        )
+        rest = rest[perhaps_near(view.xyz[rest], some, reach)] if len(rest) else rest
+        labelled[rest[gaps(view.xyz[rest], some, reach) < reach]] = True
+
     def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
@@ -58,11 +75,15 @@ class TreeBackground:
         """See ``Background``; without a depth image nothing is known to have hidden a point."""
         return np.empty(0, np.int64), np.empty(0, np.int64)
 
-    def learn(self, view: View, first: bool = False, keep: I64 | None = None) -> None:  # noqa: ARG002
-        """See ``Background``; keeps the first frame and two later ones, needs no ``keep``."""
+    def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
+        """See ``Background``; remembers the first frame and two later ones."""
         if len(view.xyz) == 0:
             return
-        entry = (view, view.labelled())
+        labelled = view.labelled()
+        if not first:
+            own = view.xyz[labelled]
+            self._widen(view, labelled, own if keep is None else np.vstack([own, keep]))
+        entry = (view, labelled)
         if first or not self.past:
             self.past = [entry]
         elif len(self.past) < 3:

@@ -41,6 +41,9 @@ def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
         with np.errstate(invalid="ignore"):
             seen = facing & ~(measured < depth - 4 * thing.unit) & (cell >= 0)
             through = measured > depth + 4 * thing.unit
+    elif view.shade is not None:
+        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit)
+        seen = facing & ~hidden.reshape(facing.shape)
     return Look(world, seen, through, np.asarray(facing.mean(axis=1)))
 
 

@@ -52,6 +52,8 @@ def judge(
             hidden = (seen < depth - 3 * thing.unit) & ~matched
             through = (seen > depth + 4 * thing.unit) & ~matched & facing
         hidden = hidden | (cell < 0)
+    elif view.shade is not None:
+        hidden = view.shade.hides(world, 3 * thing.unit) & ~matched
     expected = facing & ~hidden
     if expected.sum() < FEWEST:
         expected = ~hidden

@@ -9,12 +9,21 @@ from pointbrush.tracking.assign import Claim, claim
 from pointbrush.tracking.confidence import Evidence
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
+from pointbrush.tracking.locate import bent, target_of
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
+SOUND = 0.25
+"""Cost under which a fit tells whether a thing bends."""
+KNOWN, FEW = 100, 0.005
+"""Known points that have to be in sight, and share of them off their place, to ask for it."""
+OFF, ON = 1.5, 1.0
+"""Units from the model at which a point is off its place, and on it."""
+SNAP = 0.7
+"""Share of its way to the points measured there that a soft thing's surface goes."""
 SAMPLE = 1000
 """Points whose colours are compared with those worn."""
 
@@ -54,6 +63,9 @@ def learn(
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     was_rigid = not thing.bends
+    stiff = not (thing.bends or thing.soft or thing.large)
+    if stiff and place.cost < SOUND and view.lens is not None:
+        thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
     if thing.bends:
         points = np.concatenate([found.indices, grown])
@@ -69,6 +81,8 @@ def learn(
         new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
         thing.model = new
     else:
+        if thing.soft:
+            thing.model.xyz = transform(back, _settled_on(place.world, view, found))
         number = thing.model.miss(verdict.through)
         if not was_rigid:  # the claim was made by the model as it was bent
             number[:] = -1
@@ -80,6 +94,30 @@ def learn(
             xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
         )
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def _settled_on(world: F64, view: View, found: Claim) -> F64:
+    """The model at ``world`` (M, 3), each point moved to the middle of the points nearest to it."""
+    count = np.bincount(found.nearest, minlength=len(world))
+    away = view.xyz[found.indices] - world[found.nearest]
+    sums = [np.bincount(found.nearest, weights=away[:, a], minlength=len(world)) for a in range(3)]
+    return np.asarray(world + SNAP * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None])
+
+
+def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
+    """Share of the known surface that is not where one motion puts it, but where bending does."""
+    model = thing.model
+    known = model.facing(place.pose[None], view.eye)[0] & ~verdict.hidden & (model.hits >= SURE)
+    if np.count_nonzero(known) < KNOWN:
+        return 0.0
+    target = target_of(view, place.near, thing.weight)
+    far = 3 * thing.unit
+    gap = target.nearest(place.world[known], model.colour[known], far)[0]
+    off = gap > OFF * thing.unit
+    if off.mean() < FEW:
+        return 0.0
+    again = target.nearest(bent(thing, place.world, target)[known], model.colour[known], far)[0]
+    return float((off & (again < ON * thing.unit)).mean())
 
 
 def _claimed_again(

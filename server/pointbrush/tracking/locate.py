@@ -35,12 +35,15 @@ FEWEST, LEAST = 5, 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 """Scales of the fits, in units, from a prediction and from anywhere."""
 TRIES = 6
+STILL, AS_WELL = 1.0, 0.03
+"""Units by which a thing at rest seems to move at most, and what it may cost more to leave it."""
 SAME = 1.0
 """Units by which no point of the model moves between two guesses that are one."""
 DOUBT, DOUBT_LARGE = 0.27, 0.6
 """Cost of the best prediction above which other places are tried; what bends never fits well."""
 AVERTED = 0.3
-"""What a pose costs that turns all of the model away from the side it was seen from."""
+"""What a pose costs that turns all of the model away from the side it was seen from, or, where
+there is no depth image, that hides it."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
 
@@ -109,6 +112,8 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
         if slow and not thing.large:
             own = own | background.revealed(view, around)
         near, moving = around[own], around[~(far | still)]
+        if view.roams and not thing.flat:
+            moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None
     return _search(thing, view, guesses, (lo, hi), around, near, moving)
@@ -189,10 +194,18 @@ def find(search: Search) -> Place:
     thing = search.thing
     pose, cost = register(search)
     world = transform(pose, thing.model.xyz)
-    if thing.bends:
-        apart = max(thing.model.radius / 5, 3 * thing.unit)
-        world = world + warp(world, thing.model.colour, search.target, apart, 4 * thing.unit)
-    return Place(pose, world, search.box, search.around, search.near, search.moving, cost)
+    if thing.bends or thing.soft:
+        world = bent(thing, world, search.target)
+    place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
+    if search.view.roams:
+        place.beside = search.near
+    return place
+
+
+def bent(thing: Thing, world: F64, target: Target) -> F64:
+    """The model at ``world`` (M, 3) bent onto the target."""
+    apart = max(thing.model.radius / (8 if thing.soft else 5), 3 * thing.unit)
+    return np.asarray(world + warp(world, thing.model.colour, target, apart, 4 * thing.unit))
 
 
 def register(search: Search) -> tuple[F64, float]:
@@ -209,8 +222,23 @@ def register(search: Search) -> tuple[F64, float]:
             others = nudges(model, poses[np.argmin(scores)])
             poses, scores = _try(search, others, TRIES // 2, poses, scores)
     best = poses[np.argmin(scores)]
+    if search.view.lens is None and _rests(search, best, float(np.min(scores))):
+        best = motion.poses[-1]
+        return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
     fit = _fits(search, search.many, best[None], (2.5, 2.0, 2.0))
     return fit.T[0], float(fit.cost[0])
+
+
+def _rests(search: Search, pose: F64, score: float) -> bool:
+    """Whether a thing found at ``pose`` may as well have stayed where it was.
+
+    What half hides it would push it away bit by bit.
+    """
+    last, some = search.thing.motion.poses[-1], search.thing.model.xyz[search.few]
+    moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
+    if moved > STILL * search.thing.unit or search.thing.bends:
+        return False
+    return float(_scores(search, last[None])[0]) < score + AS_WELL
 
 
 def _likeliest(search: Search) -> F64:
@@ -236,11 +264,14 @@ def _scores(search: Search, poses: F64) -> F64:
     thing = search.thing
     at = look(thing, search.view, search.few, poses)
     beside = [excess(world, search.target, thing.unit) for world in at.world]
+    away = search.at.facing[0] - at.facing
+    if search.view.lens is None:
+        away = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
         costs_of(thing, search.target, search.few, at, 3 * thing.unit)
         + _surprise(search, poses)
         + beside
-        + AVERTED * np.maximum(0.0, search.at.facing[0] - at.facing)
+        + AVERTED * np.maximum(0.0, away)
     )
 
 

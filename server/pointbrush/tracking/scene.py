@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pointbrush.tracking.background import Background, ImageBackground, Waver, measure_waver
 from pointbrush.tracking.earlier import TreeBackground
-from pointbrush.tracking.interface import F32, I64, Frames
+from pointbrush.tracking.ego import sensor_poses
+from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames
+from pointbrush.tracking.shade import find_eye
 from pointbrush.tracking.view import View, find_lens
 
 CALM = 4
@@ -26,15 +29,15 @@ class Scene:
     def __init__(self, frames: Frames, order: list[int], reach: Callable[[F32], F32]) -> None:
         """``reach``: see ``TreeBackground``."""
         self._frames, self._order = frames, order
-        poses = [frames(n).pose for n in (order[0], order[-1])]
-        self._moves = poses[0] is not None and not (
-            poses[1] is not None and np.allclose(poses[0], poses[1], atol=1e-6)
-        )
-        self.lens = find_lens(frames(order[0]))
+        self._pose_of = sensor_poses(frames, order)
+        first = frames(order[0])
+        self.lens = find_lens(first)
+        unknown_eye = self.lens is None and first.viewpoint is None
+        self._about = find_eye(np.asarray(first.xyz)) if unknown_eye else None
         self.first = self.view(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
-        if self.lens is not None and not self._moves:
+        if self.lens is not None and self._pose_of is None:
             depth = self.first.depth
             if len(order) > 1:
                 self._waver = measure_waver(depth, self.view(order[1]).depth)
@@ -43,8 +46,24 @@ class Scene:
 
     def view(self, number: int) -> View:
         """Frame ``number`` with what is known of the sensor."""
-        frame = self._frames(number)
-        return View(number, frame, self.lens, frame.pose if self._moves else None)
+        return View(number, self._frames(number), self.lens, self._pose(number), self._about)
+
+    def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
+        """A result whose poses count from frame ``start``, in the frames' own coordinates.
+
+        ``back`` label → inverse pose there, in the world.
+        """
+        here, there = self._pose(found.frame), self._pose(start)
+        tracks = {}
+        for label, track in found.tracks.items():
+            pose = track.pose @ back[label]
+            if here is not None and there is not None:
+                pose = np.linalg.inv(here) @ pose @ there
+            tracks[label] = replace(track, pose=pose)
+        return replace(found, tracks=tracks)
+
+    def _pose(self, number: int) -> F64 | None:
+        return None if self._pose_of is None else self._pose_of(number)
 
     def noise(self, view: View, indices: I64) -> float:
         """Median depth noise at some points, metres."""

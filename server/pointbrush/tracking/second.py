@@ -118,7 +118,7 @@ class Second:
     def show(self, view: View) -> None:
         """Let it read a frame, about which it will be asked."""
         self._line.names.add("view", view)
-        self._line.send(("show", (view.number, view.lens, view.T_world_frame)))
+        self._line.send(("show", (view.number, view.lens, view.T_world_frame, view.about)))
 
     def ask(self, do: Callable[..., Any], tasks: Sequence[Task], *, changes: bool) -> None:
         """Have ``do``, the function of a module, done; each answer is to be taken before the next.
@@ -174,8 +174,8 @@ def _serve(line: _Line) -> None:
         if kind == "know":
             line.names.add(*what)
         elif kind == "show":
-            number, lens, pose = what
-            view = View(number, frames(number), lens, pose)
+            number, lens, pose, about = what
+            view = View(number, frames(number), lens, pose, about)
             line.names.add("view", view)
             view.prepare()
         else:

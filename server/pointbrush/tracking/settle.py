@@ -22,6 +22,8 @@ SOUND = 0.25
 DOUBTFUL, REGAINED = 0.4, 0.6
 """Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
 it ends an occlusion."""
+STAYED = 0.35
+"""Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
 
 def settle(
@@ -36,7 +38,7 @@ def settle(
     pose = None if place is None else place.pose
     verdict = judge(thing, view, pose, None if place is None else place.world, found)
     pose = thing.motion.poses[-1] if place is None else place.pose
-    if place is None or found is None or not _seen(thing, place, verdict):
+    if place is None or found is None or not _seen(thing, view, place, verdict):
         thing.missing += 1
         thing.motion.gap += 1
         lost = thing.missing > PATIENCE
@@ -59,9 +61,11 @@ def settle(
     return track, points
 
 
-def _seen(thing: Thing, place: Place, verdict: Verdict) -> bool:
+def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
     """Whether the thing was found; one that was hidden must show itself clearly."""
     clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    if view.lens is None and np.array_equal(place.pose, thing.motion.poses[-1]):
+        clear = verdict.inliers > STAYED
     return verdict.found and (thing.missing == 0 or thing.large or clear)
 
 

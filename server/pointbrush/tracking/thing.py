@@ -25,6 +25,12 @@ BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 TALL, COARSE = 0.4, 30.0
 """Metres, and units, of radius from which a thing before a sensor at rest is large as people are,
 however coarse it is seen."""
+RINGS, ASIDE = 24, 0.5
+"""Neighbours among which the next ring of a lidar is looked for, and the cosine of a way aside."""
+FLAT = 0.3
+"""Share of its points on the ground from which a thing is taken to lie there."""
+SOFT = 0.006
+"""Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
 """Share of its size under which hardly anything of a thing was seen."""
 LEAST_NOISE = 0.03
@@ -76,6 +82,8 @@ class Thing:
     ``glimpses`` of what lies around it.
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
+    ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
+    ground.
     """
 
     label: int
@@ -93,6 +101,8 @@ class Thing:
     extent: float = 0.0
     glimpses: list[Glimpse] = field(default_factory=list)
     still: bool = False
+    strain: float = 0.0
+    flat: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -101,10 +111,15 @@ class Thing:
         return self.bend > (BENT_LARGE if self.large else BENT)
 
     @property
+    def soft(self) -> bool:
+        """Whether it is a small thing whose surface moves within itself, as a toy's does."""
+        return self.strain > SOFT and not self.large
+
+    @property
     def large(self) -> bool:
         """Whether it is many points across, as people are."""
-        if self.still and self.span > max(TALL, COARSE * self.unit):
-            return True
+        if self.still:
+            return self.span > max(TALL, COARSE * self.unit)
         return self.span > LARGE * self.unit
 
     @property
@@ -133,7 +148,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     spacing, speckle = _texture(xyz, colour)
-    unit = max(spacing, noise)
+    unit = max(spacing, noise, 0.5 * _across(xyz))
     weight = 0.0
     if view.frame.rgb is not None and not _colourless(view, indices):
         weight = 0.5 * unit / max(speckle, LEAST_NOISE)
@@ -153,6 +168,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         last=count,
         still=still,
         worn=Wardrobe.of(colour),
+        flat=float(view.low[indices].mean()) > FLAT,
     )
 
 
@@ -165,6 +181,22 @@ def _texture(xyz: F64, colour: F32) -> tuple[float, float]:
     gaps = np.asarray(distance)[:, 1]
     unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
     return max(float(np.median(gaps)), 1e-4), float(np.median(unlike))
+
+
+def _across(xyz: F64) -> float:
+    """Median distance to the nearest point aside of the way to the nearest of all.
+
+    Lidars measure densely along a ring, and the next ring is far.
+    """
+    if len(xyz) < RINGS:
+        return 0.0
+    sample = xyz[:: max(1, len(xyz) // 400)]
+    distance, near = cKDTree(xyz).query(sample, k=RINGS)
+    way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
+    length = np.asarray(distance)[:, 1:] + 1e-9
+    along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
+    length = np.where(along < ASIDE, length, length[:, -1:])
+    return float(np.median(length.min(axis=1)))
 
 
 def _colourless(view: View, indices: I64) -> bool:

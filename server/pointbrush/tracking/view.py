@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
+from pointbrush.tracking.ground import on_ground
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.near import within
+from pointbrush.tracking.shade import Shade, shade_of
 
 I32 = NDArray[np.int32]
 WIDEST = 1.6
@@ -124,6 +126,8 @@ class View:
     frame: TrackFrame
     lens: Lens | None
     T_world_frame: F64 | None = None
+    about: F64 | None = None
+    """(3,) where the sensor seems to be, local, for frames that do not say it."""
     labels: dict[int, I64] = field(default_factory=dict)
 
     @cached_property
@@ -138,15 +142,17 @@ class View:
     def prepare(self) -> None:
         """Work out what several threads will ask for."""
         _ = self.xyz, self.frame.rgb
-        if self.lens is not None:
-            _ = self.depth
+        _ = self.depth if self.lens is not None else (self.shade, self.low)
 
     @cached_property
     def eye(self) -> F64 | None:
         """(3,) the sensor in the world, None where unknown."""
         at = self.frame.viewpoint
+        if at is None and self.lens is not None:
+            return self.lens.eye.astype(np.float64)
+        at = self.about if at is None else at
         if at is None:
-            return None if self.lens is None else self.lens.eye.astype(np.float64)
+            return None
         T = self.T_world_frame
         return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
 
@@ -206,6 +212,22 @@ class View:
         image[cell] = depth
         image[-1] = np.nan
         return image
+
+    @cached_property
+    def shade(self) -> Shade | None:
+        """The nearest range in each direction, in the world, where there is no depth image."""
+        return None if self.eye is None else shade_of(self.xyz, self.eye)
+
+    @cached_property
+    def low(self) -> Mask:
+        """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
+        xyz = np.asarray(self.frame.xyz, np.float32)
+        return on_ground(xyz) if self.roams else np.zeros(len(xyz), np.bool_)
+
+    @property
+    def roams(self) -> bool:
+        """Whether a sensor without a pixel grid moves, as a lidar on a car does."""
+        return self.lens is None and self.T_world_frame is not None
 
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.

@@ -1,0 +1,101 @@
+"""What hides what from a sensor that looks all round: how far it saw in each direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.tracking.interface import F32, F64, I64
+
+AZIMUTH = 0.4
+ELEVATIONS = (0.4, 0.8, 1.6, 3.2)
+"""Degrees of a cell: the least elevation is taken whose cells are mostly FILLED."""
+FILLED = 0.6
+DEEPER = 0.03
+"""Share of its range by which a point has to lie behind all others there to be hidden."""
+FEWEST = 2000
+HEIGHTS = (0.0, 1.0, 1.8, 2.6)
+"""Metres above a frame's origin at which its sensor is looked for."""
+BEHIND, SEES = 1.25, 0.02
+"""Ranges beyond the nearest in its direction that no sensor at that place can see, and the share
+of such points up to which the sensor is there."""
+WIDTH = int(360 / AZIMUTH) + 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shade:
+    """Ranges around ``eye`` (3,): the ``farthest`` of each cell, metres, inf where none.
+
+    ``up`` the axis that azimuths go round, ``step`` degrees of elevation of a cell.
+    """
+
+    eye: F64
+    farthest: F32
+    up: int
+    step: float
+
+    def hides(self, xyz: F64, by: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Which points (M, 3) lie ``by`` metres or more behind all that was measured there."""
+        cell, away = _cells(xyz - self.eye, self.up, self.step)
+        return np.asarray(self.farthest[cell] < away - np.maximum(by, DEEPER * away))
+
+
+def shade_of(xyz: F32, eye: F64) -> Shade | None:
+    """The ranges of a frame (N, 3) around ``eye``.
+
+    None where it has hardly any points, or was not seen from there.
+    """
+    if len(xyz) < FEWEST:
+        return None
+    local = xyz - eye
+    up = axis_up(local)
+    if _behind(local, up) > SEES:
+        return None
+    for step in ELEVATIONS:
+        cell, away = _cells(local, up, step)
+        farthest = np.zeros(int(180 / step + 1) * WIDTH, np.float32)
+        np.maximum.at(farthest, cell, away.astype(np.float32))
+        image = farthest.reshape(-1, WIDTH)
+        row = np.quantile(cell // WIDTH, [0.02, 0.98]).astype(int)
+        part = image[row[0] : row[1] + 1, image.any(axis=0)] > 0
+        if part.mean() > FILLED:
+            break
+    farthest[farthest == 0] = np.inf
+    return Shade(np.asarray(eye, np.float64), farthest, up, step)
+
+
+def find_eye(xyz: F32) -> F64 | None:
+    """Where the sensor of a frame (N, 3) without a viewpoint was: about its origin, or unknown.
+
+    From there each direction shows one surface; from elsewhere surfaces lie behind each other.
+    """
+    if len(xyz) < FEWEST:
+        return None
+    up = axis_up(xyz)
+    above = np.eye(3)[up]
+    least, height = min((_behind(xyz - h * above, up), h) for h in HEIGHTS)
+    return np.asarray(height * above) if least < SEES else None
+
+
+def axis_up(local: F32 | F64) -> int:
+    """The axis that a spinning sensor looks along the least."""
+    return int(np.argmin(np.abs(local[:: max(1, len(local) // 5000)]).mean(axis=0)))
+
+
+def _behind(local: F32 | F64, up: int) -> float:
+    """Share of the points (N, 3) that lie well behind another in their direction."""
+    cell, away = _cells(local, up, ELEVATIONS[0])
+    nearest = np.full(int(180 / ELEVATIONS[0] + 1) * WIDTH, np.inf, np.float32)
+    np.minimum.at(nearest, cell, away.astype(np.float32))
+    return float((away > BEHIND * nearest[cell]).mean())
+
+
+def _cells(local: F32 | F64, up: int, step: float) -> tuple[I64, F64]:
+    """Flat cell and range of points (M, 3) around the sensor."""
+    across, along = (a for a in range(3) if a != up)
+    away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
+    azimuth = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
+    elevation = np.degrees(np.arcsin(np.clip(local[:, up] / away, -1.0, 1.0))) + 90.0
+    cell = (elevation / step).astype(np.int64) * WIDTH + (azimuth / AZIMUTH).astype(np.int64)
+    return cell, np.asarray(away, np.float64)
