@@ -128,6 +128,37 @@ def annotate(url: str, points: int) -> None:
         print(f"  {RELABELLED:,} points put in {time.monotonic() - start:.1f} s: {memory()}")
 
 
+def change_everything(url: str) -> None:
+    """Edits of the whole scan: painted by one ball, put with mixed labels, undone and redone."""
+    path = f"{url}/api/v1/sequences/scan"
+    with httpx.Client(headers={"Authorization": f"Bearer {TOKEN}"}, timeout=3600) as client:
+        label = client.post(f"{path}/labels", json={"name": "all"}).raise_for_status().json()["id"]
+        about = client.get(path).raise_for_status().json()
+        lo, hi = (np.array(about["bounds"][corner]) for corner in ("lo", "hi"))
+        middle, radius = ((lo + hi) / 2).tolist(), float(np.linalg.norm(hi - lo) / 2)
+        stroke = {
+            "label": label, "shape": "sphere", "radius": radius, "samples": [{"origin": middle}]
+        }  # fmt: skip
+        values = np.random.default_rng(1).integers(0, label + 1, sum(about["points"]))
+        body = io.BytesIO()
+        np.save(body, values.astype(np.uint16))
+        del values
+        for what, send in {
+            "a ball round everything painted": lambda: client.post(
+                f"{path}/frames/0/strokes", json=stroke
+            ),
+            "labels at random put": lambda: client.put(
+                f"{path}/frames/0/annotation", content=body.getvalue()
+            ),
+            "undone": lambda: client.post(f"{path}/undo"),
+            "redone": lambda: client.post(f"{path}/redo"),
+            "a label deleted": lambda: client.delete(f"{path}/labels/{label}"),
+        }.items():
+            start = time.monotonic()
+            send().raise_for_status()
+            print(f"  {what} in {time.monotonic() - start:.0f} s: {memory()}", flush=True)
+
+
 def measure(workspace: Path, viewers: int, seconds: float) -> None:
     with pointbrush(workspace) as url:
         headers = {"Authorization": f"Bearer {TOKEN}"}
@@ -136,6 +167,7 @@ def measure(workspace: Path, viewers: int, seconds: float) -> None:
         pictures(url)
         asyncio.run(wander(url, viewers, seconds, len(table["chunks"])))
         annotate(url, table["points"])
+        change_everything(url)
 
 
 def main() -> None:

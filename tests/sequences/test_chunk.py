@@ -106,6 +106,22 @@ def test_colours_come_back_whether_they_are_alike_or_not(related: bool) -> None:
     assert np.array_equal(decode_points(chunk.data, 3000)[:, 6:10], expected)
 
 
+def test_only_colours_of_far_apart_points_lose_their_noise() -> None:
+    rng = np.random.default_rng(4)
+    colors = rng.integers(0, 256, (3000, 4), np.uint8)
+    colors[::7, :3] = 0
+    colors[1::7, :3] = [[1, 0, 3]]
+    xyz = rng.uniform(-200, 200, (3000, 3)).astype(np.float32)
+    chunk = encode_chunk(xyz, colors, Grid(np.zeros(3), ROOM_STEP, None, 2.0**-6))
+    order = np.arange(3000) if chunk.order is None else chunk.order
+    found, given = decode_points(chunk.data, 3000)[:, 6:10].astype(int), colors[order].astype(int)
+    assert np.array_equal(found[:, 3], given[:, 3])
+    assert 0 < np.abs(found - given).max() <= 3
+    # Black says that no camera saw the point.
+    assert np.array_equal(found[:, :3].any(axis=1), given[:, :3].any(axis=1))
+    assert found[:, :3].max() == 255
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 900), st.integers(1, 7), st.integers(1, 9))
 def test_a_short_way_meets_every_point_once_and_stays_in_its_block(

@@ -2,8 +2,10 @@
 
 A chunk is encoded on the finest grid of its recording.  Where that takes more than six bytes a
 point, as between the far-apart points of a lidar, the grid is coarsened as far as the recording's
-sensor justifies (``quantise.coarsest_step``), and if that is not enough, the points are put on a
-shorter way.  Vertices are 12 bytes: x, y, z uint16; r, g, b, intensity uint8; flags; a free byte.
+sensor justifies (``quantise.coarsest_step``); if that is not enough, the points are put on a
+shorter way, and then colours lose their lowest bit, or two, which is a camera's noise: only in
+recordings whose grid may be coarsened, those of lidars.
+Vertices are 12 bytes: x, y, z uint16; r, g, b, intensity uint8; flags; a free byte.
 """
 
 from __future__ import annotations
@@ -25,6 +27,8 @@ BUDGET = 6.0
 """Bytes a point that a chunk should not exceed."""
 RELATIVE = 1
 """Flag of a chunk's vertices: r and b are differences to g, modulo 256."""
+DROPPED_SHIFT, MOST_DROPPED = 1, 2
+"""Where the flags say how many low bits r, g and b have lost, and the most they may lose."""
 
 _FLAGS = 10
 _WORDS = 1
@@ -161,6 +165,10 @@ def encode_chunk(
         values = np.concatenate([quantised.q.astype(np.int32), changing], axis=1)
         order = short_path(values, 8 if hurry else 2)
         data = _encode(quantised, colors, order, related=related)
+    droppable = grid.coarsest > grid.step and bool(colors[:, :3].any())
+    for dropped in range(1, MOST_DROPPED + 1):
+        if droppable and len(data) > budget:
+            data = _encode(quantised, colors, order, related=related, dropped=dropped)
     row = np.zeros((), CHUNK)
     row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)
     for name in ("origin", "scale", "lo", "hi"):
@@ -188,14 +196,19 @@ def _encode(
     order: NDArray[np.int64] | None = None,
     *,
     related: bool,
+    dropped: int = 0,
 ) -> bytes:
     vertices = np.zeros((len(colors), WIRE_STRIDE), np.uint8)
     vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
     vertices[:, 6:_FLAGS] = colors
+    vertices[:, _FLAGS] = dropped << DROPPED_SHIFT
+    if dropped:
+        # Black stands for no colour: what is nearly black must not become it.
+        vertices[:, 6:9] = np.maximum(colors[:, :3] >> dropped, colors[:, :3] > 0)
     if related:
         vertices[:, 6] -= vertices[:, 7]
         vertices[:, 8] -= vertices[:, 7]
-        vertices[:, _FLAGS] = RELATIVE
+        vertices[:, _FLAGS] |= RELATIVE
     return encode_vertices(vertices if order is None else vertices[order], _WORDS)
 
 

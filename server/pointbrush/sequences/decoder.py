@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.sequences.chunk import RELATIVE
+from pointbrush.sequences.chunk import DROPPED_SHIFT, MOST_DROPPED, RELATIVE
 from pointbrush.sequences.codec import GROUP, PLAIN, TAIL_MIN, ZERO, Bytes, block_size, check_stride
 
 _HEADER = {0xA0: 0, 0xA1: 1}
@@ -54,6 +54,10 @@ def decode_points(data: bytes | memoryview, count: int) -> Bytes:
     related = (vertices[:, 10] & RELATIVE).astype(np.bool_)
     vertices[related, 6] += vertices[related, 7]
     vertices[related, 8] += vertices[related, 7]
+    for dropped in range(1, MOST_DROPPED + 1):
+        rows = vertices[:, 10] >> DROPPED_SHIFT == dropped
+        values = vertices[rows, 6:9]
+        vertices[rows, 6:9] = (values << dropped) | (values >> (8 - 2 * dropped))
     vertices[:, 10] = 0
     return vertices
 

@@ -22,7 +22,7 @@ export function segmentOf(
     const origin: Vector = [0, 0, 0];
     const scale: Vector = [SCALE, SCALE, SCALE];
     const view = new Uint32Array(vertices, start * STRIDE, part.length * 3);
-    finishChunk(view, part.length, origin, scale, level, false);
+    finishChunk(view, part.length, origin, scale, level, 0);
     const corner = (pick: (...values: number[]) => number): Vector =>
       [0, 1, 2].map((k) => pick(...part.map((point) => point[k]!)) * SCALE) as Vector;
     const [lo, hi] = [corner(Math.min), corner(Math.max)];

@@ -2,6 +2,7 @@ import { readFileSync } from 'node:fs';
 import { beforeAll, describe, expect, it } from 'vitest';
 import type { Chunk, Frame } from '../protocol/messages';
 import { decodeFrame, ready } from './decode';
+import { finishChunk } from './density';
 import { BufferPool } from './pool';
 import { spacingOf, type Segment } from './segment';
 
@@ -69,6 +70,20 @@ describe('a frame that Python encoded', () => {
     const got = Buffer.from(read.vertices, 0, old.count * 12);
     for (let at = 0; at < expected.length; at += 12) {
       expect(got.compare(expected, at, at + 10, at, at + 10)).toBe(0);
+    }
+  });
+
+  it('gives colours that lost their lowest bits the whole range again', () => {
+    const words = new Uint32Array(3);
+    const bytes = new Uint8Array(words.buffer);
+    for (const [flags, sent, shown] of [
+      [4, [0, 1, 63], [0, 4, 255]],
+      [2, [127, 64, 1], [255, 129, 2]],
+      [5, [2, 1, 0], [12, 4, 4]],
+    ] as const) {
+      bytes.set(sent, 6);
+      finishChunk(words, 1, [0, 0, 0], [1, 1, 1], 0, flags);
+      expect([...bytes.subarray(6, 9)]).toEqual(shown);
     }
   });
 

@@ -5,9 +5,8 @@ import { finishChunk } from './density';
 import type { BufferPool } from './pool';
 import { MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
 
-/** Where a chunk's vertices carry flags on the wire, and the one that says: r and b are less g. */
+/** Where a chunk's vertices carry flags on the wire. */
 const FLAGS = 10;
-const RELATIVE = 1;
 
 /** Resolves once the WASM decoder can be used. */
 export const ready: Promise<void> = MeshoptDecoder.ready;
@@ -24,9 +23,9 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     const target = new Uint8Array(vertices, start * STRIDE, count * STRIDE);
     const source = message.data.subarray(offset, offset + nbytes);
     MeshoptDecoder.decodeVertexBuffer(target, count, STRIDE, source);
-    const relative = count > 0 && (target[FLAGS]! & RELATIVE) !== 0;
+    const flags = count > 0 ? target[FLAGS]! : 0;
     const words = new Uint32Array(vertices, start * STRIDE, count * 3);
-    finishChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS, relative);
+    finishChunk(words, count, origin, scale, chunk.index % MAX_CHUNKS, flags);
     chunks.push({ ...chunk, start });
     start += count;
   }

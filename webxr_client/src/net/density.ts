@@ -10,6 +10,10 @@ const WORDS = 3;
 const HALVES = 6;
 const STAMP = 5;
 const RED = 6;
+/** Flags on the wire: r and b are less g; so many low bits of r, g and b are left out. */
+const RELATIVE = 1;
+const DROPPED = 6;
+const DROPPED_SHIFT = 1;
 const RUNS = 65536 / RUN;
 const MANY = 256;
 const spacings = new Float32Array(RUNS);
@@ -29,8 +33,8 @@ const STEP_EXCESS = 1.15;
 export type Vector = readonly [number, number, number];
 
 /**
- * Make decoded vertices ready to draw: each gets its chunk and size code, and red and blue that came
- * as differences to green (`relative`) their own values.
+ * Make decoded vertices ready to draw: each gets its chunk and size code, and colours that came as
+ * differences to green, or without their lowest bits (`flags`), their own values.
  *
  * Neighbours in Morton order are neighbours in space, so a run of them covers a patch of surface
  * whose area says how far its points lie apart.  A run across an edge measures the gap instead;
@@ -44,7 +48,7 @@ export function finishChunk(
   origin: Vector,
   scale: Vector,
   chunk: number,
-  relative: boolean,
+  flags: number,
 ): void {
   const runs = Math.min(RUNS, Math.ceil(count / RUN));
   measure(vertices, runs, count, origin, scale);
@@ -57,7 +61,10 @@ export function finishChunk(
     const stop = Math.min(count, (run + 1) * RUN) * HALVES;
     for (let i = run * RUN * HALVES + STAMP; i < stop; i += HALVES) halves[i] = stamp;
   }
-  if (relative) addGreen(new Uint8Array(vertices.buffer, vertices.byteOffset, count * STRIDE));
+  if ((flags & (RELATIVE | DROPPED)) === 0) return;
+  const bytes = new Uint8Array(vertices.buffer, vertices.byteOffset, count * STRIDE);
+  if (flags & RELATIVE) addGreen(bytes);
+  if (flags & DROPPED) widen(bytes, (flags & DROPPED) >> DROPPED_SHIFT);
 }
 
 function addGreen(bytes: Uint8Array): void {
@@ -65,6 +72,17 @@ function addGreen(bytes: Uint8Array): void {
     const green = bytes[i + 1]!;
     bytes[i] = bytes[i]! + green;
     bytes[i + 2] = bytes[i + 2]! + green;
+  }
+}
+
+/** Give colours of 8 − `bits` bits the range of eight. */
+function widen(bytes: Uint8Array, bits: number): void {
+  const high = 8 - 2 * bits;
+  for (let i = RED; i < bytes.length; i += STRIDE) {
+    for (let colour = i; colour < i + 3; colour++) {
+      const value = bytes[colour]!;
+      bytes[colour] = (value << bits) | (value >> high);
+    }
   }
 }
 
