@@ -82,7 +82,7 @@ def test_boxes_trails_and_ghost_are_drawn_and_switched_in_the_palette(
 # ── ground ───────────────────────────────────────────────────────────────────────────────────
 
 
-def test_the_ground_under_the_ray_is_deleted_and_comes_back(
+def test_the_ground_under_the_ray_is_deleted_and_comes_back_and_can_be_set_as_floor(
     headset: Headset, server: LiveServer
 ) -> None:
     headset.click("palette", "Tools")
@@ -105,11 +105,11 @@ def test_the_ground_under_the_ray_is_deleted_and_comes_back(
     assert abs(height) < 0.05
     headset.button("b-button")
     headset.until("!(-1 in pb.labels())")
+    set_the_floor(headset, server)
 
 
-def test_the_recording_is_stood_on_the_floor_that_one_points_at(
-    headset: Headset, server: LiveServer
-) -> None:
+def set_the_floor(headset: Headset, server: LiveServer) -> None:
+    """Point at three places of the floor of a recording that stands crooked; then go back."""
     found = room_of(server)
     floor = stand_crooked(server)
     # What somebody else changed shows at once, without leaving the headset.

@@ -69,7 +69,11 @@ def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
     headset = put_on()
     before = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
     headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
-    headset.flick(0, -1, "left")
+    way = "hs.headset.cockpit.locomotion"
+    headset.lean(0, -1, "left")
+    headset.until(f"{way}.arc.visible && {way}.ring.visible")
+    headset.lean(0, 0, "left")
+    headset.until(f"!{way}.arc.visible && !{way}.ring.visible")
     after = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
     assert abs(after[1] - before[1]) > 0.5
     turned = headset.ask(f"{RIG}.group.rotation.y")
@@ -126,11 +130,16 @@ def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
     headset.frames()
     headset.move("left", [-0.4, 1.2, -0.4])
     headset.move("right", [0.4, 1.2, -0.4])
+    # … and turn it, by as much as the hands turned.
+    headset.move("left", [-0.4, 1.2, -0.2])
+    headset.move("right", [0.4, 1.2, -0.6])
     for hand in ("left", "right"):
         headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 0)")
     headset.frames()
+    turned = headset.ask("2 * Math.asin(pb.engine.viewer.world.quaternion.y)")
+    assert abs(turned - np.arctan2(0.4, 0.8)) < 0.02
     scale = headset.ask("pb.engine.viewer.world.scale.x")
-    assert 1.9 < scale < 2.1
+    assert abs(scale - 2 * np.hypot(0.8, 0.4) / 0.8) < 0.1
     # The ball keeps its size in the hand: half as much of the recording.
     assert abs(headset.ask("pb.state.brush.value.radius") - radius / scale) < 1e-3
     headset.paint([truth(0, PERSON)])
@@ -294,10 +303,15 @@ def test_people_see_each_other_and_the_desk_sees_what_the_headset_sees(
     # The desk looks through the headset's eyes, also as it walks.
     other.page.locator("button.person").click()
     headset.ask("device.position.set(0.2, 1.4, 0.1)")
+    headset.ask("device.quaternion.set(0, 0.2588, 0, 0.9659)")
     headset.frames()
     x, y, z = headset.ask(f"[{RIG}.head.x, {RIG}.head.y, {RIG}.head.z]")
     eye = "pb.engine.viewer.camera.position"
     other.until(f"Math.hypot({eye}.x - {x}, {eye}.y - {y}, {eye}.z - {z}) < 0.05")
+    # … and looks where the headset looks.
+    x, z = headset.ask(f"[{RIG}.ahead.x, {RIG}.ahead.z]")
+    ahead = "pb.engine.viewer.camera.matrixWorld.elements"
+    other.until(f"Math.hypot({ahead}[8] + {x}, {ahead}[10] + {z}) < 0.05")
     # The desk does not fly into the headset's place when that one leaves.
     headset.ask("void pb.engine.viewer.renderer.xr.getSession().end()")
     other.until("pb.state.people.value.every((person) => person.head === null)")

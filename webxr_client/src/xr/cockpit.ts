@@ -244,9 +244,8 @@ export class Cockpit {
   }
 
   private tellOthers(now: number): void {
-    const { camera, world } = this.engine.viewer;
     const { rig, painter, controllers } = this;
-    this.presence.update(now, rig, controllers.both, painter.tip, camera, world);
+    this.presence.update(now, rig, controllers.both, painter.tip, this.engine.viewer.world);
   }
 
   // ── the world ──────────────────────────────────────────────────────────────────────────────

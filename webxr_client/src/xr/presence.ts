@@ -34,21 +34,13 @@ export class Presence {
 
   constructor(private readonly link: Link) {}
 
-  update(
-    now: number,
-    rig: Rig,
-    hands: readonly Hand[],
-    tip: Vector3,
-    eyes: Object3D,
-    world: Object3D,
-  ): void {
+  update(now: number, rig: Rig, hands: readonly Hand[], tip: Vector3, world: Object3D): void {
     if (now - this.last < PERIOD_MS || state.sequence.peek() === null) return;
     this.last = now;
     this.roomFromScene.copy(world.matrixWorld).invert();
     world.getWorldQuaternion(this.turnFromScene).invert();
     const { message } = this;
-    eyes.getWorldQuaternion(this.way);
-    this.write(this.head, rig.head, this.way);
+    this.write(this.head, rig.head, rig.turned);
     for (let i = 0; i < 2; i++) {
       const hand = hands[i]!;
       const pose = this.hands[i as 0 | 1];

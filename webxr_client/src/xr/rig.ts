@@ -1,5 +1,5 @@
 /** Where the headset's space lies in the scene: walking, teleporting and turning move it. */
-import { Group, Matrix4, Vector3 } from 'three';
+import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Poses } from './poses';
 
 const UP = new Vector3(0, 1, 0);
@@ -9,6 +9,8 @@ export class Rig {
   /** Where the eyes are, in the scene and in the headset's own space. */
   readonly head = new Vector3(0, 1.6, 0);
   readonly headInRig = new Vector3(0, 1.6, 0);
+  /** How the head is turned, in the scene. */
+  readonly turned = new Quaternion();
   /** Where they look, level, in the scene. */
   readonly ahead = new Vector3(0, 0, -1);
   private readonly pose = new Matrix4();
@@ -20,6 +22,7 @@ export class Rig {
     if (!poses.head(this.pose)) return false;
     this.headInRig.setFromMatrixPosition(this.pose);
     this.head.copy(this.headInRig).applyMatrix4(this.group.matrixWorld);
+    this.turned.setFromRotationMatrix(this.pose).premultiply(this.group.quaternion);
     const { elements } = this.pose;
     // The third column of the rotation, reversed and laid level.
     this.ahead.set(-elements[8], 0, -elements[10]);
