@@ -12,8 +12,8 @@ import pytest
 
 from pointbrush.sequences import importer
 from tests.serving import Served, add_sequence, serving, settings_in
+from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
-from tests.streaming.test_socket import run
 
 POINTS = 300_000
 

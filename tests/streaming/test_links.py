@@ -9,10 +9,10 @@ import pytest
 
 from pointbrush.streaming.viewer import CREDITS
 from tests.serving import Served
+from tests.streaming.acting import paint, run, settled, stored_values
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
 from tests.streaming.shaping import Link, shaped
-from tests.streaming.test_socket import paint, run, settled, stored_values
 
 FPS = 30.0
 

@@ -11,8 +11,8 @@ import pytest
 from pointbrush.sequences import import_frames
 from pointbrush.workspace import SequencesChanged
 from tests.serving import Served, serving, settings_in, surface
+from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
-from tests.streaming.test_socket import run
 
 FRAMES, POINTS = 3, 3_000
 

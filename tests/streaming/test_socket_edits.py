@@ -1,0 +1,207 @@
+"""The socket, as a page sees it: edits, its own and those of others."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import uuid
+
+import httpx
+import numpy as np
+
+from tests.serving import Served
+from tests.streaming.acting import paint, run, settled, stored_values
+from tests.streaming.client import viewer
+
+
+def test_a_stroke_reaches_every_viewer_of_the_frame(served: Served) -> None:
+    async def scenario() -> None:
+        async with (
+            viewer(served.url, served.token) as anna,
+            viewer(served.url, served.token) as ben,
+        ):
+            for client in (anna, ben):
+                await client.open("wall", frame=1)
+                await client.until("frame", frame=1, final=True)
+            done = await paint(anna, 1)
+            assert done["changed"] == done["touched"] > 0
+            assert done["edit"] == done["id"]
+            for client in (anna, ben):
+                await asyncio.wait_for(settled(client, 1, done["revision"]), 5)
+                np.testing.assert_array_equal(client.frames[1].values, stored_values(served, 1))
+                assert client.gaps == 0
+
+    run(scenario)
+
+
+def test_counts_timeline_and_undo_follow_an_edit(served: Served) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.hello("Cleo")
+            await client.open("wall", frame=2)
+            labels = await client.until("labels")
+            assert labels["undo"] is None
+            assert [label["name"] for label in labels["labels"]] == ["pin"]
+            before = labels["counts"].get("1", 0)
+            done = await paint(client, 2)
+            while (labels := await client.until("labels"))["revision"] < done["revision"]:
+                pass
+            assert labels["counts"]["1"] == before + done["changed"]
+            assert labels["undo"]
+            timeline = await client.until("timeline")
+            assert not timeline["whole"]
+            cell = next(cell for cell in timeline["cells"] if cell["frame"] == 2)
+            assert cell["state"] == "painted"
+            undo = str(uuid.uuid4())
+            await client.send(type="undo", id=undo)
+            undone = await client.until("stroke_result", id=undo)
+            assert undone["changed"] == done["changed"]
+            await client.send(type="undo", id=str(uuid.uuid4()))
+            error = await client.until("error")
+            assert error["status"] == 409
+
+    run(scenario)
+
+
+def test_a_live_stroke_counts_while_it_is_drawn_and_a_resent_one_applies_once(
+    served: Served,
+) -> None:
+    async def scenario() -> None:
+        stroke = str(uuid.uuid4())
+        begin = {"type": "stroke_begin", "id": stroke, "frame": 4, "brush": {"label": 1}}
+        samples = [{"origin": [0.1 * i, 0.2, 3.0]} for i in range(10)]
+        answers = []
+        for _ in range(2):
+            async with viewer(served.url, served.token) as client:
+                await client.open("wall", frame=4)
+                await client.send(**begin)
+                touched = []
+                for sample in samples if not answers else samples[:3]:
+                    await client.send(type="stroke_samples", id=stroke, samples=[sample])
+                    if not answers:
+                        result = await client.until("stroke_result", id=stroke)
+                        assert not result["final"]
+                        touched.append(result["touched"])
+                assert touched == sorted(touched)
+                await client.send(type="stroke_end", id=stroke)
+                answers.append(await client.until("stroke_result", id=stroke, final=True))
+        first, second = answers
+        assert (first["revision"], first["changed"]) == (second["revision"], second["changed"])
+
+    run(scenario)
+
+
+def test_labels_of_cached_frames_stay_fresh_while_another_is_shown(served: Served) -> None:
+    async def scenario() -> None:
+        async with (
+            viewer(served.url, served.token) as anna,
+            viewer(served.url, served.token) as ben,
+        ):
+            await ben.open("wall", frame=5)
+            await ben.until("frame", frame=5, final=True)
+            await ben.send(type="seek", frame=9)
+            await ben.until("frame", frame=9, final=True)
+            await anna.open("wall", frame=5)
+            done = await paint(anna, 5, radius=0.8)
+            await asyncio.wait_for(settled(ben, 5, done["revision"]), 5)
+            np.testing.assert_array_equal(ben.frames[5].values, stored_values(served, 5))
+            # A frame that was forgotten is no longer spoken of, and comes whole again.
+            await ben.send(type="forget", frames=[5])
+            await ben.send(type="presence", frame=9)
+            del ben.frames[5]
+            await paint(anna, 5)
+            await ben.send(type="seek", frame=5)
+            await ben.until("frame", frame=5, final=True)
+            np.testing.assert_array_equal(ben.frames[5].values, stored_values(served, 5))
+
+    run(scenario)
+
+
+def test_rest_edits_reach_the_socket(served: Served, api: httpx.Client) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=7)
+            await client.until("frame", frame=7, final=True)
+            url = "/sequences/wall/frames/7/annotation"
+            values = np.load(io.BytesIO(api.get(url).content)).copy()
+            values[: len(values) // 2] = 1
+            stream = io.BytesIO()
+            np.save(stream, values)
+            revision = api.put(url, content=stream.getvalue()).json()["revision"]
+            await asyncio.wait_for(settled(client, 7, revision), 5)
+            np.testing.assert_array_equal(client.frames[7].values, stored_values(served, 7))
+            api.patch("/sequences/wall/labels/1", json={"color": "#0000ff"})
+            while (await client.until("labels"))["labels"][0]["color"] != "#0000ff":
+                pass
+
+    run(scenario)
+
+
+def test_deleted_points_have_their_own_value(served: Served) -> None:
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=8)
+            await client.until("frame", frame=8, final=True)
+            done = await paint(client, 8, tool="delete", label=0, radius=0.5)
+            await settled(client, 8, done["revision"])
+            values = client.frames[8].values
+            assert values is not None
+            assert (values == 65535).sum() == done["changed"] > 0
+
+    run(scenario)
+
+
+def test_locked_and_unknown_labels(served: Served) -> None:
+    locked = served.workspace.create_label("wall", "somebody", name="locked")
+    served.workspace.update_label("wall", "somebody", locked.id, locked=True)
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall")
+            for label, status in ((locked.id, 409), (4321, 404)):
+                stroke = str(uuid.uuid4())
+                await client.send(type="stroke_begin", id=stroke, frame=0, brush={"label": label})
+                await client.send(type="stroke_samples", id=stroke, samples=[])
+                await client.send(type="stroke_end", id=stroke)
+                error = await client.until("error")
+                assert (error["status"], error["about"]) == (status, stroke)
+            await client.drain(0.2)
+            assert len([m for m in client.log if m["type"] == "error"]) == 2
+
+    run(scenario)
+    served.workspace.update_label("wall", "somebody", locked.id, locked=False)
+    served.workspace.delete_label("wall", "somebody", locked.id)
+
+
+def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> None:
+    label = served.workspace.create_label("wall", "somebody", name="moving").id
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.hello("Tracker")
+            await client.open("wall", frame=9)
+            await client.until("frame", frame=9, final=True)
+            await paint(client, 9, radius=0.5, label=label)
+            run_id = str(uuid.uuid4())
+            await client.send(
+                type="track", id=run_id, labels=[label], start=9, stop=11, method="icp"
+            )
+            job = await client.until("job", timeout=60, state="done")
+            assert (job["kind"], job["sequence"]) == ("tracking", "wall")
+            await client.drain(0.3)
+            tracked = [m for m in client.log if m["type"] == "annotation" and m["provisional"]]
+            assert {message["frame"] for message in tracked} <= {9, 10, 11}
+            assert tracked
+            for frame in (10, 11):
+                np.testing.assert_array_equal(
+                    client.frames[frame].values, stored_values(served, frame)
+                )
+            cells = [c for m in client.log if m["type"] == "timeline" for c in m["cells"]]
+            mine = [cell for cell in cells if cell["label"] == label and cell["frame"] == 10]
+            assert mine[-1]["confidence"] is not None
+            await client.send(type="undo", id=str(uuid.uuid4()))
+            undone = await client.until("stroke_result", final=True)
+            await settled(client, 10, undone["revision"])
+            assert not (stored_values(served, 10) == label).any()
+
+    run(scenario)
