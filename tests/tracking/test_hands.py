@@ -66,7 +66,7 @@ def test_two_processes_find_what_one_finds(
     assert len(answers) >= len(stored) - 1
 
 
-@pytest.mark.parametrize("when", ["show", "ask", "answer"])
+@pytest.mark.parametrize("when", ["know", "show", "ask", "answer", "learn"])
 def test_a_run_goes_on_when_the_second_process_ends(
     stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch, when: str
 ) -> None:

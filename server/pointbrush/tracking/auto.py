@@ -10,6 +10,7 @@ background, the model, the motion.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,15 +62,17 @@ class AutoTracker:
         labels = [seed.label for seed in seeds]
         with Hands(frames if options.processes > 1 else None) as hands:
             run = Run(frames, [*options.before, *order], labels, known, options, hands)
-            if options.before:
-                run.recall(seeds)
-                first = run.step(order[0], {seed.label: np.sort(seed.indices) for seed in seeds})
-            else:
-                first = run.start(seeds)
-            back = {n: _inverse(track.pose) for n, track in first.tracks.items()}
-            yield run.scene.since(replace(first, assignments={}), back, order[0])
-            for number in order[1:]:
-                yield run.scene.since(run.step(number), back, order[0])
+            with closing(run.scene):
+                if options.before:
+                    run.recall(seeds)
+                    given = {seed.label: np.sort(seed.indices) for seed in seeds}
+                    first = run.step(order[0], given)
+                else:
+                    first = run.start(seeds)
+                back = {n: _inverse(track.pose) for n, track in first.tracks.items()}
+                yield run.scene.since(replace(first, assignments={}), back, order[0])
+                for number in order[1:]:
+                    yield run.scene.since(run.step(number), back, order[0])
 
 
 class Run:
@@ -87,7 +90,7 @@ class Run:
         self.known, self.options, self.hands = known, options, hands
         self.labels = labels
         self.things: dict[int, Thing] = {}
-        self.scene = Scene(frames, order, self._reach)
+        self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
         self.background = self.scene.background
 
     def _reach(self, world: F32) -> F32:
@@ -134,7 +137,7 @@ class Run:
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
         """Find everything in the next frame; ``given`` labels' points are known."""
         view, things = self.scene.view(number), self.things
-        self.hands.show(view)
+        self.hands.show(view, self.background)
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= given or {}
@@ -143,7 +146,7 @@ class Run:
             free[points] = False
         sought = [t for n, t in things.items() if n not in fixed]
         absent = [thing for thing in sought if thing.absent]
-        places, claims = self._find([t for t in sought if not t.absent], view, free)
+        places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)
@@ -153,14 +156,14 @@ class Run:
             self._begin(view, label, fixed[label])
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
         self._look_around(view, places)
-        self.background.learn(view, keep=self._shadow(view, places))
+        self.hands.learn(view, self.background, self._shadow(view, places))
         return FrameResult(number, dict(view.labels), tracks)
 
-    def _find(
-        self, things: list[Thing], view: View, free: Mask
-    ) -> tuple[dict[int, Place], dict[int, Claim]]:
+    def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""
-        cut = {t.label: crop(t, view, self.background, free) for t in things if not t.stopped}
+        there = [thing for thing in things if not thing.stopped]
+        known, here = (self.background, free), not self.hands.learns
+        cut = self.hands.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()))
         there = [self.things[label] for label in searches]

@@ -18,6 +18,7 @@ from pointbrush.tracking.background import Background
 from pointbrush.tracking.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import I64, Mask
+from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Rivals, Thing
@@ -140,8 +141,10 @@ def _by_clothes(
         thing = dressed[label]
         reach = thing.span * (0.2 + 0.2 * min(thing.missing, 8))
         guess = transform(thing.motion.predictions()[0], thing.model.xyz)
-        away, _ = cKDTree(guess).query(foreground.middle, distance_upper_bound=reach)
-        mine = ((best == at) & np.isfinite(np.asarray(away)))[foreground.cell] & sure
+        cells = np.flatnonzero(best == at)
+        close = np.zeros(len(best), np.bool_)
+        close[cells] = np.isfinite(gaps(foreground.middle[cells], guess, reach))
+        mine = close[foreground.cell] & sure
         if not mine.any():
             continue
         for other, seed in seeds.items():

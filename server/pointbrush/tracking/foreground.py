@@ -226,14 +226,20 @@ class Foreground:
 
     def _ways(self, size: float, solid: Mask) -> csr_matrix:
         pairs = cKDTree(self.middle).query_pairs(TOUCH * size, output_type="ndarray")
-        both = np.concatenate([pairs, pairs[:, ::-1]])
-        both = both[solid[both[:, 0]]]
-        a, b = both.T
-        unlike = np.linalg.norm(self.colour[a] - self.colour[b], axis=1)
-        length = np.linalg.norm(self.middle[a] - self.middle[b], axis=1) + 1e-6
-        length *= 1 + unlike / UNLIKE
+        a, b = pairs.T
+        length = _between(self.middle, a, b) + 1e-6
+        length *= 1 + _between(self.colour, a, b) / UNLIKE
+        start, end, way = (np.concatenate(each) for each in ((a, b), (b, a), (length, length)))
+        open_ = solid[start]
         count = len(self.count)
-        return coo_matrix((length, (a, b)), shape=(count, count)).tocsr()
+        places = (start[open_], end[open_])
+        return coo_matrix((way[open_], places), shape=(count, count)).tocsr()
+
+
+def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
+    """How far some rows ``a`` of (N, 3) are from others ``b``."""
+    gap = values[a] - values[b]
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)
 
 
 def _reach(ways: csr_matrix, source: I64, allowed: Mask) -> tuple[F64, I64]:

@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
-from pointbrush.tracking.interface import Frames
-from pointbrush.tracking.second import GONE, Answer, Second, Task
+from pointbrush.tracking.background import Background, ImageBackground
+from pointbrush.tracking.interface import F64, Frames
+from pointbrush.tracking.second import BACKGROUND, GONE, Answer, Second, Task
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -21,6 +22,8 @@ Do = Callable[..., Any]
 Given = Callable[[Thing], tuple[Any, ...]]
 PER_POINT, AT_LEAST = 5e-6, 0.005
 """Seconds that a thing takes of which nothing is known: for each of its points, and in all."""
+SENDING = 0.01
+"""Seconds a frame that this process takes to ask and to take answers."""
 
 
 class Hands(AbstractContextManager["Hands"]):
@@ -33,23 +36,47 @@ class Hands(AbstractContextManager["Hands"]):
     def __init__(self, frames: Frames | None = None) -> None:
         self._second = None if frames is None else Second(frames)
         self._view: View | None = None
-        self._seconds: dict[tuple[str, int], float] = {}
+        self._seconds: dict[int, dict[str, float]] = {}
+        self._learns = False
 
-    def show(self, view: View) -> None:
+    def show(self, view: View, background: Background) -> None:
         """Begin with a frame."""
         self._view = view
+        if not self._learns and isinstance(background, ImageBackground):
+            self._learns = True
+            self._tell(lambda second: second.know(BACKGROUND, background))
+        self._tell(lambda second: second.show(view))
+
+    def learn(self, view: View, background: Background, keep: F64) -> None:
+        """Let the background take in the frame, here and there; see ``Background.learn``."""
+        if self._learns:
+            self._tell(lambda second: second.learn(view, keep))
+        background.learn(view, keep=keep)
+
+    @property
+    def learns(self) -> bool:
+        """Whether the second process, if there is one, has the background too."""
+        return self._learns
+
+    def _tell(self, what: Callable[[Second], None]) -> None:
         if self._second is not None:
             try:
-                self._second.show(view)
+                what(self._second)
             except GONE:
                 self._alone()
 
     def each(
-        self, do: Do, things: Iterable[Thing], given: Given, *, changes: bool = False
+        self,
+        do: Do,
+        things: Iterable[Thing],
+        given: Given,
+        *,
+        changes: bool = False,
+        here: bool = False,
     ) -> dict[int, Any]:
-        """Label → what came out, in the order of the things."""
+        """Label → what came out, in the order of the things; ``here``: of this process alone."""
         some = list(things)
-        theirs = self._ask(do, self._share(do, some), given, changes=changes)
+        theirs = [] if here else self._ask(do, self._share(some), given, changes=changes)
         mine = [thing for thing in some if thing not in theirs]
         done = {thing.label: self._do(do, thing, given) for thing in mine}
         done |= self._take(do, theirs, given)
@@ -67,12 +94,12 @@ class Hands(AbstractContextManager["Hands"]):
             **{thing.label: self._do(do, thing, given) for thing in mine},
         }
 
-    def _share(self, do: Do, things: Sequence[Thing]) -> list[Thing]:
+    def _share(self, things: Sequence[Thing]) -> list[Thing]:
         """The things that the second process is to work on: the longest first, evenly."""
         if self._second is None or len(things) < 2:
             return []
-        expected = {thing.label: self._expected(do, thing) for thing in things}
-        load, theirs = [0.0, 0.0], []
+        expected = {thing.label: self._expected(thing) for thing in things}
+        load, theirs = [SENDING, 0.0], []
         for thing in sorted(things, key=lambda thing: -expected[thing.label]):
             other = load[1] < load[0]
             load[other] += expected[thing.label]
@@ -80,14 +107,18 @@ class Hands(AbstractContextManager["Hands"]):
                 theirs.append(thing)
         return theirs
 
-    def _expected(self, do: Do, thing: Thing) -> float:
-        known = self._seconds.get((do.__name__, thing.label))
-        return AT_LEAST + PER_POINT * thing.size if known is None else known
+    def _expected(self, thing: Thing) -> float:
+        """Seconds; of all that is done, so that the same process has a thing all the time."""
+        known = self._seconds.get(thing.label)
+        return sum(known.values()) if known else AT_LEAST + PER_POINT * thing.size
+
+    def _took(self, do: Do, thing: Thing, seconds: float) -> None:
+        self._seconds.setdefault(thing.label, {})[do.__name__] = seconds
 
     def _do(self, do: Do, thing: Thing, given: Given) -> Any:
         start = time.perf_counter()
         result = do(thing, self._view, *given(thing))
-        self._seconds[do.__name__, thing.label] = time.perf_counter() - start
+        self._took(do, thing, time.perf_counter() - start)
         return result
 
     def _ask(self, do: Do, things: list[Thing], given: Given, *, changes: bool) -> list[Thing]:
@@ -111,7 +142,7 @@ class Hands(AbstractContextManager["Hands"]):
                 done[thing.label] = self._do(do, thing, given)
                 continue
             vars(thing).update(answer.state)
-            self._seconds[do.__name__, thing.label] = answer.seconds
+            self._took(do, thing, answer.seconds)
             done[thing.label] = answer.result
         return done
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -55,8 +55,7 @@ class Search:
     ``near`` are those that it may have, ``moving`` those before the background that were not
     there in the last frame either.
 
-    ``few`` numbers the model points that guesses are judged by; ``guesses`` (K, 4, 4) and their
-    ``costs`` (K,).
+    ``few`` numbers the model points that guesses (K, 4, 4) are judged by.
     """
 
     thing: Thing
@@ -69,11 +68,17 @@ class Search:
     few: I64
     many: I64
     target: Target
-    costs: F64 = field(init=False)
 
-    def __post_init__(self) -> None:
-        """Weigh the guesses."""
-        self.costs = _costs(self)
+    @cached_property
+    def costs(self) -> F64:
+        """(K,) what each of the guesses costs, by the target as it is."""
+        thing = self.thing
+        return costs_of(thing, self.target, self.few, self.at, 4 * thing.unit)
+
+    def aim(self, target: Target) -> None:
+        """Look for it in another target."""
+        self.target = target
+        del self.costs
 
     @cached_property
     def at(self) -> Look:
@@ -116,7 +121,9 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None
-    return _search(thing, view, guesses, (lo, hi), around, near, moving)
+    search = _search(thing, view, guesses, (lo, hi), around, near, moving)
+    _ = search.costs  # which those who share the points out ask for
+    return search
 
 
 def among(thing: Thing, view: View, points: I64) -> Search:
@@ -185,8 +192,7 @@ def share_out(searches: Iterable[Search]) -> None:
         if drop.any() and (~drop).sum() >= FEWEST:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
-        search.target = target
-        search.costs = _costs(search)
+        search.aim(target)
 
 
 def find(search: Search) -> Place:
@@ -282,11 +288,6 @@ def _fits(search: Search, sample: I64, poses: F64, scales: Sequence[float]) -> F
     seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
     return robust_fits(model.xyz[sample], model.colour[sample], seen, search.target, poses, steps)
-
-
-def _costs(search: Search) -> F64:
-    thing = search.thing
-    return costs_of(thing, search.target, search.few, search.at, 4 * thing.unit)
 
 
 def _surprise(search: Search, poses: F64) -> F64:

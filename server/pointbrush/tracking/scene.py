@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,26 +28,50 @@ class Scene:
     ``first`` frame; ``lens`` of the sensor, or None; ``background`` as far as it was learnt.
     """
 
-    def __init__(self, frames: Frames, order: list[int], reach: Callable[[F32], F32]) -> None:
-        """``reach``: see ``TreeBackground``."""
+    def __init__(
+        self, frames: Frames, order: list[int], reach: Callable[[F32], F32], *, ahead: bool
+    ) -> None:
+        """``reach``: see ``TreeBackground``; ``ahead``: a thread may prepare the next frame."""
         self._frames, self._order = frames, order
+        # Long arrays most of it, which leave the interpreter to others.
+        self._ahead = ThreadPoolExecutor(1) if ahead else None
+        self._following = dict(pairwise(order))
+        self._ready: tuple[int, Future[View]] | None = None
         self._pose_of = sensor_poses(frames, order)
         first = frames(order[0])
         self.lens = find_lens(first)
         unknown_eye = self.lens is None and first.viewpoint is None
         self._about = find_eye(np.asarray(first.xyz)) if unknown_eye else None
-        self.first = self.view(order[0])
+        self.first = self._look(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
         if self.lens is not None and self._pose_of is None:
             depth = self.first.depth
             if len(order) > 1:
-                self._waver = measure_waver(depth, self.view(order[1]).depth)
+                self._waver = measure_waver(depth, self._look(order[1]).depth)
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
 
     def view(self, number: int) -> View:
         """Frame ``number`` with what is known of the sensor."""
+        ready, self._ready = self._ready, None
+        view = ready[1].result() if ready and ready[0] == number else self._look(number)
+        if self._ahead is not None and number in self._following:
+            following = self._following[number]
+            self._ready = following, self._ahead.submit(self._prepared, following)
+        return view
+
+    def close(self) -> None:
+        """Prepare no more."""
+        if self._ahead is not None:
+            self._ahead.shutdown(cancel_futures=True)
+
+    def _prepared(self, number: int) -> View:
+        view = self._look(number)
+        view.prepare()
+        return view
+
+    def _look(self, number: int) -> View:
         return View(number, self._frames(number), self.lens, self._pose(number), self._about)
 
     def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
@@ -87,4 +113,4 @@ class Scene:
             self.background.survey(self.first, self._views([self._order[i] for i in apart]))
 
     def _views(self, numbers: Sequence[int]) -> list[View]:
-        return [self.view(number) for number in numbers]
+        return [self._look(number) for number in numbers]

@@ -12,16 +12,20 @@ import pickle
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import IO, Any, NamedTuple
 
-from pointbrush.tracking.interface import Frames
+from pointbrush.tracking.interface import F64, Frames
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
 PIPE = 1 << 20
 """Bytes that are on their way before the sender waits."""
+OURS, BOTH = ("around",), ("near", "moving")
+"""Parts of what is given that the second process does without, and that pass only once."""
+BACKGROUND = "background"
 GONE = (EOFError, OSError, pickle.UnpicklingError)
 """What shows that the other process has ended."""
 
@@ -41,6 +45,10 @@ class Answer(NamedTuple):
     seconds: float
 
 
+class _Elsewhere:
+    """Stands for what only the other process has."""
+
+
 class _Names:
     """Objects that both processes have, by name."""
 
@@ -55,11 +63,18 @@ class _Names:
         self._kept[id(value)] = (name, value)
         self._named[name] = value
 
+    def drop(self, name: object) -> None:
+        """Forget a name."""
+        self._kept.pop(id(self._named.pop(name, None)), None)
+
     def name(self, value: object) -> object:
         found = self._kept.get(id(value))
         return None if found is None else found[0]
 
-    def value(self, name: object) -> object:
+    def value(self, name: object) -> Any:
+        """What has the name; something that stands for it where only the other process has it."""
+        if name not in self._named:
+            self.add(name, _Elsewhere())
         return self._named[name]
 
 
@@ -112,31 +127,56 @@ class Second:
         assert self._process.stdin is not None  # noqa: S101  (piped)
         assert self._process.stdout is not None  # noqa: S101
         self._line = _Line(self._process.stdout, self._process.stdin)
+        self._asked: deque[int] = deque()
+        self._things: set[int] = set()
         self._worn = 0
         self._line.send(frames)
 
+    def know(self, name: object, value: object) -> None:
+        """Let it have a copy of something; it is only named from then on."""
+        self._line.send(("know", (name, value)))
+        self._line.names.add(name, value)
+
     def show(self, view: View) -> None:
         """Let it read a frame, about which it will be asked."""
+        self._forget(self._things)
         self._line.names.add("view", view)
         self._line.send(("show", (view.number, view.lens, view.T_world_frame, view.about)))
+
+    def learn(self, view: View, keep: F64) -> None:
+        """Let the background that it knows learn the frame; see ``Background.learn``."""
+        self._line.send(("learn", (view.labels, keep)))
 
     def ask(self, do: Callable[..., Any], tasks: Sequence[Task], *, changes: bool) -> None:
         """Have ``do``, the function of a module, done; each answer is to be taken before the next.
 
-        ``changes``: it changes the things.
+        ``changes``: it changes the things, which else stay as they are until the next frame.
         """
         names = self._line.names
-        for thing in (task.thing for task in tasks):
+        for thing, given in tasks:
             if names.name(thing.worn) is None:
                 self._worn += 1
-                self._line.send(("know", (self._worn, thing.worn)))
-                names.add(self._worn, thing.worn)
+                self.know(self._worn, thing.worn)
+            _name_parts(names, thing.label, given, OURS)
         self._line.send(("do", (do, list(tasks), changes)))
-        _name_parts(names, tasks)
+        for thing, given in tasks:
+            self._asked.append(thing.label)
+            _name_parts(names, thing.label, given, BOTH)
+            self._things.add(thing.label)
+            names.add(("thing", thing.label), thing)
+        if changes:
+            self._forget({task.thing.label for task in tasks})
+
+    def _forget(self, labels: set[int]) -> None:
+        """Things are no more as they were when they were sent."""
+        for label in labels:
+            self._line.names.drop(("thing", label))
+        self._things = self._things - labels
 
     def answer(self) -> Answer:
         """The next answer, in the order of the tasks."""
         answer: Answer = self._line.receive()
+        _name_parts(self._line.names, self._asked.popleft(), [answer.result], OURS + BOTH)
         return answer
 
     def close(self) -> None:
@@ -148,13 +188,12 @@ class Second:
                 end.close()  # type: ignore[union-attr]  # piped
 
 
-def _name_parts(names: _Names, tasks: Sequence[Task]) -> None:
-    """Long arrays that were sent are named from then on."""
-    for task in tasks:
-        for value in task.given:
-            for part in ("around", "near", "moving"):
-                if hasattr(value, part):
-                    names.add((task.thing.label, part), getattr(value, part))
+def _name_parts(names: _Names, label: int, values: Iterable[object], parts: Sequence[str]) -> None:
+    """Long arrays do not pass again, or not at all."""
+    for value in values:
+        for part in parts:
+            if hasattr(value, part):
+                names.add((part, label), getattr(value, part))
 
 
 def serve() -> None:
@@ -173,16 +212,27 @@ def _serve(line: _Line) -> None:
         kind, what = line.receive()
         if kind == "know":
             line.names.add(*what)
+        elif kind == "learn" and view is not None:
+            view.labels, keep = what
+            line.names.value(BACKGROUND).learn(view, keep=keep)
         elif kind == "show":
             number, lens, pose, about = what
             view = View(number, frames(number), lens, pose, about)
             line.names.add("view", view)
             view.prepare()
         else:
-            do, tasks, changes = what
-            _name_parts(line.names, tasks)
-            for thing, given in tasks:
-                start = time.perf_counter()
-                result = do(thing, view, *given)
-                seconds = time.perf_counter() - start
-                line.send(Answer(result, vars(thing) if changes else {}, seconds))
+            _do(line, view, *what)
+
+
+def _do(
+    line: _Line, view: View | None, do: Callable[..., Any], tasks: list[Task], changes: bool
+) -> None:
+    for thing, given in tasks:
+        line.names.add(("thing", thing.label), thing)
+        _name_parts(line.names, thing.label, given, BOTH)
+    for thing, given in tasks:
+        start = time.perf_counter()
+        result = do(thing, view, *given)
+        seconds = time.perf_counter() - start
+        line.send(Answer(result, vars(thing) if changes else {}, seconds))
+        _name_parts(line.names, thing.label, [result], OURS + BOTH)
