@@ -32,12 +32,13 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.locate import crop, share_out
+from pointbrush.tracking.locate import crop
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
 from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.settle import settle
+from pointbrush.tracking.sharing import share_out
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
 from pointbrush.tracking.view import View
 from pointbrush.tracking.witness import taught

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +11,6 @@ import numpy as np
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.explain import Look, costs_of, look
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.near import Plain, within
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
@@ -164,37 +163,6 @@ def target_of(view: View, indices: I64, weight: float) -> Target:
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
 
 
-def share_out(searches: Iterable[Search]) -> None:
-    """Take out of each target what another thing's prediction explains clearly better."""
-    searches = list(searches)
-    sure = [
-        s
-        for s in searches
-        if min(s.costs) < (DOUBT_LARGE if s.thing.large else DOUBT) and not s.thing.motion.fresh
-    ]
-    ghosts = {id(s): _ghost(s) for s in searches}
-    new: list[tuple[Search, Target]] = []
-    for search in searches:
-        left = search.target
-        drop = np.zeros(len(left.xyz), np.bool_)
-        for other in sure:
-            ghost, reach = ghosts[id(other)], 3 * other.thing.unit
-            if other is search or not ghost.meets(ghosts[id(search)]):
-                continue
-            near = np.flatnonzero(within(left.xyz, ghost.lo - reach, ghost.hi + reach))
-            if not len(near):
-                continue
-            theirs = ghost.gap(left, near)
-            near, theirs = near[theirs < reach], theirs[theirs < reach]
-            if not len(near):
-                continue
-            drop[near] |= theirs < 0.5 * ghosts[id(search)].gap(left, near)
-        if drop.any() and (~drop).sum() >= FEWEST:
-            new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
-    for search, target in new:
-        search.aim(target)
-
-
 def find(search: Search) -> Place:
     """Register a thing, and bend it where it bends."""
     thing = search.thing
@@ -301,32 +269,3 @@ def _surprise(search: Search, poses: F64) -> F64:
     turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
     return np.asarray(SURPRISE * np.minimum(1.0, off) + TURNED * turned)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Ghost:
-    """A thing where it is predicted, in place and colour; ``lo`` and ``hi`` bound its place."""
-
-    surface: Plain
-    centre: F64
-    radius: float
-    lo: F64
-    hi: F64
-
-    def meets(self, other: _Ghost) -> bool:
-        """Whether the two are near to each other."""
-        away = float(np.linalg.norm(self.centre - other.centre))
-        return away < 1.5 * (self.radius + other.radius)
-
-    def gap(self, target: Target, points: I64) -> F64:
-        """Distances in place and colour from some of the target."""
-        own = [target.xyz[points], target.colour[points] * target.weight]
-        return self.surface.nearest(np.hstack(own))[0]
-
-
-def _ghost(search: Search) -> _Ghost:
-    model, many = search.thing.model, search.many
-    world = transform(search.best, model.xyz[many])
-    surface = Plain(np.hstack([world, model.colour[many] * search.target.weight]))
-    centre = transform(search.best, search.thing.motion.centre[None])[0]
-    return _Ghost(surface, centre, model.radius, world.min(axis=0), world.max(axis=0))
