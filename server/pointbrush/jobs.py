@@ -9,19 +9,19 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
-import os
 import secrets
 import threading
 import time
 import uuid
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import dataclass, field, replace
-from multiprocessing.connection import Client, Connection, Listener
-from typing import Any, Literal, Protocol
+from multiprocessing.connection import Connection, Listener
+from typing import Any, Literal
 
 from pointbrush.errors import CancelledError, ConflictError, NotFoundError, PointbrushError
 from pointbrush.scheduler import DaskExecutor, own_host
+from pointbrush.worker import Work, local_processes, run_work
 
 logger = logging.getLogger(__name__)
 
@@ -31,8 +31,6 @@ ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
 KEPT_JOBS = 1000
 """Ended jobs that are remembered; older ones are forgotten first."""
-NICENESS = 5
-"""By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
 
 
 @dataclass(frozen=True)
@@ -48,38 +46,6 @@ class Job:
     result: dict[str, Any] | None = None
     error: str | None = None
     created: float = field(default_factory=time.time)
-
-
-class Channel:
-    """The work's side of its connection to the runner."""
-
-    def __init__(self, connection: Connection[Any, Any]) -> None:
-        self._connection = connection
-        self._cancelled = False
-
-    def progress(self, fraction: float, message: str = "") -> None:
-        """Report progress 0..1; raises CancelledError when the user has cancelled."""
-        self._connection.send(("progress", fraction, message))
-        self.check()
-
-    def item(self, value: object) -> None:
-        """Hand a picklable finding to the runner at once; raises CancelledError."""
-        self._connection.send(("item", value))
-        self.check()
-
-    def check(self) -> None:
-        """Raise CancelledError when the user has cancelled."""
-        while not self._cancelled and self._connection.poll():
-            self._cancelled = self._connection.recv() == "cancel"
-        if self._cancelled:
-            raise CancelledError("cancelled by the user")
-
-
-class Work(Protocol):
-    """Picklable work: runs in another process and returns a picklable result."""
-
-    def __call__(self, channel: Channel) -> Any:
-        """Do the work, reporting on ``channel``."""
 
 
 @dataclass
@@ -118,7 +84,7 @@ class JobRunner:
             # At once: a wrong address should not first show when somebody needs it.
             self._executor, host = self._make_executor(), own_host(scheduler)
         else:
-            self._make_executor = lambda: _local_processes(workers)
+            self._make_executor = lambda: local_processes(workers)
         self._key = secrets.token_bytes(32)
         self._listener = Listener((host, 0), backlog=64, authkey=self._key)
         self._lock = threading.Lock()
@@ -144,7 +110,7 @@ class JobRunner:
         """
         job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence)
         with self._lock:
-            future = self._submit(_run, self._listener.address, self._key, job.id, work)
+            future = self._submit(run_work, self._listener.address, self._key, job.id, work)
             running = _Running(future, finish, on_item, done)
             self._jobs[job.id], self._running[job.id] = job, running
             self._forget_old()
@@ -289,39 +255,6 @@ class JobRunner:
                 return
             self._jobs[job_id] = job = replace(self._jobs[job_id], **fields)
         self._notify(job)
-
-
-def _local_processes(workers: int) -> ProcessPoolExecutor:
-    # The workers share the cores: threads of BLAS in each of them would wait for one another.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Not fork: the server's threads and locks must not be copied half-way into a worker.
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)
-
-
-def _begin_worker() -> None:
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
-    _end_with_parent()
-
-
-def _end_with_parent() -> None:
-    """Let a worker end when its server is killed: the pool's queue would keep it waiting."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
-
-
-def _end_after(parent: Any) -> None:
-    parent.join()
-    os._exit(1)
-
-
-def _run(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
-    with Client(address, authkey=key) as connection:
-        connection.send(job_id)
-        connection.recv()  # "start"; EOFError when the job is no longer wanted
-        return work(Channel(connection))
 
 
 def _outcome(future: Future[Any]) -> BaseException | None:

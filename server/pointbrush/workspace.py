@@ -22,7 +22,7 @@ from pointbrush.errors import (
     NotFoundError,
 )
 from pointbrush.formats import EXPORTS, export, source_name
-from pointbrush.jobs import ENDED, Job, JobRunner, Work
+from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
 from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
@@ -33,6 +33,7 @@ from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
 from pointbrush.work.library import Library
 from pointbrush.work.strokes import LiveStroke, edit_id
+from pointbrush.worker import Work
 
 __all__ = ["Event", "Provisional", "Retracted", "SequencesChanged", "Workspace"]
 

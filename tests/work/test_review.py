@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
-from pointbrush.jobs import Channel
 from pointbrush.labels import Write
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions, TrackState
 from pointbrush.work.tracking import TrackingWork
+from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

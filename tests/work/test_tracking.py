@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError, PointbrushError
 from pointbrush.frame import PointFrame
-from pointbrush.jobs import Channel
 from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work.tracking import LEAD, Findings, TrackingWork, lead, prepare
+from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 

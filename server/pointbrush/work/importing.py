@@ -17,11 +17,11 @@ from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.palette import SourceLabel
 from pointbrush.frame import PointFrame
-from pointbrush.jobs import Channel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.samples import generate
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
+from pointbrush.worker import Channel
 
 IMPORTED = 3
 DEFAULT_FPS = 30.0

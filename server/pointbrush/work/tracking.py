@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
-from pointbrush.jobs import Channel
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import Only
 from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
 from pointbrush.tracking.rules import FEWEST
+from pointbrush.worker import Channel
 
 TRACKED = 2
 PROCESSES = min(2, os.cpu_count() or 1)
