@@ -12,8 +12,9 @@ from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
 
 SEQUENCE = "juggling"
-# The truth's label of a person.
+# The truth's labels of a person, and of a pin that flies in the first frames.
 PERSON = 7
+PIN = 5
 # Frame and truth's label → the middle of what it labels, source coordinates.
 Truth = Callable[[int, int], list[float]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.e2e.headset import PAINTING, TICK, Headset
-from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
+from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 
 # ── painting ─────────────────────────────────────────────────────────────────────────────────
@@ -171,19 +171,27 @@ def test_scrubs_on_the_timeline_in_the_room(headset: Headset) -> None:
     headset.until("pb.state.frame.value === 5 && pb.shown().frame === 5")
 
 
-def test_tracks_from_the_timeline_and_feels_the_end(
+def test_the_first_minute_a_flying_pin_is_named_painted_tracked_and_felt_to_end(
     headset: Headset, server: LiveServer, truth: Truth
 ) -> None:
-    headset.set_radius(0.15)
-    headset.paint([truth(0, PERSON)])
+    headset.click("palette", "New")
+    headset.click("palette", "pin 1")
+    headset.until("pb.state.activeLabel.value === 2")
+    headset.set_radius(0.28)
+    headset.paint([truth(0, PIN)])
     headset.settled()
-    headset.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
+    headset.until("pb.state.timeline.value.rows.get(2)?.points[0] > 0")
     headset.pulses()
     headset.click("timeline", "To end")
     headset.until("pb.state.jobs.value.some((job) => job.state === 'done')")
     headset.frames()
     assert any(pulse["strength"] == 1 for pulse in headset.pulses())
-    assert all(painted(server, frame, 1) > 0 for frame in range(3))
+    for frame in range(3):
+        points = server.points(SEQUENCE, frame)[server.annotation(SEQUENCE, frame) == 2]
+        away = np.linalg.norm(points - truth(frame, PIN), axis=1)
+        assert len(points) > 20
+        # A pin is half a metre long; this one is in the air.
+        assert np.median(away) < 0.25
 
 
 # ── labels ───────────────────────────────────────────────────────────────────────────────────
