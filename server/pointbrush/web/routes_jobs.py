@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from pointbrush.web.auth import Annotator, Viewer
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import JobOut
+from pointbrush.web.schemas_work import JobOut
 
 router = APIRouter(tags=["jobs"])
 

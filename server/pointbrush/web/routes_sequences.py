@@ -26,12 +26,11 @@ from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
     FloorBody,
-    ImportBody,
-    JobOut,
     Name,
     SequenceOut,
     SequencePatch,
 )
+from pointbrush.web.schemas_work import ImportBody, JobOut
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["sequences"])

@@ -7,7 +7,8 @@ from fastapi import APIRouter, Response
 from pointbrush.web.auth import Annotator, Viewer
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import AcceptBody, EditOut, JobOut, TrackingBody, TrackOut
+from pointbrush.web.schemas import EditOut
+from pointbrush.web.schemas_work import AcceptBody, JobOut, TrackingBody, TrackOut
 
 router = APIRouter(tags=["tracking"])
 
