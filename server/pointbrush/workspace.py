@@ -6,8 +6,6 @@ leave here are in source order unless a name says ``stored``.
 
 from __future__ import annotations
 
-import shutil
-import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -21,19 +19,20 @@ from pointbrush.errors import (
     ForbiddenError,
     NotFoundError,
 )
-from pointbrush.formats import EXPORTS, export, source_name
+from pointbrush.formats import EXPORTS, export
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
 from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
-from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import accepting, exporting, flooring, importing, layers, tracking
+from pointbrush.tracking import TrackOptions
+from pointbrush.work import accepting, exporting, flooring, layers
 from pointbrush.work.backup import make_backup
-from pointbrush.work.events import Event, Provisional, Retracted, SequencesChanged
+from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
+from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
+from pointbrush.work.runs import Runs
 from pointbrush.work.strokes import LiveStroke, edit_id
-from pointbrush.worker import Work
 
 __all__ = ["Event", "Provisional", "Retracted", "SequencesChanged", "Workspace"]
 
@@ -49,19 +48,17 @@ class Workspace:
         self.settings = settings
         self.library = Library(settings.workspace.absolute() / "sequences")
         self.library.clean()
-        self._lock = threading.Lock()
-        self._keep: set[str] = set()
-        self._listeners: list[Callable[[Event], None]] = []
+        self._listeners = Listeners()
         self.store = LabelStore(settings.database_url)
         self._unsubscribe = self.store.subscribe(self._publish)
         self.runner = JobRunner(
             self._publish, workers=settings.workers, scheduler=settings.scheduler
         )
-        for manifest in self.sequences():
-            self.store.register(manifest.id, manifest.points)
-            if "label" in manifest.fields and self.store.revision(manifest.id) == 0:
-                # A server that was killed as an import ended left these out.
-                importing.import_source_labels(self.store, self.recording(manifest.id))
+        self._imports = Imports(
+            self.library, self.store, self.runner, self._publish, settings.max_frame_points
+        )
+        self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
+        self._imports.complete(self.sequences())
 
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""
@@ -71,21 +68,10 @@ class Workspace:
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``listener`` at every event, from any thread; returns what undoes it."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def undo() -> None:
-            with self._lock:
-                if listener in self._listeners:
-                    self._listeners.remove(listener)
-
-        return undo
+        return self._listeners.add(listener)
 
     def _publish(self, event: Event) -> None:
-        with self._lock:
-            listeners = list(self._listeners)
-        for listener in listeners:
-            listener(event)
+        self._listeners.tell(event)
 
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
@@ -141,51 +127,19 @@ class Workspace:
 
         With ``roots``, nothing that lies or leads outside them is read.
         """
-        for path in paths:
-            if not any(mark in str(path) for mark in "*?[") and not path.exists():
-                raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        sequence = self.library.reserve(name or source_name(paths))
-        work = importing.ImportWork(
-            paths=tuple(path.absolute() for path in paths),
-            target=self.library.folder / sequence,
-            sequence_id=sequence,
+        return self._imports.of_paths(
+            paths,
             name=name,
             fps=fps,
-            format=file_format,
+            file_format=file_format,
             drop_invalid=drop_invalid,
-            max_points=self.settings.max_frame_points,
-            roots=tuple(roots),
+            cleanup=cleanup,
+            roots=roots,
         )
-        return self._submit_import(sequence, work, importing.import_source_labels, cleanup)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""
-        sequence = self.library.reserve("juggling")
-        work = importing.SampleWork(self.library.folder / sequence, sequence, frames, seed)
-        return self._submit_import(sequence, work, importing.create_sample_labels)
-
-    def _submit_import(
-        self,
-        sequence: str,
-        work: Work,
-        label: Callable[[LabelStore, Recording], None],
-        cleanup: Path | None = None,
-    ) -> Job:
-        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled:
-                return {}
-            recording = self.recording(sequence)
-            self.store.register(sequence, recording.manifest.points)
-            label(self.store, recording)
-            self._publish(SequencesChanged(sequence))
-            return importing.result(recording)
-
-        def done(_: Job) -> None:
-            self.library.release(sequence)
-            if cleanup is not None:
-                shutil.rmtree(cleanup, ignore_errors=True)
-
-        return self.runner.submit("import", sequence, work, finish, done=done)
+        return self._imports.of_sample(frames, seed)
 
     def allowed_path(self, path: str) -> Path:
         """``path`` resolved, if it lies under the allowed roots; raises ForbiddenError."""
@@ -339,51 +293,22 @@ class Workspace:
         it is painted with ``until_painted``.  ``stop_unsure`` ends the run at the first frame that
         a person should look at.
         """
-        recording = self.recording(sequence)
-        tracking.require_method(method)
-        if overwrite not in tracking.OVERWRITE:
-            expected = ", ".join(tracking.OVERWRITE)
-            raise BadInputError(f"overwrite: expected one of {expected}, got {overwrite!r}")
-        chosen = None if labels is None else list(labels)
-        seeds = tracking.prepare(self.store, recording, chosen, start, stop)
-        locked = frozenset(label.id for label in self.store.palette(sequence) if label.locked)
         options = TrackOptions(
-            overwrite=overwrite,  # type: ignore[arg-type]  # checked above
-            locked=locked,
+            overwrite=overwrite,  # type: ignore[arg-type]  # checked by `start`
             continue_lost=continue_lost,
             until_painted=until_painted,
         )
-        work = tracking.TrackingWork(
-            recording.path,
-            self.settings.database_url,
+        return self._runs.start(
+            self.recording(sequence),
             start,
             stop,
-            seeds,
+            labels,
             method,
             options,
-            stop_unsure,
+            author,
+            edit_id(edit),
+            stop_unsure=stop_unsure,
         )
-        ids = tuple(seed.label for seed in seeds)
-        findings = tracking.Findings(self.store, sequence, start, ids, overwrite)
-        run_id = edit_id(edit)
-
-        def on_item(job: Job, found: FrameResult) -> None:
-            findings.results.append(found)
-            numbers, values = tracking.flat(found)
-            self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
-
-        def finish(job: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled and job.id not in self._keep:
-                return dict(tracking.NOTHING)
-            summary = f"tracked {len(ids)} labels, frames {start} to {stop}, {method}"
-            return findings.commit(run_id, author, summary)
-
-        def done(job: Job) -> None:
-            self._keep.discard(job.id)
-            frames = tuple(found.frame for found in findings.results)
-            self._publish(Retracted(sequence, job.id, frames))
-
-        return self.runner.submit("tracking", sequence, work, finish, on_item, done)
 
     def accept(
         self,
@@ -430,7 +355,7 @@ class Workspace:
     def cancel(self, job_id: str, *, keep: bool = False) -> Job:
         """Stop a job; ``keep`` commits what a tracking run has found so far."""
         if keep:
-            self._keep.add(job_id)
+            self._runs.keep(job_id)
         return self.runner.cancel(job_id)
 
     # ── upkeep ───────────────────────────────────────────────────────────────────────────

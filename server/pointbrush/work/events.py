@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,3 +43,30 @@ class SequencesChanged:
 
 
 Event = Commit | Job | Provisional | Retracted | SequencesChanged
+
+
+class Listeners:
+    """Those who want to hear of events; thread-safe."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._listeners: list[Callable[[Event], None]] = []
+
+    def add(self, listener: Callable[[Event], None]) -> Callable[[], None]:
+        """Call ``listener`` at every event, from any thread; returns what undoes it."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def undo() -> None:
+            with self._lock:
+                if listener in self._listeners:
+                    self._listeners.remove(listener)
+
+        return undo
+
+    def tell(self, event: Event) -> None:
+        """Tell everybody."""
+        with self._lock:
+            listeners = list(self._listeners)
+        for listener in listeners:
+            listener(event)

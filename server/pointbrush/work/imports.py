@@ -1,0 +1,101 @@
+"""Import jobs: files, or the sample, become a recording with the labels that came with it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pointbrush.errors import NotFoundError
+from pointbrush.formats import source_name
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.sequences import Manifest
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work import importing
+from pointbrush.work.events import Event, SequencesChanged
+from pointbrush.work.library import Library
+from pointbrush.worker import Work
+
+
+class Imports:
+    """Starts imports into a library, and makes what they bring known."""
+
+    def __init__(
+        self,
+        library: Library,
+        store: LabelStore,
+        runner: JobRunner,
+        publish: Callable[[Event], None],
+        max_points: int,
+    ) -> None:
+        """``max_points``: most points of a frame that is read."""
+        self._library, self._store, self._runner = library, store, runner
+        self._publish, self._max_points = publish, max_points
+
+    def complete(self, manifests: Iterable[Manifest]) -> None:
+        """Do what a server that was killed as an import ended has left out."""
+        for manifest in manifests:
+            self._store.register(manifest.id, manifest.points)
+            if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
+                recording = self._library.recording(manifest.id)
+                importing.import_source_labels(self._store, recording)
+
+    def of_paths(
+        self,
+        paths: Sequence[Path],
+        *,
+        name: str | None,
+        fps: float | None,
+        file_format: str | None,
+        drop_invalid: bool,
+        cleanup: Path | None,
+        roots: Sequence[Path],
+    ) -> Job:
+        """See ``Workspace.import_paths``."""
+        for path in paths:
+            if not any(mark in str(path) for mark in "*?[") and not path.exists():
+                raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
+        sequence = self._library.reserve(name or source_name(paths))
+        work = importing.ImportWork(
+            paths=tuple(path.absolute() for path in paths),
+            target=self._library.folder / sequence,
+            sequence_id=sequence,
+            name=name,
+            fps=fps,
+            format=file_format,
+            drop_invalid=drop_invalid,
+            max_points=self._max_points,
+            roots=tuple(roots),
+        )
+        return self._submit(sequence, work, importing.import_source_labels, cleanup)
+
+    def of_sample(self, frames: int, seed: int) -> Job:
+        """See ``Workspace.import_sample``."""
+        sequence = self._library.reserve("juggling")
+        work = importing.SampleWork(self._library.folder / sequence, sequence, frames, seed)
+        return self._submit(sequence, work, importing.create_sample_labels)
+
+    def _submit(
+        self,
+        sequence: str,
+        work: Work,
+        label: Callable[[LabelStore, Recording], None],
+        cleanup: Path | None = None,
+    ) -> Job:
+        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled:
+                return {}
+            recording = self._library.recording(sequence)
+            self._store.register(sequence, recording.manifest.points)
+            label(self._store, recording)
+            self._publish(SequencesChanged(sequence))
+            return importing.result(recording)
+
+        def done(_: Job) -> None:
+            self._library.release(sequence)
+            if cleanup is not None:
+                shutil.rmtree(cleanup, ignore_errors=True)
+
+        return self._runner.submit("import", sequence, work, finish, done=done)

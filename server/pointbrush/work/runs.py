@@ -1,0 +1,87 @@
+"""Tracking runs as jobs: what they find is shown as it comes, and becomes one edit at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from pointbrush.errors import BadInputError
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.tracking import FrameResult, TrackOptions
+from pointbrush.work import tracking
+from pointbrush.work.events import Event, Provisional, Retracted
+
+
+class Runs:
+    """Starts tracking runs and takes in what they find."""
+
+    def __init__(
+        self,
+        store: LabelStore,
+        runner: JobRunner,
+        publish: Callable[[Event], None],
+        database_url: str,
+    ) -> None:
+        self._store, self._runner, self._publish = store, runner, publish
+        self._database_url = database_url
+        self._kept: set[str] = set()
+
+    def keep(self, job_id: str) -> None:
+        """What a run has found is to be committed also when it is cancelled."""
+        self._kept.add(job_id)
+
+    def start(
+        self,
+        recording: Recording,
+        start: int,
+        stop: int,
+        labels: Sequence[int] | None,
+        method: str,
+        options: TrackOptions,
+        author: str,
+        edit: str,
+        *,
+        stop_unsure: bool,
+    ) -> Job:
+        """See ``Workspace.track``; ``edit`` is the id of the run's edit."""
+        sequence, overwrite = recording.manifest.id, options.overwrite
+        tracking.require_method(method)
+        if overwrite not in tracking.OVERWRITE:
+            expected = ", ".join(tracking.OVERWRITE)
+            raise BadInputError(f"overwrite: expected one of {expected}, got {overwrite!r}")
+        chosen = None if labels is None else list(labels)
+        seeds = tracking.prepare(self._store, recording, chosen, start, stop)
+        locked = frozenset(label.id for label in self._store.palette(sequence) if label.locked)
+        work = tracking.TrackingWork(
+            recording.path,
+            self._database_url,
+            start,
+            stop,
+            seeds,
+            method,
+            replace(options, locked=locked),
+            stop_unsure,
+        )
+        ids = tuple(seed.label for seed in seeds)
+        findings = tracking.Findings(self._store, sequence, start, ids, overwrite)
+
+        def on_item(job: Job, found: FrameResult) -> None:
+            findings.results.append(found)
+            numbers, values = tracking.flat(found)
+            self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
+
+        def finish(job: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled and job.id not in self._kept:
+                return dict(tracking.NOTHING)
+            summary = f"tracked {len(ids)} labels, frames {start} to {stop}, {method}"
+            return findings.commit(edit, author, summary)
+
+        def done(job: Job) -> None:
+            self._kept.discard(job.id)
+            frames = tuple(found.frame for found in findings.results)
+            self._publish(Retracted(sequence, job.id, frames))
+
+        return self._runner.submit("tracking", sequence, work, finish, on_item, done)
