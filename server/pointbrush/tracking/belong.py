@@ -105,6 +105,8 @@ def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
 
 
 def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
+    if view.roams:  # What stands still is known, and nobody holds what is seen from the road.
+        return np.zeros(len(points), np.bool_)
     xyz = view.xyz[points].astype(np.float64)
     return thing.rivals.explain(xyz, view.colour(points), reach, _step(thing, place))
 
@@ -126,7 +128,8 @@ def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I6
     other = np.ones(len(view.xyz), np.bool_)
     other[core] = False
     near = place.around[other[place.around]]
-    most = int(max(0.5 * len(core) + 10, 1.8 * thing.size - len(core)))
+    more = 1.2 if view.roams else 0.5
+    most = int(max(more * len(core) + 10, 1.8 * thing.size - len(core)))
     new = blob(view, core, near, 2.5 * thing.unit, most, place.box)
     if new is None or not len(new):
         return new

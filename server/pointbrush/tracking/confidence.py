@@ -20,6 +20,15 @@ BODY_OFFSET, BODY_MIDDLE = 4.99, 1.5
 """The same for large things before a known scene, people above all: fitted, with each sign held,
 on walking people at 30 and at 5 frames a second, with and without what keeps them apart; sudden
 changes of size were too rare to fit, and their weight is set."""
+ROAM_WEIGHTS = np.array([0, 0, -1.5, 0, 0, 0, -0.91, -0.79, 0.97, 1.98])
+ROAM_OFFSET, ROAM_MIDDLE, ROAM_STRETCH = 0.94, 1.0, 1.9
+"""The same where a lidar moves: fitted, with each sign held, on generated streets of 16 to 64
+beams and the lidar scenes; how much of what moves around is the thing's says the most."""
+MANY, FEW = 300, 1.0
+"""Points from which a fit before a pixel grid is told apart well, and the weight of the logarithm
+of the share of them that there are: small things are taken for each other."""
+SHRUNK = 2.0
+"""Weight of a changed size of what bends: its model follows whatever is taken for it."""
 REGAIN = 0.15
 """Trust that a frame can give back: what has been in doubt may have become another's."""
 
@@ -33,7 +42,9 @@ class Evidence:
     in reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over
     the most and over the last; ``grown`` share of points that the model does not explain;
     ``whole`` whether the thing moves alone; ``share`` of the moving points around;
-    ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less.
+    ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
+    ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``roams`` whether one
+    without moves; ``soft`` whether the thing bends.
     """
 
     inliers: float
@@ -47,6 +58,10 @@ class Evidence:
     whole: bool
     share: float
     worn: float
+    points: int = MANY
+    pixels: bool = True
+    roams: bool = False
+    soft: bool = False
 
 
 def likelihood(evidence: Evidence, body: bool = False) -> float:
@@ -66,11 +81,17 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
             max(evidence.worn, -3.0),
         ]
     )
+    stretch = STRETCH
     if body:
         odds = float(BODY_WEIGHTS @ features) + BODY_OFFSET - BODY_MIDDLE
+    elif evidence.roams:
+        odds = float(ROAM_WEIGHTS @ features[:-1]) + ROAM_OFFSET - ROAM_MIDDLE
+        stretch = ROAM_STRETCH
     else:
         odds = float(WEIGHTS @ features[:-1]) + OFFSET - MIDDLE
-    return 1.0 / (1.0 + float(np.exp(np.clip(-STRETCH * odds, -30, 30))))
+        odds -= SHRUNK * features[5] if evidence.soft else 0.0
+        odds += FEW * min(0.0, _log(evidence.points / MANY, 7.0)) if evidence.pixels else 0.0
+    return 1.0 / (1.0 + float(np.exp(np.clip(-stretch * odds, -30, 30))))
 
 
 def _log(ratio: float, most: float) -> float:

@@ -47,6 +47,10 @@ def evidence(
         whole=place.whole,
         share=m / max(len(place.moving), 1),
         worn=thing.worn.likeness(view.colour(some)) - thing.worn.usual if thing.body else 0.0,
+        points=count,
+        pixels=view.lens is not None,
+        roams=view.roams,
+        soft=thing.soft,
     )
 
 
@@ -91,7 +95,13 @@ def learn(
             again = again.pick(again.cost < 2 * thing.reach)
         xyz = transform(back, view.xyz[again.indices].astype(np.float64))
         thing.model.gather(
-            xyz, view.colour(again.indices), again.gap, again.nearest, own_eye, place.whole
+            xyz,
+            view.colour(again.indices),
+            again.gap,
+            again.nearest,
+            own_eye,
+            # Nobody holds what a lidar on the move sees ever new sides of.
+            sure=place.whole or view.roams,
         )
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
 

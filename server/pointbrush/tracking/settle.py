@@ -12,6 +12,7 @@ from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn
 from pointbrush.tracking.place import Place
+from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -47,6 +48,9 @@ def settle(
         state: State = "lost" if lost else "occluded"
         return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
     thing.missing = 0
+    if view.roams and view.eye is not None:
+        at = transform(place.pose, thing.motion.centre[None])[0]
+        thing.come_to(float(np.linalg.norm(at - view.eye)))
     points = together(found.indices, grown)
     here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
     trust = min(here, thing.trust + REGAIN)

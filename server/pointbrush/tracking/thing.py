@@ -83,7 +83,7 @@ class Thing:
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
-    ground.
+    ground; ``away`` metres from a sensor that moves.
     """
 
     label: int
@@ -103,12 +103,19 @@ class Thing:
     still: bool = False
     strain: float = 0.0
     flat: bool = False
+    away: float = 0.0
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
         return self.bend > (BENT_LARGE if self.large else BENT)
+
+    def come_to(self, away: float) -> None:
+        """Be ``away`` metres from the sensor: what is nearer shows more points."""
+        if self.away > 0.0 and away > 0.0:
+            self.size *= float(np.clip((self.away / away) ** 2, 0.25, 4.0))
+        self.away = away
 
     @property
     def soft(self) -> bool:

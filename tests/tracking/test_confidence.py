@@ -1,0 +1,40 @@
+"""How far a fit is trusted that looks good."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pointbrush.tracking.confidence import Evidence, likelihood
+
+GOOD = Evidence(
+    inliers=1.0,
+    sure=0.75,
+    gap=0.5,
+    cost=1.0,
+    fit=0.1,
+    size=0.95,
+    change=1.0,
+    grown=0.0,
+    whole=False,
+    share=0.4,
+    worn=0.0,
+)
+
+
+def test_what_shows_few_points_is_trusted_less() -> None:
+    """Small things are taken for each other; a lidar's hardly ever show more."""
+    assert likelihood(replace(GOOD, points=1000)) > 0.9
+    assert likelihood(replace(GOOD, points=40)) < likelihood(replace(GOOD, points=150)) < 0.9
+    few = replace(GOOD, points=40, pixels=False)
+    assert likelihood(few) == likelihood(replace(few, points=1000))
+
+
+def test_what_bends_and_shrinks_is_not_trusted() -> None:
+    half = replace(GOOD, size=0.5)
+    assert likelihood(replace(half, soft=True)) < 0.5 < likelihood(half)
+
+
+def test_a_crowded_street_is_trusted_less_than_an_empty_one() -> None:
+    alone = replace(GOOD, pixels=False, roams=True, share=0.95, whole=True)
+    assert likelihood(alone) > 0.9
+    assert likelihood(replace(alone, share=0.1, whole=False)) < 0.5
