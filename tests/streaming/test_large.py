@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import uuid
 from collections.abc import Iterator
 from typing import Any
@@ -10,6 +11,7 @@ import httpx
 import numpy as np
 import pytest
 
+from pointbrush.labels import effect
 from pointbrush.sequences import importer
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
@@ -111,5 +113,44 @@ def test_a_stroke_on_a_scan_is_right_in_every_chunk(scan: Served) -> None:
             values = scan.workspace.store.values("scan", 0).label
             assert client.frames[0].values is not None
             np.testing.assert_array_equal(client.frames[0].values, values)
+
+    run(scenario)
+
+
+def test_an_edit_of_most_of_a_scan_brings_the_values_of_the_chunks_that_are_here(
+    scan: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = table_of(scan)
+    monkeypatch.setattr(effect, "LISTED_POINTS", 100)
+
+    async def scenario() -> None:
+        async with viewer(scan.url, scan.token) as client:
+            await client.open("scan")
+            root = await receive_chunks(client, 1)
+            far = table[-1]["index"]
+            await client.send(type="want", frame=0, chunks=[far])
+            here = [*root, far]
+            assert await receive_chunks(client, len(here)) == here
+            client.log.clear()
+            everything = {"shape": "box", "center": [0, 0, 0], "size": [999, 999, 999]}
+            brush = {"tool": "paint", "label": 1, **everything}
+            commit = await asyncio.to_thread(
+                scan.workspace.stroke, "scan", 0, {"samples": [], **brush}, "somebody"
+            )
+            assert commit.changed > 1_000
+            came = []
+            while len(came) < 2:
+                message = await client.receive()
+                if message["type"] == "annotation":
+                    came.append(message)
+            spans = [(message["first"], message["count"]) for message in came]
+            assert spans == [(table[c]["first"], table[c]["count"]) for c in here]
+            assert all(message["base"] is None for message in came)
+            values = scan.workspace.store.values("scan", 0).label
+            held = client.frames[0].values
+            assert held is not None
+            for first, count in spans:
+                run_of = slice(first, first + count)
+                np.testing.assert_array_equal(held[run_of], values[run_of])
 
     run(scenario)
