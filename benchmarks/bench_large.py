@@ -26,7 +26,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 
 from bench_import import run_child, write_scan
-from bench_page import UNDRAWN
+from bench_page import FIRST, SETTLED
 from bench_streaming import TOKEN, pointbrush
 from chromium import tab
 from light_viewer import LightViewer, connect_light
@@ -36,18 +36,6 @@ WISH = 16
 """Chunks asked for at once."""
 RELABELLED = 1_000_000
 OPENINGS = 5
-SETTLED = 2.0
-"""Seconds that a browser is given to start: its own windows are pages as well."""
-FIRST = (
-    UNDRAWN
-    + """
-window.pointsAt = null;
-gl.drawArrays = (mode, _, count) => {
-  if (mode === gl.POINTS && count > 0) window.pointsAt ??= performance.now();
-};
-"""
-)
-"""Notes when points are drawn for the first time, in ms since the page was asked for."""
 
 
 class Wanderer(LightViewer):

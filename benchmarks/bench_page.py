@@ -1,12 +1,13 @@
 """The page: frames of a Kinect applied a second, against viser's replay in the same browser.
 
-python benchmarks/bench_page.py [apply|viser|play]...
+python benchmarks/bench_page.py [apply|viser|play|open]...
 
 ``apply``: frames decoded in the worker and uploaded to the GPU whole, as fast as they come.
 ``viser``: the same frames replayed by viser at several rates, the best of which counts; also
 counted as they are uploaded.  In both pages the calls that draw or clear do nothing: this
 machine's GPU is a program, which would measure only itself.
 ``play``: what the page's own thread spends on a picture of the playing recording, drawn.
+``open``: from the wish to open a recording to its first draw of points, in a page that is there.
 """
 
 from __future__ import annotations
@@ -21,19 +22,41 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from bench_streaming import POINTS, TOKEN, pointbrush, recording, running
+from bench_streaming import POINTS, TOKEN, kinect, pointbrush, recording, running
 from chromium import Tab, tab
+
+from pointbrush.sequences import import_frames
 
 SECONDS = 5.0
 ROUNDS = 3
 READY = "!!window.__pointbrush && __pointbrush.shown().total > 0"
 COMPLETE = f"{READY} && __pointbrush.shown().drawn === __pointbrush.shown().total"
+OPENINGS = 9
+SETTLED = 2.0
+"""Seconds that a browser is given to start: its own windows are pages as well."""
 # Both run before either page's own scripts: no drawing, the bytes of points that go to the GPU.
 UNDRAWN = """
 const gl = WebGL2RenderingContext.prototype;
 const drawing = ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'];
 for (const draw of [...drawing, 'clear']) gl[draw] = () => {};
 """
+FIRST = (
+    UNDRAWN
+    + """
+window.pointsAt = null;
+gl.drawArrays = (mode, _, count) => {
+  if (mode === gl.POINTS && count > 0) window.pointsAt ??= performance.now();
+};
+"""
+)
+"""Notes when points are drawn for the first time, in ms since the page was asked for."""
+OPEN = """new Promise((resolve) => {
+  window.pointsAt = null;
+  const start = performance.now();
+  __pointbrush.engine.openSequence('NAME');
+  const look = () => window.pointsAt ? resolve(window.pointsAt - start) : setTimeout(look, 1);
+  look();
+})"""
 PREPARE = (
     UNDRAWN
     + """
@@ -130,12 +153,33 @@ def play(workspace: Path) -> None:
     )
 
 
+def opening(workspace: Path) -> None:
+    """Two recordings in turn, so that each is opened; the first time is not counted."""
+    first = workspace / "sequences" / "kinect"
+    other = first.with_name("other")
+    import_frames([kinect(0)], other, sequence_id="other", name="other", fps=30.0)
+    times = []
+    with pointbrush(workspace) as url, tab() as page:
+        time.sleep(SETTLED)
+        page.open(f"{url}/?token={TOKEN}", FIRST)
+        page.until("!!window.__pointbrushHeadset")
+        for number in range(OPENINGS):
+            took = page.run(OPEN.replace("NAME", ("kinect", "other")[number % 2]))
+            times.append(took)
+            time.sleep(1)
+    times = times[1:]
+    print(
+        f"  opened in {statistics.median(times):.0f} ms "
+        f"({min(times):.0f} to {max(times):.0f}), {POINTS:,} points"
+    )
+
+
 def main() -> None:
-    chosen = sys.argv[1:] or ["apply", "viser", "play"]
+    chosen = sys.argv[1:] or ["apply", "viser", "play", "open"]
     print("page")
     with tempfile.TemporaryDirectory() as folder:
         workspace = Path(folder)
-        if "apply" in chosen or "play" in chosen:
+        if {"apply", "play", "open"} & set(chosen):
             recording(workspace)
         rate = apply(workspace) if "apply" in chosen else 0.0
         if "viser" in chosen:
@@ -144,6 +188,8 @@ def main() -> None:
                 print(f"  ratio: {rate / best:.1f}")
         if "play" in chosen:
             play(workspace)
+        if "open" in chosen:
+            opening(workspace)
 
 
 if __name__ == "__main__":
