@@ -13,13 +13,16 @@ from pointbrush.tracking.locate import bent, target_of
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
-from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.thing import SOFT, Thing
 from pointbrush.tracking.view import View
 
 SOUND = 0.25
 """Cost under which a fit tells whether a thing bends."""
 KNOWN, FEW = 100, 0.005
 """Known points that have to be in sight, and share of them off their place, to ask for it."""
+SELDOM, HINT = 4, 0.25
+"""Frames in one of which it is asked of a stiff thing, and the share of what makes a thing soft
+from which it is asked in all."""
 OFF, ON = 1.5, 1.0
 """Units from the model at which a point is off its place, and on it."""
 SNAP = 0.7
@@ -68,7 +71,7 @@ def learn(
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     was_rigid = not thing.bends
     stiff = not (thing.bends or thing.soft or thing.large)
-    if stiff and place.cost < SOUND and view.lens is not None:
+    if stiff and place.cost < SOUND and view.lens is not None and _asked(thing, view):
         thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
     if thing.bends:
@@ -126,8 +129,14 @@ def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
     off = gap > OFF * thing.unit
     if off.mean() < FEW:
         return 0.0
-    again = target.nearest(bent(thing, place.world, target)[known], model.colour[known], far)[0]
-    return float((off & (again < ON * thing.unit)).mean())
+    moved = bent(thing, place.world, target)[known][off]
+    again = target.nearest(moved, model.colour[known][off], far)[0]
+    return float(np.count_nonzero(again < ON * thing.unit) / len(off))
+
+
+def _asked(thing: Thing, view: View) -> bool:
+    """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it."""
+    return thing.strain > HINT * SOFT or (view.number + thing.label) % SELDOM == 0
 
 
 def _claimed_again(
