@@ -155,8 +155,17 @@ def times(page: Tab, doing: str) -> None:
         f"  {doing}, {POINTS:,} points: {statistics.median(work):.2f} ms of the page's "
         f"own work a picture (95 %: {work[int(0.95 * len(work))]:.2f}, "
         f"goal {BUDGET_MS:.0f}), {statistics.median(timing['draw']):.2f} ms in "
-        f"three.js, {1000 / statistics.mean(timing['interval']):.0f} pictures/s"
+        f"three.js, {1000 / statistics.mean(timing['interval']):.0f} pictures/s; "
+        f"after it, when there is something to send, {shown(timing['after'])}"
     )
+
+
+def shown(milliseconds: list[float]) -> str:
+    """Median and 95th percentile, in words."""
+    if not milliseconds:
+        return "nothing"
+    after = sorted(milliseconds)
+    return f"{statistics.median(after):.2f} ms (95 %: {after[int(0.95 * len(after))]:.2f})"
 
 
 def allocated(page: Tab, what: Literal["objects", "numbers"]) -> str:

@@ -209,8 +209,11 @@ def test_a_pinch_paints(put_on: Wear, server: LiveServer, truth: Truth) -> None:
 def test_enters_with_the_real_room_in_sight(browser: Browser, server: LiveServer) -> None:
     headset = wear(browser, server.page_url)
     headset.ready()
+    headset.ask("(pb.state.tool.value = 'navigate')")
     headset.page.get_by_role("button", name="Step in with the real room in sight").click()
     headset.until("hs.headset.cockpit?.mode === 'immersive-ar' && hs.frames() > 2")
+    # Who looked about at the desk walks here, and the trigger paints.
+    assert headset.ask("pb.state.tool.value") == "paint"
     assert headset.ask("pb.engine.viewer.renderer.xr.getSession().environmentBlendMode") != ""
     # The sky must not hide the room.
     assert headset.ask("pb.engine.viewer.backdrop.group.children[0].visible") is False

@@ -2,6 +2,7 @@
 import { BufferGeometry, Color, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../protocol/messages';
 import type { ViewSettings } from '../state';
+import { Afterwards } from './afterwards';
 import { Backdrop } from './backdrop';
 import { sortWithoutGarbage } from './draw-order';
 import { EyeDome } from './eyedome';
@@ -33,6 +34,7 @@ export class Viewer {
   changes = 0;
   /** Called before each picture, in order. */
   readonly ticks: Tick[] = [];
+  readonly afterwards = new Afterwards();
   /** CPU milliseconds: our own work before a picture, and three's to issue it. */
   readonly workMs = new Timing();
   readonly drawMs = new Timing();

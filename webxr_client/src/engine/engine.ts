@@ -75,6 +75,7 @@ export class Engine {
 
   start(): void {
     this.viewer.ticks.push((now) => this.tick(now));
+    this.viewer.afterwards.runs.push(() => this.strokes.send());
     this.viewer.start();
   }
 
@@ -87,7 +88,7 @@ export class Engine {
 
   private tick(now: number): void {
     this.playback.update();
-    this.strokes.flush();
+    if (this.strokes.show()) this.viewer.afterwards.ask();
     this.pacing.update(now);
     const { isPresenting } = this.viewer.renderer.xr;
     // At the desk more is kept than is drawn while something moves; a head always moves.

@@ -34,15 +34,17 @@ export function installHook(engine: Engine): void {
       cachedFrames: playback.store.size,
       cachedBytes: playback.store.usedBytes,
     }),
-    /** Milliseconds a picture: our own work, and issuing the draws. */
+    /** Milliseconds a picture: our own work, issuing the draws, and what waited for them. */
     timing: () => ({
       work: viewer.workMs.recent(),
       draw: viewer.drawMs.recent(),
+      after: viewer.afterwards.ms.recent(),
       interval: viewer.intervalMs.recent(),
     }),
     resetTiming: () => {
       viewer.workMs.reset();
       viewer.drawMs.reset();
+      viewer.afterwards.ms.reset();
       viewer.intervalMs.reset();
     },
     /** Look from `eye` to `target`, room coordinates. */

@@ -32,7 +32,9 @@ describe('a stroke', () => {
     const stroke = strokes.begin(frame, ray, [100, 0, 0]);
     stroke.add(at);
     stroke.add(at);
-    strokes.flush();
+    expect(strokes.show()).toBe(true);
+    strokes.send();
+    expect(strokes.show()).toBe(false);
     expect(painted(frame, 2)).toBe(21);
     stroke.end();
     expect(sent.map((message) => message.type)).toEqual([
@@ -68,7 +70,7 @@ describe('a stroke', () => {
     const { frame, sent, strokes } = setUp();
     const stroke = strokes.begin(frame, ray, [0, 0, 0]);
     stroke.add(at);
-    strokes.flush();
+    strokes.show();
     strokes.drop(stroke.id);
     expect(painted(frame, 2)).toBe(0);
     const before = sent.length;
@@ -87,7 +89,7 @@ describe('a stroke', () => {
       frame.pieces[0]!.labels = new Uint16Array(1600).fill(1, 0, 820);
       const stroke = strokes.begin(frame, brush, [0, 0, 0]);
       stroke.add(at);
-      strokes.flush();
+      strokes.show();
       expect(painted(frame, 1)).toBe(820);
       expect(painted(frame, 2)).toBeGreaterThan(5);
     }
@@ -97,7 +99,7 @@ describe('a stroke', () => {
     const { frame, strokes } = setUp();
     const stroke = strokes.begin(frame, { ...ray, tool: 'delete' }, [0, 0, 0]);
     stroke.add(at);
-    strokes.flush();
+    strokes.show();
     expect(painted(frame, DELETED)).toBe(21);
   });
 });

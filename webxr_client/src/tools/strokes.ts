@@ -84,15 +84,19 @@ class LiveStroke implements Stroke {
     this.preview.add(sample);
   }
 
-  /** Send what has gathered; once per picture. */
-  flush(): void {
-    if (this.refused) return;
-    if (this.batch.count > 0) {
-      this.message.samples = this.batch.take();
-      this.deps.send(this.message);
-    }
+  /** Show what was found; true when there is something to send. */
+  show(): boolean {
+    if (this.refused) return false;
     this.preview.show();
     this.deps.changed();
+    return this.batch.count > 0;
+  }
+
+  /** Send what has gathered. */
+  send(): void {
+    if (this.refused || this.batch.count === 0) return;
+    this.message.samples = this.batch.take();
+    this.deps.send(this.message);
   }
 
   /** The server will not have it: nothing more to send or to show. */
@@ -102,7 +106,8 @@ class LiveStroke implements Stroke {
   }
 
   end(): void {
-    this.flush();
+    this.show();
+    this.send();
     if (!this.refused) this.deps.send({ type: 'stroke_end', id: this.id });
     this.finished(this);
   }
@@ -128,9 +133,16 @@ export class Strokes {
     return stroke;
   }
 
-  /** Once per picture. */
-  flush(): void {
-    for (let i = 0; i < this.live.length; i++) this.live[i]!.flush();
+  /** Before each picture; true when samples wait to be sent. */
+  show(): boolean {
+    let waiting = false;
+    for (let i = 0; i < this.live.length; i++) waiting = this.live[i]!.show() || waiting;
+    return waiting;
+  }
+
+  /** Send what has gathered. */
+  send(): void {
+    for (let i = 0; i < this.live.length; i++) this.live[i]!.send();
   }
 
   onResult(result: StrokeResult): void {

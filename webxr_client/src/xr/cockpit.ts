@@ -85,7 +85,7 @@ export class Cockpit {
     this.panels = [this.palette, this.timeline];
     this.farPanels = [this.timeline];
     this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
-    this.presence = new Presence(engine.link);
+    this.presence = new Presence(engine.link, viewer.afterwards);
     this.feelings = new Feelings(({ strength, milliseconds }) => feel(strength, milliseconds));
     this.pulse = new Pulse(viewer.uniforms, this.palette);
     this.assemble();

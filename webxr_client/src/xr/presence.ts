@@ -1,5 +1,6 @@
 /** Tells the others where one is, a few times a second.  The message is made once and sent again. */
 import { Matrix4, Quaternion, Vector3, type Object3D } from 'three';
+import type { Afterwards } from '../cloud/afterwards';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
 import { state } from '../state';
@@ -32,7 +33,15 @@ export class Presence {
     radius: 0,
   };
 
-  constructor(private readonly link: Link) {}
+  /** The message says something new. */
+  private due = false;
+
+  constructor(
+    private readonly link: Link,
+    private readonly afterwards: Afterwards,
+  ) {
+    afterwards.runs.push(this.tell);
+  }
 
   update(now: number, rig: Rig, hands: readonly Hand[], tip: Vector3, world: Object3D): void {
     if (now - this.last < PERIOD_MS || state.sequence.peek() === null) return;
@@ -49,8 +58,15 @@ export class Presence {
     }
     this.at.copy(tip).applyMatrix4(this.roomFromScene).toArray(this.brush);
     message.radius = state.brush.peek().radius;
-    this.send(message);
+    this.due = true;
+    this.afterwards.ask();
   }
+
+  private readonly tell = (): void => {
+    if (!this.due) return;
+    this.due = false;
+    this.send(this.message);
+  };
 
   private write(pose: Pose, place: Vector3, turn: Quaternion): void {
     this.at.copy(place).applyMatrix4(this.roomFromScene).toArray(pose);
@@ -59,6 +75,8 @@ export class Presence {
 
   /** One has left the room. */
   gone(): void {
+    const { runs } = this.afterwards;
+    runs.splice(runs.indexOf(this.tell), 1);
     this.send({ ...this.message, head: null, hands: [], brush: null, radius: 0 });
   }
 

@@ -1,0 +1,26 @@
+/**
+ * What can wait until a picture has gone to the display: messages above all, since posting one wakes
+ * another thread, which may take this one's place on a busy processor.
+ */
+import { Timing } from './timing';
+
+export class Afterwards {
+  /** What is done each time that somebody asks for it. */
+  readonly runs: (() => void)[] = [];
+  readonly ms = new Timing();
+  private asked = false;
+
+  /** Run everything soon after this picture. */
+  ask(): void {
+    if (this.asked) return;
+    this.asked = true;
+    setTimeout(this.run);
+  }
+
+  private readonly run = (): void => {
+    const started = performance.now();
+    this.asked = false;
+    for (let i = 0; i < this.runs.length; i++) this.runs[i]!();
+    this.ms.add(performance.now() - started);
+  };
+}
