@@ -23,15 +23,15 @@ export function startPage(early: Early): void {
   });
 }
 
-/** Resolves once points have been drawn, or when none are to be waited for. */
-async function pictured({ opening }: Early): Promise<void> {
-  if ((await opening) === null) return;
-  await new Promise<void>((resolve) => {
+/** Resolves once points have been drawn, when none are to be waited for, or after a while. */
+function pictured({ opening }: Early): Promise<void> {
+  return new Promise((resolve) => {
     const timer = setTimeout(finish, LONGEST_MS);
     const stop = effect(() => {
       // Drawn with the next picture, and over when the one after that begins.
       if (state.shown.value.total > 0) requestAnimationFrame(() => requestAnimationFrame(finish));
     });
+    void opening.then((id) => id ?? finish());
     function finish(): void {
       clearTimeout(timer);
       stop();
