@@ -65,6 +65,7 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 1500,
     rolldownOptions: {
+      checks: { bundlerTimings: false },
       output: {
         // What others wrote changes rarely: it stays in browsers' caches, and profiles tell it apart.
         codeSplitting: {
