@@ -172,7 +172,7 @@ def allocated(page: Tab, what: Literal["objects", "numbers"]) -> str:
     """Bytes a picture by who asked for them, in words."""
     shares = allocations(page, PICTURES, SAMPLED)
     sizes = [f"{name} {getattr(shares[key], what):.0f}" for key, name in PARTIES.items()]
-    mine = shares["ours"].worst() if what == "objects" else ""
+    mine = shares["ours"].worst(numbers=what == "numbers")
     return ", ".join(sizes) + (f" (ours: {mine})" if mine else "")
 
 
