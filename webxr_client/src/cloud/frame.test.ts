@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { LabelUpdate } from '../net/wire';
-import { CloudFrame, DELETED, pointsWithin } from './frame';
+import { CloudFrame, pointsWithin } from './frame';
+import { DELETED } from './piece';
 import { FrameStore } from './store';
 import { frameOf, segmentOf, wall } from './testing';
 

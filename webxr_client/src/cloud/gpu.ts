@@ -2,7 +2,7 @@
 import { BufferGeometry, GLBufferAttribute, InterleavedBufferAttribute, Sphere } from 'three';
 import type { InterleavedBuffer } from 'three';
 import { STRIDE } from '../net/segment';
-import type { Piece } from './frame';
+import type { Piece } from './piece';
 
 /** Vertices (12 bytes) and labels (uint16) of up to `capacity` points. */
 export class PointBuffers {

@@ -1,7 +1,8 @@
 /** A frame too large for memory: its chunks live in pages of the GPU, under a budget of points. */
 import { Group, Points, Vector3 } from 'three';
 import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { lowerBound, type CloudFrame, type Piece } from './frame';
+import { type CloudFrame } from './frame';
+import { lowerBound, type Piece } from './piece';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { boundBlocks } from './blocks';
-import { DELETED } from './frame';
+import { DELETED } from './piece';
 import { alongRay, firstHit, inCapsule, type Vec } from './pick';
 import { frameOf, wall } from './testing';
 

@@ -1,6 +1,7 @@
 /** What a ray or a ball meets among the points on the page; blocks of points are culled whole. */
 import { BLOCK } from './blocks';
-import { blocksOf, DELETED, densityFactor, spacingAt, type CloudFrame, type Piece } from './frame';
+import { densityFactor, type CloudFrame } from './frame';
+import { blocksOf, DELETED, spacingAt, type Piece } from './piece';
 
 export type Vec = readonly [number, number, number];
 

@@ -1,7 +1,8 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
 import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { DELETED, pointsWithin, type CloudFrame } from './frame';
+import { pointsWithin, type CloudFrame } from './frame';
+import { DELETED } from './piece';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
 

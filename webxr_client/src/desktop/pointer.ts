@@ -1,7 +1,8 @@
 /** The mouse on the canvas: the tool with the left button, the camera with the others. */
 import type { Vector3 } from 'three';
 import { actions } from '../actions';
-import { DELETED, type CloudFrame } from '../cloud/frame';
+import { type CloudFrame } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import type { Brush } from '../protocol/messages';
 import { activeLabel, canEdit, isStroke, notify, state } from '../state';

@@ -1,5 +1,5 @@
 /** `window.__pointbrush`: what tests and benchmarks may look at.  Nothing here changes labels. */
-import { DELETED } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import { SCHEMA_HASH } from '../protocol/messages';
 import { state } from '../state';
 import type { Engine } from './engine';

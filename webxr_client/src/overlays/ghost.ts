@@ -1,6 +1,7 @@
 /** Where the labelled objects were a frame before: their points, faint, while one steps and paints. */
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, PointsMaterial, type Object3D } from 'three'; // prettier-ignore
-import { DELETED, type CloudFrame } from '../cloud/frame';
+import { type CloudFrame } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import { colorOf, isShown } from './shown';
 
 const MOST = 20_000;

@@ -1,6 +1,7 @@
 import { Matrix4 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { DELETED, type CloudFrame } from '../cloud/frame';
+import { type CloudFrame } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import { frameOf } from '../cloud/testing';
 import { at, BOX, HALF, MIDDLE, Summaries, type Summary } from './summary';
 

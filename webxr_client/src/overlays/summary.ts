@@ -1,6 +1,7 @@
 /** Where each label is in a frame: the middle of its points, and an upright box round them. */
 import { Matrix4 } from 'three';
-import { DELETED, type CloudFrame, type Piece } from '../cloud/frame';
+import { type CloudFrame } from '../cloud/frame';
+import { DELETED, type Piece } from '../cloud/piece';
 
 /** Numbers kept for each label. */
 const FIELDS = 9;

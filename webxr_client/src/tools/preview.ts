@@ -1,5 +1,6 @@
 /** What a stroke will paint, found on the page's own points, shown until the server has answered. */
-import { DELETED, type CloudFrame } from '../cloud/frame';
+import { type CloudFrame } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import { alongRay, firstHit, inCapsule } from '../cloud/pick';
 import type { Brush } from '../protocol/messages';
 import type { PointerSample } from './sample';

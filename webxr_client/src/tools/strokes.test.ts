@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from 'vitest';
-import { DELETED } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import { frameOf, wall } from '../cloud/testing';
 import type { Brush, ClientMessage, StrokeResult } from '../protocol/messages';
 import { Strokes } from './strokes';

@@ -1,7 +1,7 @@
 /** The hand that paints: its strokes, and what they feel like. */
 import { Vector3, type Object3D } from 'three';
 import { actions } from '../actions';
-import { DELETED } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush } from '../protocol/messages';
 import { isStroke, state } from '../state';
