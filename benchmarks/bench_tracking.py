@@ -3,6 +3,7 @@
     python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
                                         [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
+    python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
 
@@ -31,7 +32,7 @@ from contextlib import nullcontext
 
 from tracking_ablation import IDEAS, without
 from tracking_peers import PEERS, Peer, peer, stay
-from tracking_recordings import KINDS, REAL, SCENES, Frame, generated, real
+from tracking_recordings import KINDS, REAL, SCENES, STREETS, Frame, generated, real, street
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
@@ -57,7 +58,10 @@ def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
         yield real(kind)
         return
     for seed in given.seeds.split(","):
-        yield generated(kind, int(seed), given.frames, given.every)
+        if kind in STREETS:
+            yield street(kind, int(seed), given.frames)
+        else:
+            yield generated(kind, int(seed), given.frames, given.every)
 
 
 def measure(

@@ -8,15 +8,30 @@ from unittest.mock import patch
 
 import numpy as np
 
+
+def _claimed_only(
+    _things: object,
+    _view: object,
+    _places: object,
+    claims: dict[int, Any],
+    free: Any,
+    _scene: object,
+) -> tuple[dict[int, Any], Any]:
+    taken = ~free
+    for claim in claims.values():
+        taken[claim.indices] = True
+    return {}, taken
+
+
 IDEAS: dict[str, tuple[str, Any]] = {
-    "motion": ("pointbrush.tracking.motion.Motion.predictions", lambda self: [self.poses[-1]]),
+    "motion": ("pointbrush.tracking.motion.Motion.predictions", lambda self: self.poses[-1][None]),
     "background": (
         "pointbrush.tracking.background.ImageBackground.static",
         lambda _s, _v, i: (np.zeros(len(i), bool), np.zeros(len(i), bool)),
     ),
     "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
     "other guesses": ("pointbrush.tracking.locate.proposals", lambda *_: []),
-    "growing": ("pointbrush.tracking.auto.grow", lambda *_: {}),
+    "growing": ("pointbrush.tracking.auto.grow", _claimed_only),
     "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
     "rivals": (
         "pointbrush.tracking.belong.contested",
@@ -26,6 +41,14 @@ IDEAS: dict[str, tuple[str, Any]] = {
         "pointbrush.tracking.belong.carved",
         lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
     ),
+    "way of the sensor": ("pointbrush.tracking.ego.stands", lambda *_: True),
+    "ground": (
+        "pointbrush.tracking.view.on_ground",
+        lambda xyz: np.zeros(len(xyz), bool),
+    ),
+    "hidden from a lidar": ("pointbrush.tracking.view.shade_of", lambda *_: None),
+    "rings": ("pointbrush.tracking.thing._across", lambda _xyz: 0.0),
+    "bending": ("pointbrush.tracking.learn.strained", lambda *_: 0.0),
     "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: np.empty((0, 3))),
 }
 """Idea -> where it lives, and what does nothing in its place."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +23,9 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "walking": ("walking", {}),
 }
 """Kind -> what the samples call it, and its options."""
+
+STREETS = ("street", "street-no-poses")
+"""A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without."""
 
 
 @dataclass(eq=False)
@@ -49,6 +53,20 @@ def generated(kind: str, seed: int, count: int, every: int = 1) -> list[Frame]:
     frames = ((recording.frames[i], recording.truth[i]) for i in some)
     return _with_trees(
         [Frame(f.xyz.astype(np.float32), f.rgb, truth, f.viewpoint) for f, truth in frames]
+    )
+
+
+def street(kind: str, seed: int, count: int) -> list[Frame]:
+    """``count`` frames of a kind of STREETS, 10 a second."""
+    sys.path.append(str(Path(__file__).parent.parent / "tests" / "tracking"))
+    import scenes
+
+    told = kind == "street"
+    return _with_trees(
+        [
+            Frame(f.xyz, None, f.truth, f.viewpoint, f.pose if told else None)
+            for f in scenes.street(seed, count)
+        ]
     )
 
 

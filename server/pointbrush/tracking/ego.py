@@ -21,6 +21,8 @@ from pointbrush.tracking.registration import transform
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its
 middle."""
+ENOUGH = 100_000
+"""Points that planes are looked for in."""
 AROUND = 10
 """Neighbours that a plane is fitted to."""
 FLAT, BROAD = 0.05, 0.08
@@ -56,6 +58,7 @@ class Planes:
 
 def planes_of(xyz: F64) -> Planes | None:
     """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
+    xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
     if len(xyz) < 500:
         return None
     away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)

@@ -25,8 +25,9 @@ BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 TALL, COARSE = 0.4, 30.0
 """Metres, and units, of radius from which a thing before a sensor at rest is large as people are,
 however coarse it is seen."""
-RINGS, ASIDE = 24, 0.5
-"""Neighbours among which the next ring of a lidar is looked for, and the cosine of a way aside."""
+RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
+"""Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
+share of the way between rings that is a unit."""
 FLAT = 0.3
 """Share of its points on the ground from which a thing is taken to lie there."""
 SOFT = 0.006
@@ -155,7 +156,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     spacing, speckle = _texture(xyz, colour)
-    unit = max(spacing, noise, 0.5 * _across(xyz))
+    unit = max(spacing, noise, BETWEEN * _across(xyz))
     weight = 0.0
     if view.frame.rgb is not None and not _colourless(view, indices):
         weight = 0.5 * unit / max(speckle, LEAST_NOISE)
