@@ -12,7 +12,7 @@ PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo serve test lint types check-page unit e2e bench format setup page system clean
+.PHONY: demo serve test checks lint types check-page unit e2e bench format setup page system clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/runtime $(PAGE)  ## sample recording in a browser, on loopback
@@ -59,7 +59,10 @@ system:
 	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y -qq --no-install-recommends $$missing >/dev/null; \
 	fi
 
-test: lint types check-page unit e2e  ## every check and every test; the runner's line comes last
+test: checks unit e2e  ## every check and every test; the runner's line comes last
+
+checks: $(STAMPS)/dev $(STAMPS)/node
+	@$(MAKE) --no-print-directory --output-sync --jobs 2 lint types check-page
 
 lint: $(STAMPS)/dev
 	@echo "== ruff, import-linter, wire types"
@@ -82,9 +85,9 @@ unit: $(STAMPS)/dev $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --ignore tests/e2e
 
-e2e: $(STAMPS)/dev $(PAGE) system  ## the browser tests, one window at a time
+e2e: $(STAMPS)/dev $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@$(BIN)/python -m pytest -q tests/e2e
+	@$(BIN)/python -m pytest -q -n 2 --dist loadfile tests/e2e
 
 bench: $(STAMPS)/dev $(PAGE) system  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
