@@ -141,11 +141,27 @@ def test_what_fails_says_so_in_one_line(
     assert says in error[0]
 
 
-@pytest.mark.parametrize("arguments", [["fly"], ["import"], ["import", "x", "--fps", "-1"]])
-def test_a_usage_error_exits_with_two(arguments: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ("fly", "fly"),
+        ("import", "PATH"),
+        ("import x --fps -1", "expected a number above 0, got '-1'"),
+        ("import x --fps fast", "expected a number above 0, got 'fast'"),
+        ("serve --port 99999", "expected an integer from 0 to 65535, got 99999"),
+        ("serve --workers 0", "expected an integer from 1, got 0"),
+        ("demo --sample-frames 0", "expected an integer from 1, got '0'"),
+        ("track x --from -1 --to 2", "expected a frame number from 0, got '-1'"),
+        ("review x --port 0", "expected a port from 1 to 65535, got '0'"),
+    ],
+)
+def test_a_usage_error_exits_with_two(
+    arguments: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as caught:
-        main(arguments)
+        main(arguments.split())
     assert caught.value.code == 2
+    assert says in capsys.readouterr().err
 
 
 def bad_files(folder: Path) -> Iterator[tuple[str, Path]]:

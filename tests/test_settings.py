@@ -29,6 +29,14 @@ def test_a_bad_value_names_its_variable(name: str) -> None:
         Settings.load({}, {name: "perhaps"})
 
 
+@pytest.mark.parametrize(
+    ("name", "text"), [("PORT", "65536"), ("PORT", "-1"), ("WORKERS", "0"), ("MAX_UPLOAD", "0")]
+)
+def test_a_number_out_of_its_range_is_refused(name: str, text: str) -> None:
+    with pytest.raises(BadInputError, match=f"{name}: expected an integer from .* got {text}"):
+        Settings.load({}, {f"POINTBRUSH_{name}": text})
+
+
 def test_the_database_defaults_into_the_workspace(tmp_path: Path) -> None:
     assert Settings(workspace=tmp_path).database_url == f"sqlite:///{tmp_path}/labels.sqlite"
 

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import Field
+from functools import partial
 from pathlib import Path
-from typing import get_type_hints
+from typing import Any
 
 from pointbrush import __version__
 from pointbrush import commands as do
-from pointbrush.errors import PointbrushError
-from pointbrush.settings import Settings, options
+from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.settings import Settings, options, parse
 
 Command = Callable[[argparse.Namespace, Settings], None]
+SEQUENCE = "a recording's id, as `pointbrush info` lists it"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -41,11 +45,13 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     demo_ = _command(commands, "demo", do.demo, "make the sample recording and serve it")
-    demo_.add_argument("--sample-frames", type=int, default=90, help="frames of the sample")
+    demo_.add_argument("--sample-frames", type=_count, default=90, help="frames of the sample")
     _settings(demo_, *SERVE)
 
     import__ = _command(commands, "import", do.import_, "import files as one recording")
-    import__.add_argument("paths", nargs="+", type=Path, metavar="PATH")
+    import__.add_argument(
+        "paths", nargs="+", type=Path, metavar="PATH", help="files, folders, globs or archives"
+    )
     import__.add_argument("--name", help="the recording's name")
     import__.add_argument("--fps", type=_positive, help="frames per second")
     import__.add_argument("--format", help="file format, where the name does not tell")
@@ -57,12 +63,22 @@ def parser() -> argparse.ArgumentParser:
     _settings(_command(commands, "serve", do.serve, "serve the page, REST and the socket"), *SERVE)
 
     track_ = _command(commands, "track", do.track, "carry labels through the following frames")
-    track_.add_argument("sequence", metavar="SEQ")
-    track_.add_argument("--from", dest="start", type=int, required=True, metavar="I")
-    track_.add_argument("--to", dest="stop", type=int, required=True, metavar="J")
+    track_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    track_.add_argument(
+        "--from", dest="start", type=_frame, required=True, metavar="I", help="a painted frame"
+    )
+    track_.add_argument(
+        "--to", dest="stop", type=_frame, required=True, metavar="J",
+        help="the last frame; before I tracks backward",
+    )  # fmt: skip
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
     track_.add_argument("--method", default="auto", help="icp, color-icp or auto")
-    track_.add_argument("--overwrite", default="tracked", choices=("never", "tracked", "all"))
+    track_.add_argument(
+        "--overwrite",
+        default="tracked",
+        choices=("never", "tracked", "all"),
+        help="which labels a run may replace (default: tracked; painted ones stay)",
+    )
     track_.add_argument(
         "--continue-lost", action="store_true", help="look on for a label after it was lost"
     )
@@ -75,38 +91,38 @@ def parser() -> argparse.ArgumentParser:
     _settings(track_, "workspace", "database", "workers", "scheduler")
 
     export_ = _command(commands, "export", do.export, "write points with their labels")
-    export_.add_argument("sequence", metavar="SEQ")
-    export_.add_argument("--format", required=True)
-    export_.add_argument("--out", required=True, type=Path)
-    export_.add_argument("--frames", metavar="I:J", help="J is not included")
+    export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    export_.add_argument("--format", required=True, help="see docs/formats.md")
+    export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
+    export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
     _settings(export_, "workspace", "database")
 
     info_ = _command(commands, "info", do.info, "what is in the workspace")
-    info_.add_argument("sequence", nargs="?", metavar="SEQ")
+    info_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
     _settings(info_, "workspace", "database")
 
     token_ = _command(commands, "token", do.token, "who gets in")
-    token_.add_argument("action", choices=("add", "list", "revoke"))
+    token_.add_argument("action", choices=("add", "list", "revoke"), help="what to do")
     token_.add_argument("name", nargs="?", help="the person (add) or the token's id (revoke)")
-    token_.add_argument("--role", default="annotator")
+    token_.add_argument("--role", default="annotator", help="viewer, annotator, reviewer or admin")
     token_.add_argument("--days", type=_positive, help="days until it expires")
     _settings(token_, "workspace", "database")
 
     review_ = _command(commands, "review", do.review, "step through labels and doubts in viser")
-    review_.add_argument("sequence", metavar="SEQ")
-    review_.add_argument("--port", type=int, default=8081, help="port to listen on")
+    review_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    review_.add_argument("--port", type=_port, default=8081, help="port to listen on")
     _settings(review_, "workspace", "database")
 
     check_ = _command(commands, "check", do.check, "verify recordings, journal and annotations")
-    check_.add_argument("sequence", nargs="?", metavar="SEQ")
+    check_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
     _settings(check_, "workspace", "database")
 
     backup_ = _command(commands, "backup", do.backup, "copy a workspace, also one that is in use")
-    backup_.add_argument("target", type=Path)
+    backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
     _settings(backup_, "workspace", "database")
 
     restore_ = _command(commands, "restore", do.restore, "make a workspace from a backup")
-    restore_.add_argument("source", type=Path)
+    restore_.add_argument("source", type=Path, help="the folder of a backup")
     _settings(restore_, "workspace")
 
     bench_ = _command(commands, "bench", do.bench, "run the benchmarks of a checkout")
@@ -132,23 +148,51 @@ def _command(
 
 
 def _settings(command: argparse.ArgumentParser, *names: str) -> None:
-    types = get_type_hints(Settings)
     for option in options():
         if option.name not in names:
             continue
         flag = f"--{option.name.replace('_', '-')}"
-        text = f"{option.metadata['help']} (default: {option.default or 'see help'})"
-        if types[option.name] is bool:
+        text = option.metadata["help"]
+        if isinstance(option.default, bool):
             command.add_argument(flag, action="store_true", default=None, help=text)
-        else:
-            command.add_argument(flag, type=types[option.name], default=None, help=text)
+            continue
+        text += f" (default: {option.default})" if option.default != "" else ""
+        command.add_argument(flag, type=partial(_setting, option), default=None, help=text)
+
+
+def _setting(option: Field[Any], text: str) -> Any:
+    try:
+        return parse(option, text)
+    except BadInputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
     if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
+        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
     return value
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 0 < int(text) < 65_536:
+        raise argparse.ArgumentTypeError(f"expected a port from 1 to 65535, got {text!r}")
+    return int(text)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected an integer from 1, got {text!r}")
+    return int(text)
+
+
+def _frame(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected a frame number from 0, got {text!r}")
+    return int(text)
 
 
 if __name__ == "__main__":

@@ -24,8 +24,6 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
     """Make the sample recording once, then serve it."""
     from pointbrush.web.server import run
 
-    if given.sample_frames < 1:
-        raise BadInputError(f"--sample-frames: expected 1 or more, got {given.sample_frames}")
     with closing(Workspace(settings)) as workspace:
         if not any(manifest.source.startswith("sample") for manifest in workspace.sequences()):
             job = workspace.import_sample(frames=given.sample_frames)

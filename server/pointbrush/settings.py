@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
@@ -13,8 +14,12 @@ from pointbrush.errors import BadInputError
 PREFIX = "POINTBRUSH_"
 
 
-def _help(text: str) -> dict[str, str]:
-    return {"help": text}
+UNBOUNDED = sys.maxsize
+
+
+def _help(text: str, least: int = 1, most: int = UNBOUNDED) -> dict[str, Any]:
+    """What an option is for; an integer is from ``least`` to ``most``."""
+    return {"help": text, "least": least, "most": most}
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,9 @@ class Settings:
         default=Path("pointbrush-workspace"), metadata=_help("folder of recordings and labels")
     )
     host: str = field(default="127.0.0.1", metadata=_help("address to listen on"))
-    port: int = field(default=8080, metadata=_help("port to listen on; 0 takes a free one"))
+    port: int = field(
+        default=8080, metadata=_help("port to listen on; 0 takes a free one", 0, 65_535)
+    )
     token: str = field(
         default="", metadata=_help("admin token; empty makes a new one at each start")
     )
@@ -81,12 +88,14 @@ class Settings:
         Raises BadInputError for a value of the wrong form.
         """
         environment = os.environ if environment is None else environment
-        types = get_type_hints(cls)
         values: dict[str, Any] = {}
         for option in fields(cls):
             variable = PREFIX + option.name.upper()
             if variable in environment:
-                values[option.name] = parse(variable, types[option.name], environment[variable])
+                try:
+                    values[option.name] = parse(option, environment[variable])
+                except BadInputError as error:
+                    raise BadInputError(f"{variable}: {error}") from None
         values |= {name: value for name, value in (given or {}).items() if value is not None}
         return cls(**values)
 
@@ -108,17 +117,30 @@ def options() -> list[Field[Any]]:
     return list(fields(Settings))
 
 
-def parse(name: str, kind: type, text: str) -> Any:
-    """The value of ``text`` as ``kind``; raises BadInputError naming ``name``."""
+def parse(option: Field[Any], text: str) -> Any:
+    """The value that ``text`` gives to ``option``; raises BadInputError, which does not name it."""
+    kind = get_type_hints(Settings)[option.name]
     if kind is bool:
-        if text.lower() in ("1", "true", "yes", "on"):
-            return True
-        if text.lower() in ("", "0", "false", "no", "off"):
-            return False
-        raise BadInputError(f"{name}: expected 1 or 0, got {text!r}")
+        return _flag(text)
     if kind is int:
-        try:
-            return int(text)
-        except ValueError:
-            raise BadInputError(f"{name}: expected an integer, got {text!r}") from None
+        return _integer(text, option.metadata["least"], option.metadata["most"])
     return kind(text)
+
+
+def _flag(text: str) -> bool:
+    if text.lower() in ("1", "true", "yes", "on"):
+        return True
+    if text.lower() in ("", "0", "false", "no", "off"):
+        return False
+    raise BadInputError(f"expected 1 or 0, got {text!r}")
+
+
+def _integer(text: str, least: int, most: int) -> int:
+    wanted = f"an integer from {least}" + (f" to {most}" if most < UNBOUNDED else "")
+    try:
+        value = int(text)
+    except ValueError:
+        raise BadInputError(f"expected {wanted}, got {text!r}") from None
+    if not least <= value <= most:
+        raise BadInputError(f"expected {wanted}, got {value}")
+    return value
