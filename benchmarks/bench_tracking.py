@@ -3,6 +3,7 @@
     python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
                                         [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
+                                        [--seen turned|noisy|elsewhere]
     python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
@@ -32,7 +33,7 @@ from contextlib import nullcontext
 
 from tracking_ablation import IDEAS, without
 from tracking_peers import PEERS, Peer, peer, stay
-from tracking_recordings import KINDS, REAL, SCENES, STREETS, Frame, generated, real, street
+from tracking_recordings import KINDS, REAL, SCENES, SEEN, STREETS, Frame, generated, real, street
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
@@ -61,7 +62,7 @@ def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
         if kind in STREETS:
             yield street(kind, int(seed), given.frames)
         else:
-            yield generated(kind, int(seed), given.frames, given.every)
+            yield generated(kind, int(seed), given.frames, given.every, given.seen)
 
 
 def measure(
@@ -96,6 +97,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="1,2")
     parser.add_argument("--methods", default=",".join(ALL))
     parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--seen", default="camera", choices=SEEN)
     parser.add_argument("--real", action="store_true")
     parser.add_argument("--ablation", action="store_true")
     given = parser.parse_args()

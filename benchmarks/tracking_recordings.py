@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from pointbrush.samples import generate
 
@@ -45,14 +46,38 @@ class Frame:
         return cKDTree(self.xyz, balanced_tree=False)
 
 
-def generated(kind: str, seed: int, count: int, every: int = 1) -> list[Frame]:
-    """``count`` frames of a kind, each ``every``-th of 30 a second, 512 x 424."""
+TILT = Rotation.from_euler("xyz", [25, 40, 10], degrees=True).as_matrix()
+AWAY = np.array([1.2, -3.0, 0.7])
+SEEN = ("camera", "turned", "noisy", "elsewhere")
+"""As a depth camera measures; turned; half a millimetre of noise in all directions; turned and
+moved, with its viewpoint."""
+
+
+def _seen(frame: Frame, how: str, rng: np.random.Generator) -> Frame:
+    if how == "turned":
+        return replace(frame, xyz=frame.xyz @ TILT.T.astype(np.float32), viewpoint=None)
+    if how == "noisy":
+        noise = rng.normal(0, 0.0005, frame.xyz.shape).astype(np.float32)
+        return replace(frame, xyz=frame.xyz + noise, viewpoint=None)
+    if how == "elsewhere":
+        return replace(frame, xyz=(frame.xyz @ TILT.T + AWAY).astype(np.float32), viewpoint=AWAY)
+    return frame
+
+
+def generated(
+    kind: str, seed: int, count: int, every: int = 1, seen: str = "camera"
+) -> list[Frame]:
+    """``count`` frames of a kind, each ``every``-th of 30 a second, 512 x 424; ``seen`` of SEEN."""
     name, options = KINDS[kind]
     recording = generate(name, seed, count * every, **options)
     some = range(0, count * every, every)
     frames = ((recording.frames[i], recording.truth[i]) for i in some)
+    rng = np.random.default_rng(seed)
     return _with_trees(
-        [Frame(f.xyz.astype(np.float32), f.rgb, truth, f.viewpoint) for f, truth in frames]
+        [
+            _seen(Frame(f.xyz.astype(np.float32), f.rgb, truth, f.viewpoint), seen, rng)
+            for f, truth in frames
+        ]
     )
 
 

@@ -8,8 +8,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.carve import Glimpse, carved, remember
+from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.near import gaps
-from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.view import View
 
 CENTRE = np.array([0.0, 1.0, 1.6])
 

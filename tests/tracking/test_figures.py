@@ -15,8 +15,9 @@ from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.crowd import reclaim, recognised
 from pointbrush.tracking.figures import undisputed
 from pointbrush.tracking.foreground import Foreground
+from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.thing import Rivals, Thing, begin
-from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
 STEP = 0.01

@@ -13,8 +13,9 @@ import numpy as np
 from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.lens import Lens
 from pointbrush.tracking.registration import transform
-from pointbrush.tracking.view import Lens, View
+from pointbrush.tracking.view import View
 
 MOST = 10
 """Glimpses kept of a thing."""

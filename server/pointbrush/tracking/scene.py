@@ -13,8 +13,9 @@ from pointbrush.tracking.background import Background, ImageBackground, Waver, m
 from pointbrush.tracking.earlier import TreeBackground
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames
+from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.shade import find_eye
-from pointbrush.tracking.view import View, find_lens
+from pointbrush.tracking.view import View
 
 CALM = 4
 """Frames from which the noise of each place is measured."""

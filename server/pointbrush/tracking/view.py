@@ -1,9 +1,7 @@
 """One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
 
-The depth image exists where the sensor is pinhole-like.  It serves to tell what stood still,
-what is hidden and what is seen through.  A frame whose points lie on a pixel lattice as seen
-from the origin proves that the sensor was there, so that recordings without a viewpoint have
-an image too.
+The depth image exists where the sensor is pinhole-like (``lens.py``).  It serves to tell what
+stood still, what is hidden and what is seen through.
 """
 
 from __future__ import annotations
@@ -12,110 +10,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
 from pointbrush.tracking.ground import on_ground
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
+from pointbrush.tracking.lens import I32, Lens
 from pointbrush.tracking.near import within
 from pointbrush.tracking.shade import Shade, shade_of
-
-I32 = NDArray[np.int32]
-WIDEST = 1.6
-"""Tangent of half the widest field of view that a pinhole image is made for."""
-MOST_CELLS = 4_000_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Lens:
-    """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``."""
-
-    eye: F32
-    axis: int
-    sign: float
-    least: tuple[float, float]
-    pitch: tuple[float, float]
-    shape: tuple[int, int]
-
-    def cells(self, xyz: F32) -> tuple[I32, F32]:
-        """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
-        local = xyz - self.eye if self.eye.any() else xyz
-        depth = np.float32(self.sign) * local[:, self.axis]
-        inverse = np.float32(1.0) / np.maximum(depth, np.float32(1e-3))
-        across, down = (a for a in range(3) if a != self.axis)
-        offset = [np.float32(-low / p + 0.5) for low, p in zip(self.least, self.pitch, strict=True)]
-        u, v = local[:, across] * inverse, local[:, down] * inverse
-        for along, pitch, start in ((u, self.pitch[0], offset[0]), (v, self.pitch[1], offset[1])):
-            along *= np.float32(1 / pitch)
-            along += start
-        height, width = self.shape
-        if len(u) and not (u.min() >= 0 and u.max() < width and v.min() >= 0 and v.max() < height):
-            inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
-            cell = np.where(inside, v, 0).astype(np.int32) * np.int32(width)
-            cell += np.where(inside, u, 0).astype(np.int32)
-            cell[~inside] = -1
-        else:
-            cell = v.astype(np.int32)
-            cell *= np.int32(width)
-            cell += u.astype(np.int32)
-        if len(depth) and depth.min() <= 1e-3:
-            cell[depth <= 1e-3] = -1
-        return cell, depth
-
-
-def find_lens(frame: TrackFrame) -> Lens | None:
-    """The pixel grid of a pinhole-like frame, None where it has none."""
-    xyz = np.asarray(frame.xyz)
-    if len(xyz) < 500:
-        return None
-    eye = np.zeros(3) if frame.viewpoint is None else np.asarray(frame.viewpoint, np.float64)
-    sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
-    found = _axis(sample)
-    if found is None:
-        return None
-    axis, sign = found
-    across, down = (a for a in range(3) if a != axis)
-    plane = [sample[:, a] / np.abs(sample[:, axis]) for a in (across, down)]
-    lattice = [_lattice(p) for p in plane]
-    low = [float(p.min()) for p in plane]
-    span = [float(np.ptp(p)) for p in plane]
-    pitch = [p for p in lattice if p is not None]
-    if len(pitch) < 2:
-        if frame.viewpoint is None:
-            return None
-        pitch = [1.2 * float(np.sqrt(span[0] * span[1] / len(xyz)))] * 2
-    if min(pitch) <= 0:
-        return None
-    # The sample may miss the outermost pixels: a margin of whole cells.
-    low = [a - 8 * p for a, p in zip(low, pitch, strict=True)]
-    width, height = (int(s / p) + 17 for s, p in zip(span, pitch, strict=True))
-    if width * height > MOST_CELLS:
-        return None
-    return Lens(
-        eye.astype(np.float32), axis, sign, (low[0], low[1]), (pitch[0], pitch[1]), (height, width)
-    )
-
-
-def _axis(local: F64) -> tuple[int, float] | None:
-    for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
-        sign = 1.0 if local[:, axis].mean() > 0 else -1.0
-        depth = sign * local[:, axis]
-        others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
-        if depth.min() > 0 and (others / depth).max() < WIDEST:
-            return axis, sign
-    return None
-
-
-def _lattice(tangent: F64) -> float | None:
-    """Pitch of the lattice that the values lie on, None where they lie on none."""
-    values = np.sort(tangent)
-    gaps = np.diff(values)
-    steps = np.concatenate([[True], gaps > 2e-5])
-    levels = values[steps]
-    if len(levels) < 20 or len(levels) > len(values) / 4:
-        return None
-    pitch = float(np.median(np.diff(levels)))
-    return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)
 
 
 @dataclass(eq=False)
@@ -170,7 +71,7 @@ class View:
             some: I64 = ranges(first[runs], first[runs + 1])
             at = self.xyz[some]
             return some[np.flatnonzero(within(at, lo, hi))]
-        inside: NDArray[np.bool_] = np.ones(len(self.xyz), np.bool_)
+        inside: Mask = np.ones(len(self.xyz), np.bool_)
         for column, low, high in zip(self.columns, lo, hi, strict=True):
             inside &= (column >= np.float32(low)) & (column <= np.float32(high))
         return np.flatnonzero(inside)

@@ -1,0 +1,165 @@
+"""The pixel grid of a pinhole-like sensor, found from the points of one frame.
+
+A frame whose points lie on a pixel lattice as seen from the origin proves that the sensor was
+there; so does one that shows a single surface in each direction.  Recordings without a viewpoint,
+turned upright or noisy in all directions, have a depth image by that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.interface import F32, F64, TrackFrame
+
+I32 = NDArray[np.int32]
+FEWEST = 500
+"""Points from which a frame can have an image."""
+SPREAD = 1.5
+"""Pixels of a sensor without a known lattice, in spacings of its points: above the square root of
+two a lattice turned in any way leaves none empty."""
+LEAST = 0.1
+"""Spacings of the points under which a pitch is chance, not a lattice's."""
+MARGIN = 8
+"""Pixels beyond the outermost points of the sample, which may miss some."""
+BEHIND, SEES = 1.25, 0.02
+"""Depths beyond the nearest of a pixel that no sensor at that place can see, and the share of such
+points up to which the sensor is there."""
+FILLED = 0.5
+"""Share of the pixels that a depth image fills at least, outlines and all."""
+WIDEST = 1.6
+"""Tangent of half the widest field of view that a pinhole image is made for."""
+MOST_CELLS = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lens:
+    """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
+
+    ``turn`` (3, 3) takes the frame's axes to the image's, None where they are the same.
+    """
+
+    eye: F32
+    turn: F32 | None
+    axis: int
+    sign: float
+    least: tuple[float, float]
+    pitch: tuple[float, float]
+    shape: tuple[int, int]
+
+    def cells(self, xyz: F32) -> tuple[I32, F32]:
+        """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
+        local = xyz - self.eye if self.eye.any() else xyz
+        if self.turn is not None:
+            local = local @ self.turn.T
+        depth = np.float32(self.sign) * local[:, self.axis]
+        inverse = np.float32(1.0) / np.maximum(depth, np.float32(1e-3))
+        across, down = (a for a in range(3) if a != self.axis)
+        offset = [np.float32(-low / p + 0.5) for low, p in zip(self.least, self.pitch, strict=True)]
+        u, v = local[:, across] * inverse, local[:, down] * inverse
+        for along, pitch, start in ((u, self.pitch[0], offset[0]), (v, self.pitch[1], offset[1])):
+            along *= np.float32(1 / pitch)
+            along += start
+        height, width = self.shape
+        if len(u) and not (u.min() >= 0 and u.max() < width and v.min() >= 0 and v.max() < height):
+            inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
+            cell = np.where(inside, v, 0).astype(np.int32) * np.int32(width)
+            cell += np.where(inside, u, 0).astype(np.int32)
+            cell[~inside] = -1
+        else:
+            cell = v.astype(np.int32)
+            cell *= np.int32(width)
+            cell += u.astype(np.int32)
+        if len(depth) and depth.min() <= 1e-3:
+            cell[depth <= 1e-3] = -1
+        return cell, depth
+
+
+def find_lens(frame: TrackFrame) -> Lens | None:
+    """The pixel grid of a pinhole-like frame, None where it has none."""
+    xyz = np.asarray(frame.xyz)
+    if len(xyz) < FEWEST:
+        return None
+    eye = np.zeros(3) if frame.viewpoint is None else np.asarray(frame.viewpoint, np.float64)
+    sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
+    along, turn = _axis(sample), None
+    if along is None:
+        turn = _facing(sample)
+        sample = sample @ turn.T
+        along = _axis(sample)
+        if along is None:
+            return None
+    plane = _tangents(sample, *along)
+    spacing = float(np.sqrt(np.ptp(plane[0]) * np.ptp(plane[1]) / len(xyz)))
+    pitch = [p for p in map(_lattice, plane) if p is not None and p > LEAST * spacing]
+    if turn is None and len(pitch) == 2:
+        return _lens(sample, eye, None, along, (pitch[0], pitch[1]))
+    if spacing <= 0:
+        return None
+    lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
+    told = frame.viewpoint is not None
+    return lens if lens is not None and (told or _sees(lens, xyz)) else None
+
+
+def _lens(
+    local: F64, eye: F64, turn: F64 | None, along: tuple[int, float], pitch: tuple[float, float]
+) -> Lens | None:
+    plane = _tangents(local, *along)
+    low = [float(t.min()) - MARGIN * p for t, p in zip(plane, pitch, strict=True)]
+    width, height = (int(np.ptp(t) / p) + 2 * MARGIN + 1 for t, p in zip(plane, pitch, strict=True))
+    if width * height > MOST_CELLS:
+        return None
+    turned = None if turn is None else turn.astype(np.float32)
+    at = eye.astype(np.float32)
+    return Lens(at, turned, *along, (low[0], low[1]), pitch, (height, width))
+
+
+def _tangents(local: F64, axis: int, sign: float) -> list[F64]:
+    depth = sign * local[:, axis]
+    return [local[:, a] / depth for a in range(3) if a != axis]
+
+
+def _axis(local: F64) -> tuple[int, float] | None:
+    """The axis that the points (N, 3) lie about, and 1 or -1, None where they spread too far."""
+    for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
+        sign = 1.0 if local[:, axis].mean() > 0 else -1.0
+        depth = sign * local[:, axis]
+        others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
+        if depth.min() > 0 and (others / depth).max() < WIDEST:
+            return axis, sign
+    return None
+
+
+def _facing(local: F64) -> F64:
+    """(3, 3) rows: an image's axes, the third along the mean ray of the points (N, 3)."""
+    rays = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
+    forward = rays.mean(axis=0)
+    forward /= max(float(np.linalg.norm(forward)), 1e-9)
+    side = np.eye(3)[np.argmin(np.abs(forward))]
+    right = np.cross(side, forward)
+    right /= max(float(np.linalg.norm(right)), 1e-9)
+    return np.stack([right, np.cross(forward, right), forward])
+
+
+def _sees(lens: Lens, xyz: F32) -> bool:
+    """Whether the points (N, 3) fill the image with one surface in each direction."""
+    cell, depth = lens.cells(np.asarray(xyz, np.float32))
+    nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
+    np.minimum.at(nearest, cell, depth)
+    behind = float((depth > BEHIND * nearest[cell]).mean())
+    height, width = (size - 2 * MARGIN for size in lens.shape)
+    return behind < SEES and bool(np.isfinite(nearest).sum() > FILLED * height * width)
+
+
+def _lattice(tangent: F64) -> float | None:
+    """Pitch of the lattice that the values lie on, None where they lie on none."""
+    values = np.sort(tangent)
+    gaps = np.diff(values)
+    steps = np.concatenate([[True], gaps > 2e-5])
+    levels = values[steps]
+    if len(levels) < 20 or len(levels) > len(values) / 4:
+        return None
+    pitch = float(np.median(np.diff(levels)))
+    return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)

@@ -1,0 +1,74 @@
+"""Depth images: found where the points prove where the sensor was, and only there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.view import View
+
+TILTED = scenes.Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
+
+
+def camera_points(depth: np.ndarray) -> np.ndarray:
+    """What a camera at the origin measures of ``depth`` (120, 160), in no order."""
+    v, u = np.mgrid[0:120, 0:160]
+    xyz = np.stack([(u - 80) / 110 * depth, (v - 60) / 110 * depth, depth], -1).reshape(-1, 3)
+    return np.random.default_rng(0).permutation(xyz)
+
+
+def room() -> np.ndarray:
+    """(120, 160) depths of a wall with a box before it."""
+    depth = np.full((120, 160), 3.0) + np.linspace(0, 0.5, 160)
+    depth[40:90, 60:100] = 1.4
+    return depth
+
+
+def frame(xyz: np.ndarray, viewpoint: np.ndarray | None = None) -> scenes.Frame:
+    return scenes.Frame(xyz.astype(np.float32), viewpoint=viewpoint)
+
+
+def test_a_pixel_lattice_is_found_without_a_viewpoint() -> None:
+    seen = frame(camera_points(np.random.default_rng(0).uniform(1.0, 3.0, (120, 160))))
+    lens = find_lens(seen)
+    assert lens is not None
+    assert np.allclose(lens.pitch, 1 / 110, rtol=1e-3)
+    view = View(0, seen, lens)
+    assert np.isfinite(view.depth).sum() == len(seen.xyz)
+    cell, depth = view.cells
+    assert np.array_equal(view.depth[cell], depth)
+
+
+@pytest.mark.parametrize("how", ["turned", "noisy", "elsewhere"])
+def test_one_surface_in_each_direction_is_an_image_too(how: str) -> None:
+    xyz, viewpoint = camera_points(room()), None
+    if how == "turned":
+        xyz = xyz @ TILTED.T
+    elif how == "noisy":
+        xyz += np.random.default_rng(1).normal(0, 0.001, xyz.shape)
+    else:
+        viewpoint = np.array([4.0, -1.0, 2.0])
+        xyz = xyz @ TILTED.T + viewpoint
+    seen = frame(xyz, viewpoint)
+    lens = find_lens(seen)
+    assert lens is not None
+    cell, depth = View(0, seen, lens).cells
+    assert cell.min() >= 0
+    assert depth.min() > 1.0
+    # Most pixels hold two or three points, and the box shares few with the wall behind it.
+    assert len(np.unique(cell)) > len(xyz) / 3
+    box = np.linalg.norm(xyz - (0 if viewpoint is None else viewpoint), axis=1) < 2.0
+    assert np.isin(cell[~box], cell[box]).mean() < 0.03
+
+
+def test_no_image_where_nothing_proves_the_viewpoint() -> None:
+    rng = np.random.default_rng(0)
+    scattered = camera_points(rng.uniform(1.0, 3.0, (120, 160))) @ TILTED.T
+    assert find_lens(frame(scattered)) is None
+    assert find_lens(frame(camera_points(room()) @ TILTED.T + [4.0, -1.0, 2.0])) is None
+    two = np.concatenate([camera_points(room()), camera_points(room()) + [0.4, 0.2, 0.9]])
+    assert find_lens(frame(two)) is None
+    assert find_lens(frame(rng.normal(size=(3000, 3)))) is None
+    assert find_lens(frame(np.zeros((3000, 3)))) is None
