@@ -8,11 +8,9 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F64, I64, Mask
 
-FEW = 1500
-"""Points up to which comparing with every one is faster than a tree over six dimensions."""
 PAIRS = 1_000_000
 """Pairs of points up to which it is faster than making a tree over three and asking it."""
-PRODUCTS = 200_000
+PRODUCTS = 250_000
 """Multiplications at a time: their results stay in the processor's cache, and BLAS shares larger
 products among threads, which on a busy machine wait for each other ten times as long."""
 
@@ -20,25 +18,39 @@ products among threads, which on a busy machine wait for each other ten times as
 class Plain:
     """Nearest of a few points (N, D), by comparing with every one of them."""
 
-    def __init__(self, points: F64) -> None:
-        self._points = points
-        self._middle = points.mean(axis=0)
-        near = (points - self._middle).astype(np.float32)
+    def __init__(self, points: NDArray[np.floating]) -> None:
+        count, width = points.shape
+        self._middle = np.add.reduce(points, axis=0) / count
+        # Single precision counts from the middle of the points.
+        self._near = np.subtract(points, self._middle, dtype=np.float32, casting="same_kind")
         # |q - p|^2 less |q|^2, which is the same for all p, as one product of matrices.
-        self._rows = np.vstack([-2 * near.T, np.einsum("ij,ij->i", near, near)])
+        self._rows = np.empty((width + 1, count), np.float32)
+        np.multiply(self._near.T, np.float32(-2), out=self._rows[:-1])
+        np.einsum("ij,ij->i", self._near, self._near, out=self._rows[-1])
 
-    def nearest(self, wanted: F64) -> tuple[F64, I64]:
-        """Distances (M,) and indices (M,) of the nearest to each of ``wanted`` (M, D)."""
-        some = np.ones((len(wanted), self._points.shape[1] + 1), np.float32)
-        some[:, :-1] = wanted - self._middle
-        index = np.empty(len(wanted), np.int64)
+    def nearest(self, *wanted: NDArray[np.floating]) -> tuple[F64, I64]:
+        """Distances (M,) and indices (M,) of the nearest to each of ``wanted`` (M, D).
+
+        ``wanted`` may come in parts, whose columns add up to D.
+        """
+        count, width = len(wanted[0]), len(self._middle)
+        some = np.empty((count, width + 1), np.float32)
+        at = 0
+        for part in wanted:
+            end = at + part.shape[1]
+            np.subtract(part, self._middle[at:end], out=some[:, at:end], casting="same_kind")
+            at = end
+        some[:, -1] = 1.0
+        index = np.empty(count, np.int64)
         rows = max(1, PRODUCTS // self._rows.size)
-        for first in range(0, len(wanted), rows):
-            square = some[first : first + rows] @ self._rows
-            square.argmin(axis=1, out=index[first : first + rows])
+        square = np.empty((min(rows, count), self._rows.shape[1]), np.float32)
+        for first in range(0, count, rows):
+            part = some[first : first + rows]
+            found = np.matmul(part, self._rows, out=square[: len(part)])
+            found.argmin(axis=1, out=index[first : first + rows])
         # The products serve to find it; so near to each other points need all digits.
-        gap = wanted - self._points[index]
-        return np.sqrt(np.einsum("ij,ij->i", gap, gap)), index
+        gap = some[:, :-1] - self._near.take(index, axis=0)
+        return np.sqrt(np.einsum("ij,ij->i", gap, gap), dtype=np.float64), index
 
 
 def gaps(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> F64:
@@ -51,7 +63,7 @@ def gaps(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float
     if len(wanted) * len(points) > PAIRS:
         tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
         return np.asarray(tree.query(wanted, distance_upper_bound=most)[0], np.float64)
-    distance, _ = Plain(points.astype(np.float64)).nearest(wanted.astype(np.float64))
+    distance, _ = Plain(points).nearest(wanted)
     distance[distance >= most] = np.inf
     return distance
 

@@ -8,10 +8,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import FEW, Plain, within
+from pointbrush.tracking.near import Plain, within
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
@@ -56,19 +55,24 @@ def best_rigid_motions(source: F64, target: F64, weight: F64, fewest: int = 3) -
     Identity rotation where fewer than ``fewest`` pairs carry weight, identity where none does.
     Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
     """
-    total = weight.sum(axis=1)
+    total = np.add.reduce(weight, axis=1)
     share = weight[:, None] / np.where(total > 0.0, total, 1.0)[:, None, None]
     centre_s, centre_t = share @ source, share @ target
-    H = (source - centre_s).transpose(0, 2, 1) @ (weight[:, :, None] * (target - centre_t))
+    # What one side is away from its centre is enough for both: the other side's centre drops out.
+    H = (weight[:, :, None] * (source - centre_s)).transpose(0, 2, 1) @ target
     U, _, Vt = np.linalg.svd(H)
-    mirrored = np.linalg.det(U @ Vt) < 0.0
-    Vt[mirrored, 2] *= -1.0
-    R = (U @ Vt).transpose(0, 2, 1)
-    R[np.count_nonzero(weight, axis=1) < fewest] = np.eye(3)
+    R = U @ Vt
+    mirrored = np.linalg.det(R) < 0.0
+    if mirrored.any():
+        Vt[mirrored, 2] *= -1.0
+        R = U @ Vt
+    few = np.add.reduce(weight != 0.0, axis=1) < fewest
+    if few.any():
+        R[few] = np.eye(3)
     T = np.zeros((len(weight), 4, 4))
     T[:, 3, 3] = 1.0
-    T[:, :3, :3] = R
-    T[:, :3, 3] = (centre_t - centre_s @ R.transpose(0, 2, 1))[:, 0]
+    T[:, :3, :3] = R.transpose(0, 2, 1)
+    T[:, :3, 3] = (centre_t - centre_s @ R)[:, 0]
     return T
 
 
@@ -98,7 +102,7 @@ def icp(
 
 @dataclass(eq=False)
 class Target:
-    """Points to register to, in place and colour.
+    """A few points to register to, in place and, where it counts, weighted colour.
 
     ``xyz`` (N, 3) metres; ``colour`` (N, 3) any unit; ``weight`` metres per unit of colour.
     """
@@ -108,32 +112,18 @@ class Target:
     weight: float
 
     @cached_property
-    def tree(self) -> cKDTree:
-        """Over place and, where it counts, weighted colour: (N, 3) or (N, 6)."""
-        return cKDTree(self._placed(self.xyz, self.colour), balanced_tree=False)
-
-    @cached_property
     def _plain(self) -> Plain:
-        return Plain(self._placed(self.xyz, self.colour))
+        if self.weight == 0.0:
+            return Plain(self.xyz)
+        return Plain(np.hstack([self.xyz, self.colour * np.float32(self.weight)]))
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
         """Distances (M,), at most ``most``, and indices, of any point where nothing is nearer."""
-        placed = self._placed(xyz, colour)
-        if len(self.xyz) <= FEW:
-            distance, index = self._plain.nearest(placed)
-        else:
-            found, which = self.tree.query(placed, distance_upper_bound=most)
-            distance, index = np.asarray(found, np.float64), np.asarray(which, np.int64)
-            index[index == len(self.xyz)] = 0
-        return np.minimum(distance, most), index
-
-    def _placed(self, xyz: F64, colour: F32) -> F64:
         if self.weight == 0.0:
-            return xyz
-        both = np.empty((len(xyz), 6))
-        both[:, :3] = xyz
-        np.multiply(colour, self.weight, out=both[:, 3:])
-        return both
+            distance, index = self._plain.nearest(xyz)
+        else:
+            distance, index = self._plain.nearest(xyz, colour * np.float32(self.weight))
+        return np.minimum(distance, most, out=distance), index
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,17 +144,19 @@ def robust_fits(
     ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the scale,
     which shrinks (Geman and McClure 1985).
     """
-    distance, index = np.zeros(seen.shape), np.zeros(seen.shape, np.int64)
-    colours = np.broadcast_to(colour, (*seen.shape, 3))[seen]
-    count = np.maximum(np.count_nonzero(seen, axis=1), 1)
+    pose, point = np.nonzero(seen)
+    colours = colour[point]
+    near, weight = np.zeros((*seen.shape, 3)), np.zeros(seen.shape)
+    count = np.maximum(np.bincount(pose, minlength=len(T)), 1)
     cost = np.ones(len(T))
     for scale in scales:
         moved = transform_each(T, source)
-        distance[seen], index[seen] = target.nearest(moved[seen], colours, 3.0 * scale)
-        weight = 1.0 / (1.0 + (distance / scale) ** 2) ** 2
-        weight[(distance >= 3.0 * scale) | ~seen] = 0.0
-        cost = ((distance / (3.0 * scale)) ** 2).sum(axis=1) / count
-        T = best_rigid_motions(moved, target.xyz[index], weight, fewest=6) @ T
+        distance, index = target.nearest(moved[seen], colours, 3.0 * scale)
+        near[seen] = target.xyz.take(index, axis=0)
+        square = (distance / scale) ** 2
+        weight[seen] = np.where(square < 9.0, 1.0 / (1.0 + square) ** 2, 0.0)
+        cost = np.bincount(pose, weights=square, minlength=len(T)) / (9.0 * count)
+        T = best_rigid_motions(moved, near, weight, fewest=6) @ T
     return Fits(T, cost)
 
 

@@ -61,8 +61,8 @@ class _Ghost:
 
     def gap(self, target: Target, points: I64) -> F64:
         """Distances in place and colour from some of the target."""
-        own = [target.xyz[points], target.colour[points] * target.weight]
-        return self.surface.nearest(np.hstack(own))[0]
+        own = target.xyz[points], target.colour[points] * np.float32(target.weight)
+        return self.surface.nearest(*own)[0]
 
 
 def _ghost(search: Search) -> _Ghost:

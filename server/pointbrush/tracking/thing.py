@@ -48,7 +48,7 @@ class Rivals:
 
     @cached_property
     def target(self) -> Target:
-        """Where they were, with a tree that serves all questions about them."""
+        """Where they were, for all questions about them."""
         return Target(self.xyz, self.colour, self.weight)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
