@@ -30,6 +30,12 @@ class Claim:
     gap: F64
     nearest: I64
 
+    @staticmethod
+    def nothing() -> Claim:
+        """A claim on no point."""
+        none = np.empty(0, np.int64)
+        return Claim(none, np.empty(0, np.float32), np.empty(0), none)
+
     def pick(self, which: Mask) -> Claim:
         """The claim on some of the points only."""
         return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
@@ -42,18 +48,26 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
     colour; ``reach`` metres away it is claimed no more.
     """
     if len(indices) == 0 or len(place) == 0:
-        none = np.empty(0, np.int64)
-        return Claim(none, np.empty(0, np.float32), np.empty(0), none)
-    k = min(NEIGHBOURS, len(place))
+        return Claim.nothing()
+    xyz = view.xyz.take(indices, axis=0)
+    far = 1.001 * reach  # single precision must not decide what is at the border
     if len(indices) > MANY:
-        indices = indices[perhaps_near(view.xyz[indices], place, reach)]
-    tree = cKDTree(place, balanced_tree=False)
-    gap, near = tree.query(view.xyz[indices], k=np.arange(1, k + 1), distance_upper_bound=reach)
+        close = perhaps_near(xyz, place, reach)
+    else:
+        close = within(xyz, place.min(axis=0) - far, place.max(axis=0) + far)
+    indices, xyz = indices[close], xyz[close]
+    if not len(indices):
+        return Claim.nothing()
+    part = np.flatnonzero(within(place, xyz.min(axis=0) - far, xyz.max(axis=0) + far))
+    if not len(part):
+        return Claim.nothing()
+    k = min(NEIGHBOURS, len(part))
+    tree = cKDTree(place[part], balanced_tree=False)
+    gap, near = tree.query(xyz, k=np.arange(1, k + 1), distance_upper_bound=reach)
     gap, near = np.asarray(gap), np.asarray(near)
     close = gap[:, 0] < reach
-    indices, gap, near = indices[close], gap[close], near[close]
-    own = view.colour(indices)
-    unlike = own[:, None, :] - colour[np.minimum(near, len(place) - 1)]
+    indices, gap, near = indices[close], gap[close], part[np.minimum(near[close], len(part) - 1)]
+    unlike = view.colour(indices)[:, None, :] - colour[near]
     cost = np.sqrt(gap**2 + weight**2 * np.einsum("ijk,ijk->ij", unlike, unlike))
     return Claim(indices, cost.min(axis=1).astype(np.float32), gap[:, 0], near[:, 0])
 

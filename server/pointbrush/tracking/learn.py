@@ -23,6 +23,8 @@ KNOWN, FEW = 100, 0.005
 SELDOM, HINT = 4, 0.25
 """Frames in one of which it is asked of a stiff thing, and the share of what makes a thing soft
 from which it is asked in all."""
+STRETCHED = 600
+"""Points at most that are bent to find out."""
 OFF, ON = 1.5, 1.0
 """Units from the model at which a point is off its place, and on it."""
 SNAP = 0.7
@@ -120,17 +122,19 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
 def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
     """Share of the known surface that is not where one motion puts it, but where bending does."""
     model = thing.model
-    known = model.facing(place.pose[None], view.eye)[0] & ~verdict.hidden & (model.hits >= SURE)
-    if np.count_nonzero(known) < KNOWN:
+    facing = model.facing(place.pose[None], view.eye)[0]
+    known = np.flatnonzero(facing & ~verdict.hidden & (model.hits >= SURE))
+    if len(known) < KNOWN:
         return 0.0
+    some = known[:: -(-len(known) // STRETCHED)]
+    world, colour = place.world[some], model.colour[some]
     target = target_of(view, place.near, thing.weight)
     far = 3 * thing.unit
-    gap = target.nearest(place.world[known], model.colour[known], far)[0]
-    off = gap > OFF * thing.unit
+    off = target.nearest(world, colour, far)[0] > OFF * thing.unit
     if off.mean() < FEW:
         return 0.0
-    moved = bent(thing, place.world, target)[known][off]
-    again = target.nearest(moved, model.colour[known][off], far)[0]
+    moved = bent(thing, world, colour, target)[off]
+    again = target.nearest(moved, colour[off], far)[0]
     return float(np.count_nonzero(again < ON * thing.unit) / len(off))
 
 

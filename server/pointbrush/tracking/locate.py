@@ -10,7 +10,7 @@ import numpy as np
 
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.explain import Look, costs_of, look
-from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
@@ -169,17 +169,17 @@ def find(search: Search) -> Place:
     pose, cost = register(search)
     world = transform(pose, thing.model.xyz)
     if thing.bends or thing.soft:
-        world = bent(thing, world, search.target)
+        world = bent(thing, world, thing.model.colour, search.target)
     place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
     if search.view.roams:
         place.beside = search.near
     return place
 
 
-def bent(thing: Thing, world: F64, target: Target) -> F64:
-    """The model at ``world`` (M, 3) bent onto the target."""
+def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
+    """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
     apart = max(thing.model.radius / (8 if thing.soft else 5), 3 * thing.unit)
-    return np.asarray(world + warp(world, thing.model.colour, target, apart, 4 * thing.unit))
+    return np.asarray(world + warp(world, colour, target, apart, 4 * thing.unit))
 
 
 def register(search: Search) -> tuple[F64, float]:

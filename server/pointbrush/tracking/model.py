@@ -55,10 +55,10 @@ class Model:
     def radius(self) -> float:
         """Metres from the centre that hold nearly all points."""
         if self._radius is None:
-            away = np.linalg.norm(self.xyz - self.centre, axis=1)
-            self._radius = float(
-                np.partition(away, int(0.98 * (len(away) - 1)))[int(0.98 * (len(away) - 1))]
-            )
+            away = self.xyz - self.centre
+            square = np.einsum("ij,ij->i", away, away)
+            most = int(0.98 * (len(square) - 1))
+            self._radius = float(np.sqrt(np.partition(square, most)[most]))
         return self._radius
 
     def facing(self, poses: F64, eye: F64 | None, which: I64 | slice = slice(None)) -> Mask:

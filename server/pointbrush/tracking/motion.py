@@ -65,8 +65,8 @@ class Motion:
         return bool(np.linalg.norm(path - path[-1], axis=1).max() < 2 * unit)
 
     def _at(self, which: int) -> F64:
-        at: F64 = transform(self.poses[which], self.centre[None])[0]
-        return at
+        pose = self.poses[which]
+        return np.asarray(pose[:3, :3] @ self.centre + pose[:3, 3])
 
     def predictions(self) -> F64:
         """(K, 4, 4) to try, the likeliest first: motion repeated, changing evenly, and at rest."""
@@ -99,20 +99,17 @@ class Motion:
         In the air that is its centre of mass, in a hand it is near the grip.  Least squares over
         the second differences of the last poses, leaning on the centre by PRIOR.
         """
-        centre = self.centre
-        rows, sides = [PRIOR * np.eye(3)], [np.zeros(3)]
-        for a, b, c in zip(self.poses, self.poses[1:], self.poses[2:], strict=False):
-            bend = a - 2 * b + c
-            rows.append(bend[:3, :3])
-            sides.append(-(bend[:3, :3] @ centre + bend[:3, 3]))
-        offset, *_ = np.linalg.lstsq(np.vstack(rows), np.concatenate(sides), rcond=None)
-        pivot = (centre + offset)[None]
-        path = np.vstack([transform(T, pivot) for T in self.poses])
-        velocity, gain = path[-1] - path[-2], np.diff(path, n=2, axis=0).mean(axis=0)
+        poses = np.stack(self.poses)
+        bend = poses[:-2] - 2 * poses[1:-1] + poses[2:]
+        A, b = bend[:, :3, :3], -(bend[:, :3, :3] @ self.centre + bend[:, :3, 3])
+        leaning = PRIOR**2 * np.eye(3) + (A.transpose(0, 2, 1) @ A).sum(axis=0)
+        pivot = self.centre + np.linalg.solve(leaning, np.einsum("kij,ki->j", A, b))
+        path = poses[:, :3, :3] @ pivot + poses[:, :3, 3]
+        velocity, gain = path[-1] - path[-2], (bend[:, :3, :3] @ pivot + bend[:, :3, 3]).mean(0)
         T = np.eye(4)
         T[:3, :3] = turned
         ahead = path[-1] + self.gap * velocity + self.gap * (self.gap + 1) / 2 * gain
-        T[:3, 3] = ahead - T[:3, :3] @ pivot[0]
+        T[:3, 3] = ahead - turned @ pivot
         return T
 
     def _pose(self, R: F64, at: F64) -> F64:

@@ -80,15 +80,19 @@ class View:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
-        rgb = np.asarray(self.frame.rgb)[indices]
-        red, green, blue = (rgb[:, band].astype(np.float32) for band in range(3))
+        red, green, blue = (band.take(indices).astype(np.float32) for band in self._bands)
         total = red + green + blue
         scale = 1.0 / (total + 60.0)
-        result = np.empty((len(rgb), 3), np.float32)
+        result = np.empty((len(red), 3), np.float32)
         np.multiply(1.7 * (red - green), scale, out=result[:, 0])
         np.multiply(2.0 * blue - red - green, scale, out=result[:, 1])
         np.multiply(total, np.float32(0.3 / 765), out=result[:, 2])
         return result
+
+    @cached_property
+    def _bands(self) -> NDArray[np.uint8]:
+        """(3, N) red, green and blue, each contiguous: some of them are taken all the time."""
+        return np.ascontiguousarray(np.asarray(self.frame.rgb).T)
 
     def labelled(self) -> Mask:
         """(N,) points of any of the labels, a new array."""
