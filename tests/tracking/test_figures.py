@@ -191,6 +191,15 @@ def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Fr
     assert not reclaim(view, {}, np.flatnonzero(last.truth > 0))
 
 
+@pytest.mark.parametrize(("noise", "large"), [(0.005, True), (0.05, True), (0.2, False)])
+def test_people_are_large_also_before_a_noisy_sensor(
+    passing: list[scenes.Frame], noise: float, large: bool
+) -> None:
+    view = View(0, passing[0], find_lens(passing[0]))
+    points = np.flatnonzero(passing[0].truth == 1)
+    assert begin(view, 1, points, noise, NO_RIVALS).body == large
+
+
 def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scenes.Frame]) -> None:
     things = {label: thing_of(passing[0], label, label)[0] for label in (1, 2)}
     last = passing[-1]

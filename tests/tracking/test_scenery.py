@@ -6,6 +6,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import FrameResult
+from pointbrush.tracking.background import measure_waver
 from pointbrush.tracking.scenery import BLOCK, LEAST, MOST, drawn_on, farthest, wavering
 
 SHAPE = (96, 128)
@@ -70,6 +71,18 @@ def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
     assert (found[:32, :32] == 1.0).all()
     assert found.shape == SHAPE
     assert SHAPE[0] % BLOCK == 0
+
+
+def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
+    rng = np.random.default_rng(1)
+    depth = np.linspace(1.5, 6.5, 20_000)
+    one, other = (
+        (depth + rng.normal(0, 0.002 + 0.001 * depth**2)).astype(np.float32) for _ in range(2)
+    )
+    other[:2400] += 0.3  # the nearest eighth has moved on
+    waver = measure_waver(one, other)
+    true = 0.002 + 0.001 * depth**2
+    np.testing.assert_allclose(waver(depth.astype(np.float32))[2400:], true[2400:], rtol=0.2)
 
 
 def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:

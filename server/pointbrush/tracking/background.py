@@ -78,7 +78,10 @@ class Waver:
 
 
 def measure_waver(one: F32, other: F32) -> Waver:
-    """Fit the noise to the differences of two depth images of a sensor that stands still."""
+    """Fit the noise to the differences of two depth images of a sensor that stands still.
+
+    Source of the fit, which a third of wrong values does not touch: Theil 1950, Sen 1968.
+    """
     both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
     if len(both) < 100:
         return Waver(0.004, 0.002)
@@ -87,7 +90,11 @@ def measure_waver(one: F32, other: F32) -> Waver:
     parts = np.array_split(np.argsort(square, kind="stable"), 10)
     x = np.array([float(np.median(square[p])) for p in parts])
     y = np.array([float(np.median(change[p])) * 1.05 for p in parts])
-    growing = max(0.0, float(np.polyfit(x, y, 1)[0])) if np.ptp(x) > 1e-6 else 0.0
+    # Slopes of pairs, and their median: what moved between the images spoils a part or two.
+    one_part, other_part = np.triu_indices(len(x), 1)
+    run = x[other_part] - x[one_part]
+    slopes = ((y[other_part] - y[one_part])[run > 1e-6]) / run[run > 1e-6]
+    growing = max(0.0, float(np.median(slopes))) if len(slopes) else 0.0
     still = float(np.median(y - growing * x))
     return Waver(max(still, 5e-4), growing)
 

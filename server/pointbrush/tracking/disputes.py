@@ -22,6 +22,9 @@ KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""
 GAIN = 1.1
 """By how much more it must have there."""
+ANOTHERS = 0.5
+"""Share of its claim under which the place is another's, and share of what was left there that it
+must have elsewhere."""
 
 
 def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
@@ -56,7 +59,10 @@ def settle_conflicts(
         place, claim = placed(things[label], view, search)
         again = {**claims, label: claim}
         better = decide(len(view.xyz), again)
-        if len(better[label].indices) > GAIN * len(decided[label].indices):
+        had, has = len(decided[label].indices), len(better[label].indices)
+        # Where nearly all is another's, the other is, and not the thing.
+        anothers = had < ANOTHERS * len(before[label].indices) and place.cost < places[label].cost
+        if has > (ANOTHERS if anothers else GAIN) * had:
             decided, claims, places[label] = better, again, place
     return decided
 

@@ -22,7 +22,7 @@ MANY = 600_000
 """Pairs of points from which it pays to leave out those that are near to none of the rivals."""
 BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
-TALL, COARSE = 0.4, 30.0
+TALL, COARSE = 0.4, 12.0
 """Metres, and units, of radius from which a thing before a sensor at rest is large as people are,
 however coarse it is seen."""
 RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
