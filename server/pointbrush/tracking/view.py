@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
 from pointbrush.tracking.ground import on_ground
