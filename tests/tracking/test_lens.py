@@ -72,3 +72,9 @@ def test_no_image_where_nothing_proves_the_viewpoint() -> None:
     assert find_lens(frame(two)) is None
     assert find_lens(frame(rng.normal(size=(3000, 3)))) is None
     assert find_lens(frame(np.zeros((3000, 3)))) is None
+
+
+def test_a_sensor_that_moves_has_an_image_where_its_pixels_show() -> None:
+    lattice = frame(camera_points(room()))
+    assert find_lens(lattice, moves=True) is not None
+    assert find_lens(frame(camera_points(room()) @ TILTED.T), moves=True) is None

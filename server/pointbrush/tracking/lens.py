@@ -77,8 +77,12 @@ class Lens:
         return cell, depth
 
 
-def find_lens(frame: TrackFrame) -> Lens | None:
-    """The pixel grid of a pinhole-like frame, None where it has none."""
+def find_lens(frame: TrackFrame, *, moves: bool = False) -> Lens | None:
+    """The pixel grid of a pinhole-like frame, None where it has none.
+
+    A sensor that ``moves`` has one only where its lattice shows: a lidar's front view is better
+    followed as one that looks all round.
+    """
     xyz = np.asarray(frame.xyz)
     if len(xyz) < FEWEST:
         return None
@@ -96,7 +100,7 @@ def find_lens(frame: TrackFrame) -> Lens | None:
     pitch = [p for p in map(_lattice, plane) if p is not None and p > LEAST * spacing]
     if turn is None and len(pitch) == 2:
         return _lens(sample, eye, None, along, (pitch[0], pitch[1]))
-    if spacing <= 0:
+    if spacing <= 0 or moves:
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
     told = frame.viewpoint is not None

@@ -40,7 +40,7 @@ class Scene:
         self._ready: tuple[int, Future[View]] | None = None
         self._pose_of = sensor_poses(frames, order)
         first = frames(order[0])
-        self.lens = find_lens(first)
+        self.lens = find_lens(first, moves=self._pose_of is not None)
         unknown_eye = self.lens is None and first.viewpoint is None
         self._about = find_eye(np.asarray(first.xyz)) if unknown_eye else None
         self.first = self._look(order[0])
