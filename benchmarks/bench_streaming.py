@@ -298,7 +298,7 @@ def skews(clients: list[LightViewer]) -> list[float]:
     for client in clients:
         shown = sorted(
             (max(moment, client.started + step / FPS), step)
-            for moment, step in steps(client.arrivals)
+            for moment, step in steps(client)
         )
         times = np.array([moment for moment, _ in shown])
         newest = np.maximum.accumulate([step for _, step in shown])
@@ -309,14 +309,16 @@ def skews(clients: list[LightViewer]) -> list[float]:
     return behind
 
 
-def steps(arrivals: list[tuple[float, int, int]]) -> Iterator[tuple[float, int]]:
-    """Time and number of each frame since the start, rounds of the recording counted."""
-    turn, last = 0, 0
-    for moment, frame, _ in arrivals:
-        turn += frame < last - FRAMES // 2
-        turn -= frame > last + FRAMES // 2
-        last = frame
-        yield moment, turn * FRAMES + frame
+def steps(client: LightViewer) -> Iterator[tuple[float, int]]:
+    """Time and number of each frame since the start.
+
+    A number stands for the round in which it is nearest to what was due when it came: a viewer is
+    never half a recording behind, and what was still on its way from before the start counts
+    for little.
+    """
+    for moment, frame, _ in client.arrivals:
+        due = (moment - client.started) * FPS
+        yield moment, frame + FRAMES * round((due - frame) / FRAMES)
 
 
 async def links(workspace: Path) -> None:

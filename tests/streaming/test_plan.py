@@ -64,7 +64,7 @@ def test_prefetch_goes_where_the_finger_goes() -> None:
 
 def test_a_busy_server_does_not_prefetch() -> None:
     plan = plan_with(1e9)
-    plan.load = lambda: 0.5
+    plan.load.note(lag=0.1, busy=0.2, sent=0.0, followers=0)
     plan.seek(10)
     assert {piece.frame for _ in range(50) if (piece := take(plan, 0.0))} == {10}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 
 import pytest
 from hypothesis import given
@@ -113,14 +114,38 @@ def test_pace_eases_off_after_skipped_frames_and_comes_back() -> None:
 
 
 @pytest.mark.parametrize(("lag", "busy"), [(0.1, 0.2), (0.0, 0.95)])
-def test_a_busy_loop_sends_less(lag: float, busy: float) -> None:
+def test_a_busy_loop_sends_less_and_more_again(lag: float, busy: float) -> None:
     load = Load()
+    load.note(0.0, 0.1, 0.0, 100)
+    at_first = load.each
+    assert 0 < at_first < math.inf
     for _ in range(100):
-        load.note(lag, busy)
-    assert load.share() < 0.1
+        load.note(lag, busy, load.each * 100, 100)
+    assert load.strained
+    assert load.each < 0.1 * at_first
     for _ in range(200):
-        load.note(0.001, 0.1)
-    assert load.share() == 1.0
+        load.note(0.001, 0.1, load.each * 100, 100)
+    assert not load.strained
+    assert load.each > at_first
+
+
+def test_what_the_server_can_send_is_shared_by_those_who_follow() -> None:
+    load = Load()
+    load.note(0.0, 0.1, 0.0, 4)
+    four = load.each
+    load.note(0.0, 0.1, 0.0, 100)
+    assert load.each == pytest.approx(four / 25, rel=0.1)
+    load.note(0.0, 0.1, 0.0, 0)
+    assert load.each == math.inf
+
+
+def test_a_budget_that_nobody_uses_does_not_grow() -> None:
+    load = Load()
+    load.note(0.0, 0.1, 0.0, 1)
+    before = load.each
+    for _ in range(1000):
+        load.note(0.0, 0.1, 1e6, 1)
+    assert load.each < 2 * before
 
 
 def test_points_are_sent_a_few_at_a_time_and_in_the_order_asked() -> None:

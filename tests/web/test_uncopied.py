@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 import uvicorn
+from hypothesis import given
+from hypothesis import strategies as st
 from uvicorn.protocols.utils import ClientDisconnected
+from uvicorn.server import ServerState
 from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
 from pointbrush.web.server import listen
-from pointbrush.web.uncopied import UncopiedProtocol, header
+from pointbrush.web.uncopied import AT_ONCE, BINARY, EXTENSION, UncopiedProtocol, header
 
 HELLO = (
     b"GET / HTTP/1.1\r\nHost: here\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -26,6 +31,124 @@ GOODBYE = Frame(Opcode.CLOSE, b"").serialize(mask=True)
 def test_what_goes_ahead_is_what_the_library_would_write(length: int) -> None:
     data = bytes(length)
     assert header(length) + data == Frame(Opcode.BINARY, data).serialize(mask=False)
+
+
+def written(opcode: Opcode, data: bytes, *, fin: bool = True) -> bytes:
+    return Frame(opcode, data, fin=fin).serialize(mask=True)
+
+
+@contextmanager
+def connected(
+    taken: Callable[[bytes], bool], **options: Any
+) -> Iterator[tuple[Callable[[bytes, int], None], list[bytes], MagicMock]]:
+    """A protocol whose handshake is done; yields how to feed it and what came by ASGI."""
+    messages: list[bytes] = []
+
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        assert (await receive())["type"] == "websocket.connect"
+        await send({"type": "websocket.accept"})
+        link = scope["extensions"][EXTENSION]["link"]
+        link.hear = taken
+        while (event := await receive())["type"] == "websocket.receive":
+            messages.append(event.get("bytes") or event["text"].encode())
+        messages.append(b"end")
+
+    transport = MagicMock()
+    transport.is_closing.return_value = False
+    loop = asyncio.new_event_loop()
+    config = uvicorn.Config(app, ws=UncopiedProtocol, ws_ping_interval=None, **options)
+    config.load()
+    state = ServerState()
+
+    async def feed(data: bytes, size: int) -> None:
+        for at in range(0, len(data), size):
+            link.data_received(data[at : at + size])
+        await asyncio.sleep(0.001)
+
+    try:
+        link = UncopiedProtocol(config, state, {}, loop)
+        link.connection_made(transport)
+        loop.run_until_complete(feed(HELLO, len(HELLO)))
+        yield lambda data, size: loop.run_until_complete(feed(data, size)), messages, transport
+    finally:
+        link.connection_lost(None)
+        loop.run_until_complete(asyncio.sleep(0))
+        loop.close()
+
+
+def taker(heard: list[bytes]) -> Callable[[bytes], bool]:
+    """Takes every message at once."""
+
+    def take(message: bytes) -> bool:
+        heard.append(message)
+        return True
+
+    return take
+
+
+@given(
+    kinds=st.lists(st.sampled_from(["short", "long", "parts", "ping", "late"]), max_size=30),
+    size=st.integers(1, 400),
+)
+def test_every_message_comes_once_and_in_order_however_it_is_cut(
+    kinds: list[str], size: int
+) -> None:
+    stream, sent = b"", []
+    for number, kind in enumerate(kinds):
+        body = f"{kind} {number} ".encode() * (60 if kind == "long" else 1)
+        if kind == "parts":
+            stream += written(Opcode.BINARY, body[:3], fin=False) + written(Opcode.PING, b"in it")
+            stream += written(Opcode.CONT, b"", fin=False) + written(Opcode.CONT, body[3:])
+        elif kind == "ping":
+            stream += written(Opcode.PING, body)
+            continue
+        else:
+            stream += written(Opcode.BINARY, body)
+        sent.append(body)
+    came: list[bytes] = []
+
+    def hear(message: bytes) -> bool:
+        came.extend(messages)
+        messages.clear()
+        if message.startswith(b"late"):
+            return False
+        came.append(message)
+        return True
+
+    with connected(hear) as (feed, messages, _):
+        feed(stream, size)
+        assert came + messages == sent
+
+
+def test_what_the_protocol_forbids_ends_the_connection() -> None:
+    short = written(Opcode.BINARY, b"ok")
+    for wrong in (
+        Frame(Opcode.BINARY, b"unmasked").serialize(mask=False),
+        written(Opcode.BINARY, bytes(2000)),
+        written(Opcode.BINARY, b"a", fin=False) + short,
+        written(Opcode.CONT, b"of nothing"),
+        bytes([BINARY | 0x40]) + short[1:],
+    ):
+        heard: list[bytes] = []
+        with connected(taker(heard), ws_max_size=1000) as (
+            feed,
+            messages,
+            transport,
+        ):
+            feed(short + wrong + short, 10_000)
+            feed(short, 10_000)
+        assert heard == [b"ok"], wrong[:20]
+        assert messages == [b"end"]
+        assert transport.close.called
+
+
+def test_many_messages_in_one_piece_are_not_heard_in_one_turn() -> None:
+    heard: list[bytes] = []
+    with connected(taker(heard)) as (feed, messages, transport):
+        feed(b"".join(written(Opcode.BINARY, b"%d" % i) for i in range(100)), 100_000)
+        assert len(heard) == AT_ONCE
+        assert transport.pause_reading.called
+        assert heard + messages == [b"%d" % i for i in range(100)]
 
 
 def test_a_server_stops_in_peace_while_a_client_that_does_not_read_is_leaving() -> None:

@@ -19,6 +19,14 @@ class MessageCache:
         self._making: dict[Hashable, asyncio.Task[Versioned]] = {}
         self.nbytes = 0
 
+    def known(self, key: Hashable, least: int = 0) -> Versioned | None:
+        """The bytes of ``key``, of revision ``least`` or newer, if they are here."""
+        found = self._entries.get(key)
+        if found is None or found[0] < least:
+            return None
+        self._entries.move_to_end(key)
+        return found
+
     async def get(
         self, key: Hashable, make: Callable[[], Awaitable[Versioned]], least: int = 0
     ) -> Versioned:
@@ -26,9 +34,8 @@ class MessageCache:
 
         It runs in a task of its own: an asker that goes away takes nothing from the others.
         """
-        found = self._entries.get(key)
-        if found is not None and found[0] >= least:
-            self._entries.move_to_end(key)
+        found = self.known(key, least)
+        if found is not None:
             return found
         made = await self._join(key, make)
         # What others had begun to make may have been read before the change.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 MOST_PER_SECOND = 60.0
 """Faster playback shows every second, third … frame: no display shows more."""
@@ -19,17 +19,15 @@ class PlayClock:
     rate: float
     frames: int
     loop: bool = True
+    stride: int = field(init=False)
+    """Frames between two that are shown, signed like the direction."""
+    shown_per_second: float = field(init=False)
+    """Different frames shown a second."""
 
-    @property
-    def stride(self) -> int:
-        """Frames between two that are shown, signed like the direction."""
+    def __post_init__(self) -> None:
         step = max(1, math.ceil(abs(self.rate) / MOST_PER_SECOND - 1e-9))
-        return step if self.rate >= 0 else -step
-
-    @property
-    def shown_per_second(self) -> float:
-        """Different frames shown a second."""
-        return abs(self.rate) / abs(self.stride)
+        object.__setattr__(self, "stride", step if self.rate >= 0 else -step)
+        object.__setattr__(self, "shown_per_second", abs(self.rate) / step)
 
     def steps(self, now: float) -> int:
         """Shown frames passed since the start."""

@@ -23,11 +23,8 @@ LONGEST = 65_536
 _client: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)
 
 
-def decode(data: bytes) -> ClientMessage:
-    """A client's message.
-
-    Raises MalformedError (no msgpack map) or BadInputError (no message of ours).
-    """
+def unpack(data: bytes) -> dict[Any, Any]:
+    """The map that a client sent; raises MalformedError when it is none."""
     try:
         content = msgpack.unpackb(
             data,
@@ -42,6 +39,16 @@ def decode(data: bytes) -> ClientMessage:
         raise MalformedError(f"message: expected a msgpack map, got {error}"[:300]) from None
     if not isinstance(content, dict):
         raise MalformedError(f"message: expected a map, got {type(content).__name__}")
+    return content
+
+
+def decode(data: bytes) -> ClientMessage:
+    """A client's message; raises MalformedError or BadInputError."""
+    return check(unpack(data))
+
+
+def check(content: dict[Any, Any]) -> ClientMessage:
+    """A client's message from its map; raises BadInputError when it is none of ours."""
     try:
         return _client.validate_python(content)
     except ValidationError as error:

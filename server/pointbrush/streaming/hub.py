@@ -41,6 +41,8 @@ class Hub:
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
         self.load = Load()
+        self._frames = self._bytes = 0
+        self._counted = (0, 0)
         self._opening = asyncio.Lock()
         self._events: asyncio.Queue[Event] = asyncio.Queue()
         self._reads = anyio.CapacityLimiter(READ_THREADS)
@@ -62,7 +64,7 @@ class Hub:
                 background = [
                     tasks.create_task(self._dispatch_all()),
                     tasks.create_task(self._relay_presence()),
-                    tasks.create_task(self.load.watch()),
+                    tasks.create_task(self.load.watch(self._sent_bytes, self._followers)),
                 ]
                 yield self
                 for viewer in list(self.viewers):
@@ -88,6 +90,23 @@ class Hub:
         """Run something that writes, in a thread of its own kind: readers do not wait for it."""
         with self.load.edit():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
+
+    # ── what is sent ─────────────────────────────────────────────────────────────────────
+
+    def sent(self, nbytes: int) -> None:
+        """A frame message left."""
+        self._frames += 1
+        self._bytes += nbytes
+
+    def _sent_bytes(self) -> int:
+        """Bytes so far; what came since the last time is counted here, a hundred at once."""
+        self.metrics.frames.inc(self._frames - self._counted[0])
+        self.metrics.sent.inc(self._bytes - self._counted[1])
+        self._counted = self._frames, self._bytes
+        return self._bytes
+
+    def _followers(self) -> int:
+        return sum(viewer.plan.clock is not None for viewer in self.viewers)
 
     # ── viewers ──────────────────────────────────────────────────────────────────────────
 

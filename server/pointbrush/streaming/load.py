@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 PERIOD = 0.05
@@ -16,19 +17,36 @@ BUSY, IDLE = 0.6, 0.45
 SENDS_A_TURN = 6
 YIELD_SECONDS, YIELDS = 0.001, 8
 """How long points wait at most for an edit that is being applied: a flood must not stop them."""
-CUT, GROW, LEAST = 0.85, 1.05, 0.02
+FIRST, LEAST = 300e6, 3e6
+"""Bytes a second for all who follow a clock together: before anything is known, and at least."""
+CUT, GROW = 0.85, 1.05
+MOST_CUTS = 4
+"""Cuts at once: as many as the lag is times too long."""
+CALM_SECONDS = 0.1
 
 
 class Load:
-    """Watches the loop it runs on."""
+    """Watches the loop it runs on, and shares out what it can send among those who follow a clock.
+
+    A budget in bytes, and not a share of what links carry: when a hundred begin to play in one
+    moment, each link looks as wide as the machine's memory, and nobody knows better for a second.
+    """
 
     def __init__(self) -> None:
-        self._share = 1.0
+        self.each = math.inf
+        """Bytes a second that one viewer who follows a clock may be sent."""
+        self._budget = FIRST
+        self._calm = math.inf
         self._left = SENDS_A_TURN
         self._waiting: deque[asyncio.Future[None]] = deque()
         self._due = False
         self._yielded = 0
         self._edits = 0
+
+    @property
+    def strained(self) -> bool:
+        """Whether there was too much to do just now: nothing is sent that may never be seen."""
+        return self._calm < CALM_SECONDS
 
     @contextmanager
     def edit(self) -> Iterator[None]:
@@ -74,22 +92,29 @@ class Load:
         if self._due:
             loop.call_soon(self._next_turn)
 
-    def share(self) -> float:
-        """Share 0..1 of what its link carries that a viewer should be sent."""
-        return self._share
+    def note(self, lag: float, busy: float, sent: float, followers: int) -> None:
+        """What happened lately.
 
-    def note(self, lag: float, busy: float) -> None:
-        """The loop came back ``lag`` seconds late, and computed a share ``busy`` of the time."""
-        if lag > LATE or busy > BUSY:
-            self._share = max(LEAST, self._share * CUT)
+        The loop came back ``lag`` seconds late, computed a share ``busy`` of the time, and sent
+        ``sent`` bytes a second; ``followers`` viewers follow a clock.
+        """
+        # Where nobody follows, a busy loop only means that somebody gets what is asked for.
+        if lag > LATE or (busy > BUSY and followers):
+            self._calm = 0.0
+            self._budget = max(LEAST, self._budget * CUT ** min(MOST_CUTS, max(1.0, lag / LATE)))
         elif lag < EARLY and busy < IDLE:
-            self._share = min(1.0, self._share * GROW)
+            self._calm += PERIOD
+            # What nobody asks for says nothing about what could be sent.
+            if self._budget < FIRST or sent > self._budget / 2:
+                self._budget *= GROW
+        self.each = self._budget / followers if followers else math.inf
 
-    async def watch(self) -> None:
-        """Measure until cancelled."""
+    async def watch(self, sent: Callable[[], int], followers: Callable[[], int]) -> None:
+        """Measure until cancelled; ``sent()``: bytes so far."""
         loop = asyncio.get_running_loop()
         while True:
-            before, computed = loop.time(), time.thread_time()
+            before, computed, carried = loop.time(), time.thread_time(), sent()
             await asyncio.sleep(PERIOD)
             passed = loop.time() - before
-            self.note(passed - PERIOD, (time.thread_time() - computed) / passed)
+            busy = (time.thread_time() - computed) / passed
+            self.note(passed - PERIOD, busy, (sent() - carried) / passed, followers())

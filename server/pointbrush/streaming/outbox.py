@@ -49,6 +49,20 @@ class Outbox:
         self.wake.set()
 
     @property
+    def quiet(self) -> bool:
+        """Whether nothing waits but points."""
+        return not (
+            self.replies
+            or self.deltas
+            or self.stale
+            or self.jobs
+            or self.presence
+            or self.labels
+            or self.cells
+            or self.all_cells
+        )
+
+    @property
     def crowded(self) -> bool:
         """Whether the viewer must read answers before it is heard again."""
         return len(self.replies) >= MOST_REPLIES
@@ -83,6 +97,8 @@ class Outbox:
 
     def drop(self, frame: int, up_to: int) -> None:
         """Forget deltas of a frame up to a revision: whole values that say the same go out."""
+        if not self.deltas:
+            return
         kept = [d for d in self.deltas if d.frame != frame or d.revision > up_to or d.provisional]
         self.deltas = deque(kept)
         self.delta_bytes = sum(len(delta.data) for delta in kept)

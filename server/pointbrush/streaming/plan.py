@@ -5,38 +5,27 @@ Pure decisions, no input or output: times come in, pieces go out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from pointbrush.streaming.clock import PlayClock
+from pointbrush.streaming.load import Load
 from pointbrush.streaming.rate import SHARE, UNLIMITED, Link, Pace, PageBudget
-from pointbrush.streaming.table import FrameTable
+from pointbrush.streaming.table import LARGEST_PIECE, FrameTable, Piece
 
 LOOKAHEAD = 0.25
 """Seconds of frames sent before they are due."""
-LARGEST_PIECE = 2 * 2**20
+AHEAD = 4
+"""Frames behind the one that is sent now whose messages are made."""
 REFINE_SECONDS = 0.05
 """A refinement's message is cut to about this time on the link, so that a seek can overtake."""
 AT_ONCE_SECONDS = 0.012
 """A frame that takes less than this on the link is not split: nobody would see its first part."""
 SMALLEST_REFINEMENT = 64 * 1024
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
-BUSY_PAUSE = 0.5
-PREFETCH_LOAD = 0.8
-"""Below this share nothing is sent that nobody may ever look at: a crowd is being served."""
+BUSY_PAUSE = 0.1
 UP_PERIOD = 0.15
 """Seconds between two steps up by one level; steps down are at once."""
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's."""
-
-    frame: int
-    first: int
-    stop: int
-    final: bool
-    step: int = 0
 
 
 @dataclass(slots=True)
@@ -50,8 +39,8 @@ class Plan:
 
     frames: int
     link: Link
-    load: Callable[[], float] = lambda: 1.0
-    """Share of what its link carries that the server has time to send."""
+    load: Load = field(default_factory=Load)
+    """What the server has time for."""
     page: PageBudget = field(default_factory=PageBudget)
     focus: int = 0
     clock: PlayClock | None = None
@@ -100,6 +89,18 @@ class Plan:
         self.pace.left(piece.step - self._step - 1 - self._had, lead, now)
         self._step, self._had = piece.step, 0
 
+    def coming(self, piece: Piece) -> list[int]:
+        """Frames that will be wanted soon after a piece that is sent now."""
+        if self.clock is None:
+            return []
+        first = 1 if piece.step == 0 else AHEAD
+        return [self.clock.frame(piece.step + more) for more in range(first, AHEAD + 1)]
+
+    @property
+    def level(self) -> int:
+        """How fine frames are while a clock is followed."""
+        return self._level
+
     def unsent(self, piece: Piece, held: int | None) -> None:
         """A piece was not sent after all; ``held``: what was held of its frame before."""
         if held is None:
@@ -119,7 +120,7 @@ class Plan:
             yield from self.clock.ahead(now, LOOKAHEAD, max(0, self._step + self._had))
             return
         yield 0, self.focus
-        if self.load() < PREFETCH_LOAD:
+        if self.load.strained:
             return
         for distance in range(1, PREFETCH_AHEAD + 1):
             yield 0, self._neighbour(distance)
@@ -155,7 +156,7 @@ class Plan:
         """Chunks that a frame may have at most."""
         if self.clock is None:
             return table.stops[table.level_within(UNLIMITED, self.page.asked)]
-        share = SHARE * self.link.rate * self.pace.ease * self.load()
+        share = min(SHARE * self.link.rate * self.pace.ease, self.load.each)
         share /= max(self.clock.shown_per_second, 1.0)
         level = table.level_within(share, self.page.limit)
         if level > self._level:
@@ -168,5 +169,5 @@ class Plan:
     def wait(self, now: float) -> float | None:
         """Seconds until there may be something new to send by itself, or None: never."""
         if self.clock is None or self.clock.rate == 0:
-            return BUSY_PAUSE if self.load() < 1.0 else None
+            return BUSY_PAUSE if self.load.strained else None
         return min(1.0, self.clock.next_change(now + LOOKAHEAD))

@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict
+import contextlib
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Any, Protocol
 
+from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit, Delta, GapError
 from pointbrush.sequences import Sequence
 from pointbrush.streaming.board import Board, Place
 from pointbrush.streaming.cache import MessageCache, Versioned
 from pointbrush.streaming.encoding import (
     encode_delta,
-    encode_frame,
     encode_provisional,
     encode_whole,
 )
 from pointbrush.streaming.outbox import Outbox, QueuedDelta
-from pointbrush.streaming.table import FrameTable
+from pointbrush.streaming.stock import Stock
+from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 
-TABLES = 4096
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
 AT_ONCE = 50_000
 """Changed points that are encoded on the event loop itself."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
+
+
+Ready = tuple[int, bytes, bytes]
+"""The revision of a piece's values, their message, and the message of its points."""
 
 
 class Listener(Protocol):
@@ -71,7 +75,8 @@ class Room:
         self.board = Board(workspace.store, cache, run, self.id, recording.identity)
         self._touched: dict[int, int] = {}
         self._start = 0
-        self._tables: OrderedDict[int, FrameTable] = OrderedDict()
+        self.stock = Stock(recording, cache, run)
+        self._expected: dict[tuple[int, int], asyncio.Task[None]] = {}
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
@@ -79,26 +84,42 @@ class Room:
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
-    async def table(self, frame: int) -> FrameTable:
-        """The levels of a frame; raises NotFoundError."""
-        table = self._tables.get(frame)
-        if table is None:
-            table = await self._run(lambda: FrameTable.of(self.recording[frame]))
-            self._tables[frame] = table
-            if len(self._tables) > TABLES:
-                self._tables.popitem(last=False)
-        return table
+    def ready(self, piece: Piece, table: FrameTable) -> Ready | None:
+        """What ``points`` would give, if nothing has to be read for it."""
+        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
+        least = self._touched.get(piece.frame, self._start)
+        values = self.cache.known(self._key(piece.frame, first, stop - first), least)
+        if values is None or values[0] > self.revision:
+            return None
+        data = self.stock.known_message(piece)
+        return None if data is None else (*values, data)
 
-    async def frame_message(self, frame: int, first: int, stop: int, *, final: bool) -> bytes:
-        """Chunks [first, stop) of a frame, encoded."""
-        key = ("frame", self._identity, frame, first, stop, final)
+    async def points(self, piece: Piece, table: FrameTable) -> Ready:
+        """A piece's values as ``values_message`` has them, and the message of its points."""
+        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
+        values, data = await asyncio.gather(
+            self.values_message(piece.frame, first, stop - first), self.stock.message(piece)
+        )
+        return (*values, data)
 
-        async def make() -> Versioned:
-            return 0, await self._run(
-                lambda: encode_frame(self.id, self.recording[frame], first, stop, final=final)
-            )
+    def expect(self, frame: int, level: int) -> None:
+        """A frame will be wanted up to a level soon: it is made while nobody waits for it.
 
-        return (await self.cache.get(key, make))[1]
+        Else all who follow the same recording would wait for each frame of the first round.
+        """
+        table = self.stock.known_table(frame)
+        if table is not None and self.ready(table.first_piece(frame, level), table) is not None:
+            return
+        if (frame, level) not in self._expected:
+            task = asyncio.create_task(self._make(frame, level))
+            self._expected[frame, level] = task
+            task.add_done_callback(lambda _: self._expected.pop((frame, level)))
+
+    async def _make(self, frame: int, level: int) -> None:
+        # Who needs it in the end is told what is wrong.
+        with contextlib.suppress(PointbrushError):
+            table = await self.stock.table(frame)
+            await self.points(table.first_piece(frame, level), table)
 
     # ── values ───────────────────────────────────────────────────────────────────────────
 
@@ -107,7 +128,7 @@ class Room:
 
         Every commit up to that revision has been handed to the viewers' outboxes.
         """
-        key = ("values", self._identity, frame, first, count)
+        key = self._key(frame, first, count)
 
         def read() -> Versioned:
             values = self.workspace.store.values(self.id, frame, first, count)
@@ -121,6 +142,9 @@ class Room:
             # The commit has been read, but its event is still on its way here.
             await asyncio.sleep(CATCH_UP_PAUSE)
         return revision, data
+
+    def _key(self, frame: int, first: int, count: int) -> tuple[object, ...]:
+        return "values", self._identity, frame, first, count
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 

@@ -6,9 +6,8 @@ import asyncio
 
 from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.streaming.hub import Hub
-from pointbrush.streaming.plan import Piece
 from pointbrush.streaming.room import Room
-from pointbrush.streaming.table import FrameTable
+from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.streaming.viewer import Viewer
 
 VALUES_RUN = 4_000_000
@@ -31,7 +30,8 @@ class Sender:
         while True:
             self._outbox.wake.clear()
             try:
-                await self._messages()
+                if not self._outbox.quiet:
+                    await self._messages()
                 if not await self._points():
                     await self._rest()
             except UnavailableError:
@@ -79,7 +79,7 @@ class Sender:
         Deltas that come while a large one is sent wait: they go over its runs again, in order,
         whichever of them each run had in it already.
         """
-        runs = self._runs(room, frame, await room.table(frame))
+        runs = self._runs(room, frame, await room.stock.table(frame))
         # From here on deltas of this frame come to the outbox again: nothing falls between.
         self._outbox.stale.pop(frame, None)
         oldest = None
@@ -170,9 +170,10 @@ class Sender:
         viewer = self._viewer
         if room.recording.manifest.large:
             return await self._next_wanted(room)
-        for step, frame in viewer.plan.candidates(viewer.now()):
-            table = await room.table(frame)
-            piece = viewer.plan.piece(step, frame, table, viewer.now())
+        now = viewer.now()
+        for step, frame in viewer.plan.candidates(now):
+            table = room.stock.known_table(frame) or await room.stock.table(frame)
+            piece = viewer.plan.piece(step, frame, table, now)
             if piece is not None:
                 return piece
         return None
@@ -183,12 +184,12 @@ class Sender:
         plan = viewer.plan
         frame = plan.focus if plan.clock is None else plan.clock.due(viewer.now())
         if frame not in plan.held:
-            table = await room.table(frame)
+            table = await room.stock.table(frame)
             return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
         if viewer.wanted is None or not viewer.wanted[1]:
             return None
         frame, chunks = viewer.wanted
-        table = await room.table(frame)
+        table = await room.stock.table(frame)
         while chunks and chunks[0] >= table.chunks:
             chunks.pop(0)
         if not chunks:
@@ -202,16 +203,16 @@ class Sender:
     async def _send_piece(self, room: Room, piece: Piece) -> None:
         viewer = self._viewer
         plan = viewer.plan
-        table = await room.table(piece.frame)
-        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
+        table = room.stock.known_table(piece.frame) or await room.stock.table(piece.frame)
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
         plan.sent(piece, viewer.now())
         try:
-            revision, values = await room.values_message(piece.frame, first, stop - first)
+            ready = room.ready(piece, table) or await room.points(piece, table)
         except UnavailableError:
             plan.unsent(piece, held)
             raise
+        revision, values, data = ready
         if self._outbox.stale:
             # What is owed goes first, and these values are then read again.
             plan.unsent(piece, held)
@@ -224,11 +225,11 @@ class Sender:
             await self._deltas(revision)
         await viewer.send(values)
         self._note(room, piece, anew=anew)
-        data = await room.frame_message(piece.frame, piece.first, piece.stop, final=piece.final)
+        for frame in plan.coming(piece):
+            room.expect(frame, plan.level)
         plan.link.sent(len(data), viewer.now(), idle=self._idle)
         self._idle = False
-        self._hub.metrics.frames.inc()
-        self._hub.metrics.sent.inc(len(data))
+        self._hub.sent(len(data))
         await viewer.send(data)
 
     def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:

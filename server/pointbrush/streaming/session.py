@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, Editor
-from pointbrush.streaming.encoding import decode, encode
+from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.opening import of_this_import, sequence_info
 from pointbrush.streaming.plan import Plan
@@ -26,6 +26,8 @@ from pointbrush.streaming.viewer import CREDITS, Viewer
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
+SLOW = ("open", *(edit.model_fields["type"].default for edit in EDITS))
+"""Types of messages that wait for files, the database, or each other."""
 
 
 class ViewerSession(Viewer):
@@ -41,14 +43,15 @@ class ViewerSession(Viewer):
         shared: bool,
     ) -> None:
         """``shared``: several people may use this token, so the name in ``hello`` is the author."""
-        super().__init__(send, author=author, role=role, load=hub.load.share)
+        super().__init__(send, author=author, role=role, load=hub.load)
         self.hub, self._shared = hub, shared
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)
         self._deaf = False
-        self._handlers: dict[type, Callable[[Any], Awaitable[None]]] = {
+        self._hearing = False
+        """Whether a message is acted on that takes its time: later ones wait."""
+        self._handlers: dict[type, Callable[[Any], None]] = {
             messages.Hello: self._hello,
-            messages.Open: self._open,
             messages.Play: self._play,
             messages.Pause: self._pause,
             messages.Seek: self._seek,
@@ -96,7 +99,9 @@ class ViewerSession(Viewer):
         while (data := await receive()) is not None:
             if self._deaf:
                 continue  # not answered, so that the page sends it again to the next server
+            self._hearing = True
             await self.receive(data)
+            self._hearing = False
             heard += 1
             if heard % HEARD_A_TURN == 0:
                 # Thousands of small messages can come in one piece: everybody's turn meanwhile.
@@ -105,18 +110,39 @@ class ViewerSession(Viewer):
                 # Who does not read its answers is not heard until it does.
                 await asyncio.sleep(0.05)
 
+    def hear(self, data: bytes) -> bool:
+        """Act on a message at once, or not at all: then it must come by ``run``'s ``receive``.
+
+        What takes time waits for its turn there, and so does what comes behind it.
+        """
+        if self._deaf or self._hearing or self.outbox.crowded:
+            return False
+        try:
+            content = unpack(data)
+            if content.get("type") in SLOW:
+                return False
+            self._act(check(content))
+        except PointbrushError as error:
+            self.refuse(error)
+        return True
+
     async def receive(self, data: bytes) -> None:
         """Act on one message; anything wrong with it is answered with ``error``."""
         about = None
         try:
             message = decode(data)
-            about = getattr(message, "id", None)
             if isinstance(message, EDITS):
+                about = message.id
                 await self._editor.put(message, len(data))
+            elif isinstance(message, messages.Open):
+                await self._open(message)
             else:
-                await self._handlers[type(message)](message)
+                self._act(message)
         except PointbrushError as error:
             self.refuse(error, about)
+
+    def _act(self, message: messages.ClientMessage) -> None:
+        self._handlers[type(message)](message)
 
     # ── its room ─────────────────────────────────────────────────────────────────────────
 
@@ -148,7 +174,7 @@ class ViewerSession(Viewer):
 
     # ── messages ─────────────────────────────────────────────────────────────────────────
 
-    async def _hello(self, message: messages.Hello) -> None:
+    def _hello(self, message: messages.Hello) -> None:
         if message.name:
             self.name = message.name
             self.author = message.name if self._shared else self.author
@@ -210,40 +236,43 @@ class ViewerSession(Viewer):
             raise BadInputError(f"frame: expected 0 to {len(room.recording) - 1}, got {frame}")
         return frame
 
-    async def _play(self, message: messages.Play) -> None:
+    def _play(self, message: messages.Play) -> None:
         frame = self._require_frame(message.frame)
         manifest = self.require_room().recording.manifest
         rate = manifest.fps * message.speed
         self.plan.play(PlayClock(frame, self.now(), rate, manifest.frames, message.loop))
         self.outbox.wake.set()
 
-    async def _pause(self, message: messages.Pause) -> None:
+    def _pause(self, message: messages.Pause) -> None:
         frame = None if message.frame is None else self._require_frame(message.frame)
         self.require_room()
         self.plan.pause(frame, self.now())
         self.outbox.wake.set()
 
-    async def _seek(self, message: messages.Seek) -> None:
+    def _seek(self, message: messages.Seek) -> None:
         self.plan.seek(self._require_frame(message.frame))
         self.outbox.wake.set()
 
-    async def _credit(self, message: messages.Credit) -> None:
-        now = self.now()
-        self.plan.link.credited(message.frames, now)
-        self.plan.page.report(
+    def _credit(self, message: messages.Credit) -> None:
+        now, link, page = self.now(), self.plan.link, self.plan.page
+        waited, asked = not link.has_room, page.asked
+        link.credited(message.frames, now)
+        page.report(
             message.frame_ms, message.target_ms, message.points, self.plan.shown_points, now
         )
-        self.outbox.wake.set()
+        if waited or page.asked != asked:
+            # Else the sender sleeps for another reason, which has not passed.
+            self.outbox.wake.set()
 
-    async def _forget(self, message: messages.Forget) -> None:
+    def _forget(self, message: messages.Forget) -> None:
         self.plan.forget(message.frames)
         self.outbox.wake.set()
 
-    async def _want(self, message: messages.Want) -> None:
+    def _want(self, message: messages.Want) -> None:
         self.wanted = (self._require_frame(message.frame), list(message.chunks))
         self.outbox.wake.set()
 
-    async def _presence(self, message: messages.ClientPresence) -> None:
+    def _presence(self, message: messages.ClientPresence) -> None:
         room = self.require_room()
         fields = message.model_dump(exclude={"type"})
         self.hub.presence.put(

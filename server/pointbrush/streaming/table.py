@@ -1,4 +1,4 @@
-"""A frame's levels as running totals: what a prefix of its chunks costs and shows."""
+"""A frame's levels as running totals: what a prefix of its chunks costs and shows; pieces of it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.sequences import StoredFrame
+
+LARGEST_PIECE = 2 * 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's."""
+
+    frame: int
+    first: int
+    stop: int
+    final: bool
+    step: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,3 +84,8 @@ class FrameTable:
         """The longest run from ``first`` to at most ``stop`` of ``nbytes``; at least one chunk."""
         fits = bisect_right(self.ends, self.start(first) + nbytes)
         return max(first + 1, min(stop, fits)) if first < stop else stop
+
+    def first_piece(self, frame: int, level: int) -> Piece:
+        """What is sent first of frame ``frame``, which this is the table of, up to a level."""
+        stop = self.stop_within(0, self.stops[min(level, len(self.stops) - 1)], LARGEST_PIECE)
+        return Piece(frame, 0, stop, final=stop == self.chunks)

@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable, Iterable
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.load import Load
 from pointbrush.streaming.outbox import Outbox
 from pointbrush.streaming.plan import Plan
 from pointbrush.streaming.presence import color_of
@@ -30,9 +31,9 @@ class Viewer(ABC):
         *,
         author: str,
         role: messages.Role,
-        load: Callable[[], float],
+        load: Load,
     ) -> None:
-        """``load()``: share of what its link carries that the server has time to send."""
+        """``load``: what the server has time for."""
         self.send = send
         self.id = uuid.uuid4().hex[:16]
         self.author, self.role = author, role

@@ -6,6 +6,7 @@ import asyncio
 
 from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
+from uvicorn.protocols.utils import ClientDisconnected
 
 from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
 from pointbrush.streaming.hub import Hub
@@ -13,6 +14,7 @@ from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
+from pointbrush.web.uncopied import link_of
 
 router = APIRouter()
 TEXT_REFUSED = 1003
@@ -48,10 +50,10 @@ def admit(socket: WebSocket) -> Principal:
 
 async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     """Run the viewer's session over an accepted socket."""
+    link = link_of(socket)
     session = ViewerSession(
         hub,
-        # Starlette's own send_bytes checks the state again at each message; it is known here.
-        lambda data: socket.send({"type": "websocket.send", "bytes": data}),
+        link.deliver,
         author=principal.author,
         role=principal.role,
         shared=principal.shared,
@@ -66,6 +68,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
             await socket.close(TEXT_REFUSED, "expected binary messages, got text")
         return data
 
+    link.hear = session.hear
     watch = asyncio.create_task(expiry(socket, hub, session))
     try:
         await session.run(receive)
@@ -75,7 +78,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
             )
         elif session.closing.is_set():
             await socket.close(GOING_AWAY, "the server is stopping")
-    except WebSocketDisconnect:
+    except (WebSocketDisconnect, ClientDisconnected):
         return
     finally:
         watch.cancel()
