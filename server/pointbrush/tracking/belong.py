@@ -24,6 +24,8 @@ REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour."""
 FIRM = 0.9
 """Reaches from well confirmed surface within which a point is the thing's in any case."""
+FOOT = 0.6
+"""The same, within which what lies on the ground before a lidar on the move may be the thing's."""
 SHARP = 0.2
 """Cost of a fit up to which its pose tells places beside the thing apart."""
 WIDE = 5.0
@@ -54,6 +56,8 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     moving |= view.low
     lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
+    if thing.stands:  # The ground touches what stands on it, and goes on.
+        lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
     found = near.pick(~lost & ~unlike & (near.gap < REACH * thing.reach))
     # A pose is never exact: what lies on well confirmed surface is not asked.
     firm = (thing.model.hits[found.nearest] >= SURE) & (found.gap < FIRM * thing.reach)

@@ -13,15 +13,16 @@ from pointbrush.tracking.shade import axis_up
 
 SCALE = 0.02
 """Share of the median distance from the origin that lengths are counted in."""
-CELL, THICK = 6.0, 0.5
-"""Size of a cell, and height above the lowest point around up to which something lies there."""
+CELL, THICK, STEP = 6.0, 0.5, 1.0
+"""Size of a cell, height above the ground up to which something lies there, and height above the
+lowest point around up to which a cell's own lowest is ground, as on a kerb."""
 FEWEST = 2000
 MOST = 4_000_000
 """Cells of a grid at most."""
 
 
 def on_ground(xyz: F32) -> Mask:
-    """Which points (N, 3) of a frame are hardly higher than the lowest around."""
+    """Which points (N, 3) of a frame are hardly higher than the ground there."""
     none = np.zeros(len(xyz), np.bool_)
     if len(xyz) < FEWEST:
         return none
@@ -37,7 +38,8 @@ def on_ground(xyz: F32) -> Mask:
     lowest = np.full(int(np.prod(shape)), np.inf, np.float32)
     np.minimum.at(lowest, number, height)
     around = minimum_filter(lowest.reshape(shape), 3, mode="nearest").ravel()
-    return np.asarray(height < around[number] + THICK * scale)
+    ground = np.where(lowest < around + STEP * scale, lowest, around)
+    return np.asarray(height < ground[number] + THICK * scale)
 
 
 def _stands(height: F32) -> bool:

@@ -28,8 +28,9 @@ however coarse it is seen."""
 RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
 """Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
 share of the way between rings that is a unit."""
-FLAT = 0.3
-"""Share of its points on the ground from which a thing is taken to lie there."""
+FLAT, STANDS = 0.3, 0.06
+"""Share of its points on the ground from which a thing is taken to lie there, and up to which it
+was painted without the ground that it stands on."""
 SOFT = 0.006
 """Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
@@ -84,7 +85,7 @@ class Thing:
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
-    ground; ``away`` metres from a sensor that moves.
+    ground, ``stands`` whether it was painted without it; ``away`` metres from a sensor that moves.
     """
 
     label: int
@@ -104,6 +105,7 @@ class Thing:
     still: bool = False
     strain: float = 0.0
     flat: bool = False
+    stands: bool = True
     away: float = 0.0
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
@@ -165,6 +167,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     count = len(indices)
     motion = Motion(model.centre)
     still = view.lens is not None and view.T_world_frame is None
+    low = float(view.low[indices].mean())
     return Thing(
         label,
         model,
@@ -176,7 +179,8 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         last=count,
         still=still,
         worn=Wardrobe.of(colour),
-        flat=float(view.low[indices].mean()) > FLAT,
+        flat=low > FLAT,
+        stands=low < STANDS,
     )
 
 
