@@ -3,7 +3,7 @@
     python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
                                         [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
-                                        [--seen turned|noisy|elsewhere]
+                                        [--seen turned|noisy|elsewhere|nowhere]
     python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out

@@ -48,9 +48,9 @@ class Frame:
 
 TILT = Rotation.from_euler("xyz", [25, 40, 10], degrees=True).as_matrix()
 AWAY = np.array([1.2, -3.0, 0.7])
-SEEN = ("camera", "turned", "noisy", "elsewhere")
+SEEN = ("camera", "turned", "noisy", "elsewhere", "nowhere")
 """As a depth camera measures; turned; half a millimetre of noise in all directions; turned and
-moved, with its viewpoint."""
+moved, with its viewpoint, and without."""
 
 
 def _seen(frame: Frame, how: str, rng: np.random.Generator) -> Frame:
@@ -59,8 +59,9 @@ def _seen(frame: Frame, how: str, rng: np.random.Generator) -> Frame:
     if how == "noisy":
         noise = rng.normal(0, 0.0005, frame.xyz.shape).astype(np.float32)
         return replace(frame, xyz=frame.xyz + noise, viewpoint=None)
-    if how == "elsewhere":
-        return replace(frame, xyz=(frame.xyz @ TILT.T + AWAY).astype(np.float32), viewpoint=AWAY)
+    if how in ("elsewhere", "nowhere"):
+        xyz = (frame.xyz @ TILT.T + AWAY).astype(np.float32)
+        return replace(frame, xyz=xyz, viewpoint=AWAY if how == "elsewhere" else None)
     return frame
 
 

@@ -7,6 +7,7 @@ import pytest
 import scenes
 
 from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.view import View
 
 TILTED = scenes.Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
@@ -78,3 +79,34 @@ def test_a_sensor_that_moves_has_an_image_where_its_pixels_show() -> None:
     lattice = frame(camera_points(room()))
     assert find_lens(lattice, moves=True) is not None
     assert find_lens(frame(camera_points(room()) @ TILTED.T), moves=True) is None
+
+
+def furnished() -> np.ndarray:
+    """(120, 160) depths of a wall with things at many distances before it."""
+    rng, depth = np.random.default_rng(3), np.full((120, 160), 3.0)
+    for distance in np.linspace(2.6, 1.2, 12):
+        top, left = rng.integers(0, 100), rng.integers(0, 140)
+        depth[top : top + 20, left : left + 18] = distance
+    return depth
+
+
+def scene_of(xyz: np.ndarray) -> Scene:
+    still = frame(xyz)
+    return Scene(
+        lambda _: still, [0, 1], lambda world: np.ones(len(world), np.float32), ahead=False
+    )
+
+
+def test_a_camera_is_found_from_a_rooms_coordinates() -> None:
+    at = np.array([4.0, -1.0, 2.0])
+    found = scene_of(camera_points(furnished()) @ TILTED.T + at).first.eye
+    assert found is not None
+    assert np.linalg.norm(found - at) < 0.25
+
+
+def test_what_two_cameras_saw_has_no_image() -> None:
+    one = camera_points(furnished()) + [4.0, -1.0, 2.0]
+    other = camera_points(furnished()) @ scenes.Rotation.from_euler("y", 70, True).as_matrix().T
+    assert scene_of(np.concatenate([one, other + [2.0, -1.0, 3.5]])).lens is None
+    assert scene_of(np.zeros((3000, 3))).lens is None
+    assert scene_of(np.empty((0, 3))).lens is None

@@ -77,16 +77,19 @@ class Lens:
         return cell, depth
 
 
-def find_lens(frame: TrackFrame, *, moves: bool = False) -> Lens | None:
+def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = None) -> Lens | None:
     """The pixel grid of a pinhole-like frame, None where it has none.
 
+    ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
     A sensor that ``moves`` has one only where its lattice shows: a lidar's front view is better
     followed as one that looks all round.
     """
     xyz = np.asarray(frame.xyz)
     if len(xyz) < FEWEST:
         return None
-    eye = np.zeros(3) if frame.viewpoint is None else np.asarray(frame.viewpoint, np.float64)
+    told = frame.viewpoint is not None
+    supposed = np.zeros(3) if place is None else place
+    eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
     sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
     along, turn = _axis(sample), None
     if along is None:
@@ -103,7 +106,6 @@ def find_lens(frame: TrackFrame, *, moves: bool = False) -> Lens | None:
     if spacing <= 0 or moves:
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
-    told = frame.viewpoint is not None
     return lens if lens is not None and (told or _sees(lens, xyz)) else None
 
 

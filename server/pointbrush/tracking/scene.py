@@ -16,6 +16,7 @@ from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.shade import find_eye
 from pointbrush.tracking.view import View
+from pointbrush.tracking.whence import find_camera
 
 CALM = 4
 """Frames from which the noise of each place is measured."""
@@ -41,8 +42,11 @@ class Scene:
         self._pose_of = sensor_poses(frames, order)
         first = frames(order[0])
         self.lens = find_lens(first, moves=self._pose_of is not None)
-        unknown_eye = self.lens is None and first.viewpoint is None
-        self._about = find_eye(np.asarray(first.xyz)) if unknown_eye else None
+        self._about: F64 | None = None
+        if self.lens is None and first.viewpoint is None:
+            self._about = find_eye(np.asarray(first.xyz))
+            if self._about is None and self._pose_of is None:
+                self.lens = find_lens(first, place=find_camera(np.asarray(first.xyz)))
         self.first = self._look(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
