@@ -43,6 +43,11 @@ DOUBT, DOUBT_LARGE = 0.27, 0.6
 AVERTED = 0.3
 """What a pose costs that turns all of the model away from the side it was seen from, or, where
 there is no depth image, that hides it."""
+CLEAR, GOOD, HARDLY_WORSE = 0.12, 0.2, 1.25
+"""Costs of a fit at which nothing else is tried though the motion is unknown, and not the next
+guess; and how many times the cost of the best guess the next may have to be tried."""
+SELDOM = 4
+"""Frames in one of which other places are tried again where they were no better before."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
 
@@ -67,6 +72,8 @@ class Search:
     few: I64
     many: I64
     target: Target
+    vain: bool = False
+    """Other places were tried, and were no better."""
 
     @cached_property
     def costs(self) -> F64:
@@ -171,6 +178,7 @@ def find(search: Search) -> Place:
     if thing.bends or thing.soft:
         world = bent(thing, world, thing.model.colour, search.target)
     place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
+    place.vain = search.vain
     if search.view.roams:
         place.beside = search.near
     return place
@@ -185,16 +193,20 @@ def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
 def register(search: Search) -> tuple[F64, float]:
     """Pose and cost of the best of the robust fits from the likeliest guesses."""
     motion, model = search.thing.motion, search.thing.model
-    likely = _likeliest(search)
-    poses = _fits(search, search.few, likely, NARROW).T
-    scores = _scores(search, poses)
+    poses, scores = _repeated(search)
     doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
-    if motion.gap > 1 or motion.fresh or min(scores) > doubt:
+    doubtful = min(scores) > doubt and _asked(search)
+    unknown = motion.gap > 1 or (motion.fresh and min(scores) > CLEAR)
+    if unknown or doubtful:
+        before = min(scores)
         others = [*proposals(model, search.target, search.guesses[0]), *search.guesses]
         poses, scores = _try(search, others, TRIES, poses, scores)
         if motion.fresh or min(scores) > doubt:
             others = nudges(model, poses[np.argmin(scores)])
             poses, scores = _try(search, others, TRIES // 2, poses, scores)
+        search.vain = min(scores) > before - AS_WELL
+    elif min(scores) > doubt:
+        search.vain = search.thing.vain
     best = poses[np.argmin(scores)]
     if search.view.lens is None and _rests(search, best, float(np.min(scores))):
         best = motion.poses[-1]
@@ -215,12 +227,33 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     return float(_scores(search, last[None])[0]) < score + AS_WELL
 
 
-def _likeliest(search: Search) -> F64:
-    """The best of the guesses, and the next that is another: (1 or 2, 4, 4)."""
-    order = np.argsort(search.costs, kind="stable")
-    apart = np.linalg.norm(search.at.world - search.at.world[order[0]], axis=2).max(axis=1)
-    others = order[apart[order] > SAME * search.thing.unit]
-    return search.guesses[[order[0], *others[:1]]]
+def _asked(search: Search) -> bool:
+    """Whether other places are tried in this frame: seldom where they were no better before."""
+    turn = (search.view.number + search.thing.label) % SELDOM == 0
+    return turn or not search.thing.vain
+
+
+def _repeated(search: Search) -> tuple[F64, F64]:
+    """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
+    poses, scores = np.empty((0, 4, 4)), np.empty(0)
+    for guess in _likeliest(search).tolist():
+        if not len(scores) or scores[0] > GOOD:
+            seen = search.at.seen[guess : guess + 1]
+            new = _fits(search, search.few, search.guesses[guess][None], NARROW, seen).T
+            poses = np.concatenate([poses, new])
+            scores = np.concatenate([scores, _scores(search, new)])
+    return poses, scores
+
+
+def _likeliest(search: Search) -> I64:
+    """Number of the best of the guesses, and of the next that is another and hardly worse."""
+    costs = search.costs
+    order = np.argsort(costs, kind="stable")
+    likely = order[costs[order] < HARDLY_WORSE * costs[order[0]] + 1e-9]
+    away = search.at.world[likely] - search.at.world[order[0]]
+    apart = np.sqrt(np.einsum("kmi,kmi->km", away, away).max(axis=1))
+    others = likely[apart > SAME * search.thing.unit]
+    return np.array([order[0], *others[:1]])
 
 
 def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
@@ -249,10 +282,16 @@ def _scores(search: Search, poses: F64) -> F64:
     )
 
 
-def _fits(search: Search, sample: I64, poses: F64, scales: Sequence[float]) -> Fits:
-    """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units."""
+def _fits(
+    search: Search, sample: I64, poses: F64, scales: Sequence[float], seen: Mask | None = None
+) -> Fits:
+    """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units.
+
+    ``seen`` (K, M): which of the sample that is, where it is known.
+    """
     model = search.thing.model
-    seen = look(search.thing, search.view, sample, poses).seen
+    if seen is None:
+        seen = look(search.thing, search.view, sample, poses).seen
     seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
     return robust_fits(model.xyz[sample], model.colour[sample], seen, search.target, poses, steps)

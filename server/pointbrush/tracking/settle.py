@@ -47,7 +47,7 @@ def settle(
         thing.trust = max(0.0, thing.trust - REGAIN)
         state: State = "lost" if lost else "occluded"
         return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
-    thing.missing = 0
+    thing.missing, thing.vain = 0, place.vain
     if view.roams and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))

@@ -84,6 +84,7 @@ class Thing:
     ``glimpses`` of what lies around it.
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
+    ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``away`` metres from a sensor that moves.
     """
@@ -104,6 +105,7 @@ class Thing:
     glimpses: list[Glimpse] = field(default_factory=list)
     still: bool = False
     strain: float = 0.0
+    vain: bool = False
     flat: bool = False
     stands: bool = True
     away: float = 0.0
