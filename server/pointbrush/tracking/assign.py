@@ -123,11 +123,9 @@ def blob(
     inside = np.flatnonzero(within(xyz, lo, hi))
     rest, xyz = rest[inside], xyz[inside]
     joined = np.zeros(len(rest), np.bool_)
-    lo, hi = front.min(axis=0), front.max(axis=0)
     for _ in range(STEPS):
-        # Points far from the core are of no interest until the front has come that far.
-        lo = np.minimum(lo, front.min(axis=0) - reach)
-        hi = np.maximum(hi, front.max(axis=0) + reach)
+        # Points far from the front are of no interest until it has come that far.
+        lo, hi = front.min(axis=0) - reach, front.max(axis=0) + reach
         open_ = np.flatnonzero(~joined & within(xyz, lo, hi))
         if not len(open_):
             return rest[joined]

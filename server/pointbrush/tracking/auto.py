@@ -34,7 +34,7 @@ from pointbrush.tracking.interface import (
 )
 from pointbrush.tracking.locate import crop
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
 from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.settle import settle
@@ -70,7 +70,7 @@ class AutoTracker:
                     first = run.step(order[0], given)
                 else:
                     first = run.start(seeds)
-                back = {n: _inverse(track.pose) for n, track in first.tracks.items()}
+                back = {n: inverse(track.pose) for n, track in first.tracks.items()}
                 yield run.scene.since(replace(first, assignments={}), back, order[0])
                 for number in order[1:]:
                     yield run.scene.since(run.step(number), back, order[0])
@@ -262,7 +262,7 @@ class Run:
         pose = shift @ pose
         self._begin(view, thing.label, points)
         again = self.things[thing.label]
-        again.model.xyz = transform(np.linalg.inv(pose), again.model.xyz)
+        again.model.xyz = transform(inverse(pose), again.model.xyz)
         again.motion.centre = again.model.centre
         again.motion.poses = [pose]
         return _painted(len(points), pose)
@@ -278,10 +278,6 @@ class Run:
 
 _EMPTY: I64 = np.empty(0, np.int64)
 _NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
-
-
-def _inverse(T: F64) -> F64:
-    return np.asarray(np.linalg.inv(T), np.float64)
 
 
 def _painted(points: int, pose: F64) -> TrackState:

@@ -17,6 +17,7 @@ from pointbrush.tracking.carve import carved
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
+from pointbrush.tracking.registration import inverse
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -53,7 +54,8 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     lost &= near.cost > thing.reach
     moving = np.zeros(len(view.xyz), np.bool_)
     moving[place.moving] = True
-    moving |= view.low
+    if view.roams:
+        moving |= view.low
     lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
     if thing.stands:  # The ground touches what stands on it, and goes on.
@@ -116,7 +118,7 @@ def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) 
 
 
 def _step(thing: Thing, place: Place) -> F64:
-    return np.asarray(place.pose @ np.linalg.inv(thing.motion.poses[-1]))
+    return place.pose @ inverse(thing.motion.poses[-1])
 
 
 def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:

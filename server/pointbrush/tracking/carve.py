@@ -14,7 +14,7 @@ from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.lens import Lens
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.view import View
 
 MOST = 10
@@ -92,7 +92,7 @@ def carved(glimpses: list[Glimpse], view: View, pose: F64, points: I64, unit: fl
     """Which ``points`` (M,) lie where a thing at ``pose`` cannot be."""
     votes = np.zeros(len(points), np.int64)
     if len(glimpses) >= ENOUGH and len(points):
-        own = transform(np.linalg.inv(pose), view.xyz[points].astype(np.float64))
+        own = transform(inverse(pose), view.xyz[points].astype(np.float64))
         for kept in glimpses:
             votes += kept.through(own, BEYOND * unit)
     return np.asarray(votes >= ENOUGH)

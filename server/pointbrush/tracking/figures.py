@@ -20,7 +20,7 @@ from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import I64, Mask
 from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Rivals, Thing
 from pointbrush.tracking.view import View
 
@@ -179,6 +179,6 @@ def _movers(rivals: Rivals, scene: cKDTree, apart: float) -> Rivals:
 
 def _was_there(thing: Thing, rivals: Rivals, view: View, place: Place, rest: I64) -> Mask:
     """Which points are where something unlabelled was, or where it went along with the thing."""
-    step = place.pose @ np.linalg.inv(thing.motion.poses[-1])
+    step = place.pose @ inverse(thing.motion.poses[-1])
     reach = np.full(len(rest), 3 * thing.unit)
     return rivals.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

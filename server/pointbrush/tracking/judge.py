@@ -43,7 +43,10 @@ def judge(
     facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        matched = np.isfinite(gaps(world, view.xyz[found.indices], 2.5 * thing.unit))
+        reach = 2.5 * thing.unit
+        matched[found.nearest[found.gap < reach]] = True
+        rest = np.flatnonzero(~matched)
+        matched[rest] = np.isfinite(gaps(world[rest], view.xyz[found.indices], reach))
     hidden = through = nothing
     if view.lens is not None:
         cell, depth = view.project(world)

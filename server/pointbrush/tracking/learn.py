@@ -12,7 +12,7 @@ from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.locate import bent, target_of
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import SOFT, Thing
 from pointbrush.tracking.view import View
 
@@ -65,7 +65,7 @@ def learn(
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
     if verdict.confidence > 0.8:
         thing.size = max(thing.size, float(len(found.indices) + len(grown)))
-    back = np.asarray(np.linalg.inv(place.pose), np.float64)
+    back = inverse(place.pose)
     eye = view.eye
     own_eye = None if eye is None else transform(back, eye[None])[0]
     total = len(found.indices) + len(grown)

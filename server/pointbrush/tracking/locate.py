@@ -237,7 +237,8 @@ def _repeated(search: Search) -> tuple[F64, F64]:
     """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
     poses, scores = np.empty((0, 4, 4)), np.empty(0)
     for guess in _likeliest(search).tolist():
-        if not len(scores) or scores[0] > GOOD:
+        # Without a depth image a wrong turn may fit as well.
+        if not len(scores) or scores[0] > GOOD or search.view.lens is None:
             seen = search.at.seen[guess : guess + 1]
             new = _fits(search, search.few, search.guesses[guess][None], NARROW, seen).T
             poses = np.concatenate([poses, new])

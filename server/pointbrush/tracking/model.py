@@ -68,10 +68,14 @@ class Model:
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
         own_eye = np.einsum("kji,kj->ki", poses[:, :3, :3], eye - poses[:, :3, 3])
-        way = own_eye[:, None] - xyz
-        distance = np.sqrt(np.einsum("kmi,kmi->km", way, way)) + 1e-9
-        unknown = (seen[:, 0] == 0) & (seen[:, 1] == 0) & (seen[:, 2] == 0)
-        return np.asarray((np.einsum("kmi,mi->km", way, seen) > FACING * distance) | unknown)
+        # (e - x)·s and |e - x|², with what concerns the points alone worked out once for all poses.
+        towards = own_eye @ seen.T - np.einsum("mi,mi->m", xyz, seen)
+        square = np.einsum("mi,mi->m", xyz, xyz) - 2 * (own_eye @ xyz.T)
+        square += np.einsum("ki,ki->k", own_eye, own_eye)[:, None]
+        faces = towards > FACING * np.sqrt(np.maximum(square, 0.0)) + 1e-9
+        if not seen[:, 0].all():
+            faces |= ~seen.any(axis=1)
+        return np.asarray(faces)
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool

@@ -35,6 +35,14 @@ def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
     return np.asarray(xyz @ T[:3, :3].T + T[:3, 3], np.float64)
 
 
+def inverse(T: F64) -> F64:
+    """The rigid motion (4, 4) back."""
+    back = np.eye(4)
+    back[:3, :3] = T[:3, :3].T
+    back[:3, 3] = -(T[:3, 3] @ T[:3, :3])
+    return back
+
+
 def transform_each(T: F64, xyz: F64) -> F64:
     """(K, N, 3): the points (N, 3) moved by each of K motions (K, 4, 4)."""
     return np.asarray(xyz @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3])

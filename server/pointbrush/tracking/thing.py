@@ -13,7 +13,7 @@ from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
-from pointbrush.tracking.registration import Target, transform
+from pointbrush.tracking.registration import Target, inverse, transform
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
@@ -60,7 +60,7 @@ class Rivals:
         explained = np.zeros(len(xyz), np.bool_)
         if not len(self.xyz):
             return explained
-        for back in [None] if step is None else [None, np.linalg.inv(step)]:
+        for back in [None] if step is None else [None, inverse(step)]:
             rest = np.flatnonzero(~explained)
             if not len(rest):
                 break

@@ -14,7 +14,7 @@ from pointbrush.tracking.locate import among, find
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import transform
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -38,7 +38,7 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     if place.cost > FITS or len(found.indices) < EXPLAINED * len(points):
         return None
     model.drop(_denied(thing, view, place, points) & (model.hits < SURE))
-    back = np.asarray(np.linalg.inv(place.pose), np.float64)
+    back = inverse(place.pose)
     eye = None if view.eye is None else transform(back, view.eye[None])[0]
     found = claim(view, points, transform(place.pose, model.xyz), model.colour, 0.0, reach)
     xyz = transform(back, view.xyz[found.indices].astype(np.float64))
