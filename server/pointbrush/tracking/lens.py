@@ -24,9 +24,9 @@ LEAST = 0.1
 """Spacings of the points under which a pitch is chance, not a lattice's."""
 MARGIN = 8
 """Pixels beyond the outermost points of the sample, which may miss some."""
-BEHIND, SEES = 1.25, 0.02
+BEHIND, SEES, MIXED = 1.25, 0.02, 0.1
 """Depths beyond the nearest of a pixel that no sensor at that place can see, and the share of such
-points up to which the sensor is there."""
+points up to which the sensor is there, and up to which it may be where it is told to be."""
 FILLED = 0.5
 """Share of the pixels that a depth image fills at least, outlines and all."""
 WIDEST = 1.6
@@ -106,7 +106,7 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     if spacing <= 0 or moves:
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
-    return lens if lens is not None and (told or _sees(lens, xyz)) else None
+    return lens if lens is not None and _sees(lens, xyz, told) else None
 
 
 def _lens(
@@ -149,14 +149,18 @@ def _facing(local: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32) -> bool:
-    """Whether the points (N, 3) fill the image with one surface in each direction."""
+def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
+    """Whether the points (N, 3) show one surface in each direction.
+
+    Where nobody ``told`` that the sensor was there, they also have to fill the image.
+    """
     cell, depth = lens.cells(np.asarray(xyz, np.float32))
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
     np.minimum.at(nearest, cell, depth)
     behind = float((depth > BEHIND * nearest[cell]).mean())
     height, width = (size - 2 * MARGIN for size in lens.shape)
-    return behind < SEES and bool(np.isfinite(nearest).sum() > FILLED * height * width)
+    filled = np.isfinite(nearest).sum() > FILLED * height * width
+    return behind < MIXED if told else behind < SEES and bool(filled)
 
 
 def _lattice(tangent: F64) -> float | None:
