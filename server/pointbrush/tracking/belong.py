@@ -17,7 +17,7 @@ from pointbrush.tracking.carve import carved
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import inverse
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -39,6 +39,8 @@ YIELD = 0.7
 """Share of its cost at which something unlabelled takes a point from a claim."""
 AGAIN = 7.0
 """Units within which something unlabelled is taken to be where it was."""
+STAYED = 0.25
+"""Units by which a thing moves that stays where it is."""
 WAS_CUT, WAS_OPEN = 0.45, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
@@ -114,11 +116,16 @@ def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) 
     if view.roams:  # What stands still is known, and nobody holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
     xyz = view.xyz[points].astype(np.float64)
-    return thing.rivals.explain(xyz, view.colour(points), reach, _step(thing, place))
+    return thing.rivals.explain(xyz, view.colour(points), reach, step_of(thing, place))
 
 
-def _step(thing: Thing, place: Place) -> F64:
-    return place.pose @ inverse(thing.motion.poses[-1])
+def step_of(thing: Thing, place: Place) -> F64 | None:
+    """How a thing has moved (4, 4) since it was seen; None where that is next to nothing."""
+    last = thing.motion.poses[-1]
+    ends = thing.ends
+    if np.abs(transform(place.pose, ends) - transform(last, ends)).max() < STAYED * thing.unit:
+        return None
+    return place.pose @ inverse(last)
 
 
 def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:

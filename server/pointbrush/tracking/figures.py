@@ -15,12 +15,13 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.background import Background
+from pointbrush.tracking.belong import step_of
 from pointbrush.tracking.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import I64, Mask
 from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import inverse, transform
+from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Rivals, Thing
 from pointbrush.tracking.view import View
 
@@ -179,6 +180,6 @@ def _movers(rivals: Rivals, scene: cKDTree, apart: float) -> Rivals:
 
 def _was_there(thing: Thing, rivals: Rivals, view: View, place: Place, rest: I64) -> Mask:
     """Which points are where something unlabelled was, or where it went along with the thing."""
-    step = place.pose @ inverse(thing.motion.poses[-1])
+    step = step_of(thing, place)
     reach = np.full(len(rest), 3 * thing.unit)
     return rivals.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

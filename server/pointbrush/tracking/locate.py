@@ -32,12 +32,14 @@ COARSE, FINE = 120, 400
 TARGET = 1200
 FEWEST, LEAST = 5, 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
-"""Scales of the fits, in units, from a prediction and from anywhere."""
+LAST = (2.5, 2.0, 2.0)
+"""Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
 TRIES = 6
 STILL, AS_WELL = 1.0, 0.03
 """Units by which a thing at rest seems to move at most, and what it may cost more to leave it."""
-SAME = 1.0
-"""Units by which no point of the model moves between two guesses that are one."""
+ONE, SAME = 0.25, 1.0
+"""Units by which no point of the model moves between two guesses that are one, before and after
+they are judged."""
 DOUBT, DOUBT_LARGE = 0.27, 0.6
 """Cost of the best prediction above which other places are tried; what bends never fits well."""
 AVERTED = 0.3
@@ -99,7 +101,7 @@ class Search:
 
 def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search | None:
     """Cut out what may be the thing, without what stood still; None where nothing is."""
-    guesses = thing.motion.predictions()
+    guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
     margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
@@ -130,6 +132,17 @@ def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search
     search = _search(thing, view, guesses, (lo, hi), around, near, moving)
     _ = search.costs  # which those who share the points out ask for
     return search
+
+
+def _distinct(thing: Thing, guesses: F64) -> F64:
+    """Those of the guesses (K, 4, 4) that are not as good as the same as one before them."""
+    ends = transform_each(guesses, thing.ends)
+    apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
+    kept: list[int] = []
+    for number in range(len(guesses)):
+        if not kept or apart[number, kept].min() > ONE * thing.unit:
+            kept.append(number)
+    return guesses[kept]
 
 
 def among(thing: Thing, view: View, points: I64) -> Search:
@@ -211,7 +224,7 @@ def register(search: Search) -> tuple[F64, float]:
     if search.view.lens is None and _rests(search, best, float(np.min(scores))):
         best = motion.poses[-1]
         return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
-    fit = _fits(search, search.many, best[None], (2.5, 2.0, 2.0))
+    fit = _fits(search, search.many, best[None], LAST)
     return fit.T[0], float(fit.cost[0])
 
 

@@ -39,6 +39,9 @@ LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
 
 
+SIDES = np.vstack([np.eye(3), -np.eye(3)])
+
+
 @dataclass(eq=False)
 class Rivals:
     """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
@@ -143,6 +146,11 @@ class Thing:
     def span(self) -> float:
         """Metres from its middle that may hold all of it, hidden parts too."""
         return max(self.model.radius, self.extent)
+
+    @property
+    def ends(self) -> F64:
+        """(6, 3) as far out as the model on every side: a motion that moves none moves nothing."""
+        return self.model.centre + self.model.radius * SIDES
 
     @property
     def absent(self) -> bool:
