@@ -38,12 +38,12 @@ def test_a_headset_that_falls_behind_gets_fewer_points_and_recovers(headset: Hea
     headset.until("pb.shown().points === pb.shown().total")
     assert headset.ask(FEWER)
     # A display that is content with what it gets: everything comes back.
-    headset.ask("(pb.engine.pacing.headsetMs = 60000)")
+    headset.ask("(pb.engine.pacing.headsetMs[0] = 60000)")
     headset.until(ALL, patience=60)
 
 
 def test_at_the_desk_a_moving_picture_is_coarser_and_one_at_rest_whole(desk: Desk) -> None:
-    desk.ask("(pb.engine.pacing.headsetMs = 1)")
+    desk.ask("(pb.engine.pacing.headsetMs[0] = 1)")
     spin = "pb.engine.camera.turn(3, 0), pb.engine.viewer.invalidate()"
     desk.ask(f"(window.spin = setInterval(() => {{ {spin} }}, 20), 0)")
     desk.until(FEWER)

@@ -158,8 +158,8 @@ def cell(headset: Headset, frame: int) -> list[int]:
     colours: list[int] = headset.ask(
         f"""(() => {{
           const {{ timeline }} = hs.headset.cockpit, {{ ui, span, strips }} = timeline;
-          const wide = strips.w / span.length, tall = strips.h / 8;
-          const at = [strips.x + {frame} * wide + 0.3 * wide, strips.y + 1.3 * tall];
+          const wide = strips.w / span.length, tall = (strips.h - 1.9 * ui.em) / 6;
+          const at = [strips.x + {frame} * wide + 0.3 * wide, strips.y + 1.9 * ui.em + 0.3 * tall];
           const size = [0.4 * wide, 0.5 * tall].map(Math.round);
           const {{ data }} = ui.pen.getImageData(...at.map(Math.round), ...size);
           const found = new Set();
@@ -183,7 +183,7 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     for frame in (2, 4, 2):
         headset.button("thumbstick", "left")
         headset.until(f"pb.state.frame.value === {frame} && hs.doubt().unsure[0] === 1")
-    headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.palette.glow.group.visible")
+    headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.palette.glow.mesh.visible")
     headset.until("hs.doubt().pulse < 0.4")
     headset.flick_to_frame(3)
     headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")

@@ -29,7 +29,8 @@ export class PlayClock {
 
   /** The frame that should be seen at `now` (milliseconds). */
   frameAt(now: number): number {
-    const moved = this.start + (now - this.since) * this.rate;
+    // Pictures are dated from when they begin, which may be before the press that began it.
+    const moved = this.start + Math.max(0, now - this.since) * this.rate;
     const index = this.rate < 0 ? Math.ceil(moved) : Math.floor(moved);
     if (this.loop) return ((index % this.frames) + this.frames) % this.frames;
     return Math.min(this.frames - 1, Math.max(0, index));

@@ -1,10 +1,11 @@
 /**
- * The order in which things are drawn, without garbage.  three.js calls `Array.sort` on its lists for
- * each picture, which copies them; these sort themselves in place, by three's own rules.
+ * What is drawn, and in which order, without garbage.  three.js empties its lists for each picture,
+ * fills them again and copies them to sort them; these keep their entries and arrays, and sort
+ * themselves in place by three's own rules.
  */
-import type { Scene, WebGLRenderer } from 'three';
+import type { BufferGeometry, Material, Object3D, Scene, WebGLRenderer } from 'three';
 
-/** What of an entry of three's lists decides when it is drawn. */
+/** What of an entry decides when it is drawn. */
 export interface Drawn {
   readonly id: number;
   readonly groupOrder: number;
@@ -43,15 +44,91 @@ export function sortInPlace<T>(list: T[], before: (a: T, b: T) => boolean): T[] 
   return list;
 }
 
-/** Let a scene's lists sort themselves; they are the same ones as long as the renderer lives. */
-export function sortWithoutGarbage(renderer: WebGLRenderer, scene: Scene): void {
-  const lists = renderer.renderLists.get(scene, 0);
-  lists.opaque.sort = function () {
-    return sortInPlace(this, solidBefore);
-  };
-  for (const list of [lists.transparent, lists.transmissive]) {
-    list.sort = function () {
-      return sortInPlace(this, clearBefore);
-    };
+/** An entry as three.js reads it. */
+interface Entry {
+  id: number;
+  object: Object3D | null;
+  geometry: BufferGeometry | null;
+  material: Material;
+  materialVariant: number;
+  groupOrder: number;
+  renderOrder: number;
+  z: number;
+  group: null;
+}
+
+/** Things of one kind: `entries` are those of this picture once `finish` was called. */
+class Kept {
+  readonly entries: Entry[] = [];
+  private readonly pool: Entry[] = [];
+  private count = 0;
+
+  begin(): void {
+    this.count = 0;
   }
+
+  add(
+    object: Object3D,
+    geometry: BufferGeometry | null,
+    material: Material,
+    groupOrder: number,
+    z: number,
+  ): void {
+    let entry = this.pool[this.count];
+    if (!entry) {
+      // The depth begins as a fraction: what begins whole is boxed for good.
+      entry = { id: 0, object, geometry, material, materialVariant: 0, groupOrder, renderOrder: 0, z: 0.5, group: null }; // prettier-ignore
+      this.pool.push(entry);
+    }
+    this.count += 1;
+    entry.id = object.id;
+    entry.object = object;
+    entry.geometry = geometry;
+    entry.material = material;
+    entry.materialVariant = 'isInstancedMesh' in object ? 2 : 0;
+    entry.groupOrder = groupOrder;
+    entry.renderOrder = object.renderOrder;
+    entry.z = z;
+  }
+
+  finish(): void {
+    const { entries, pool, count } = this;
+    for (let i = 0; i < count; i++) entries[i] = pool[i]!;
+    if (entries.length > count) entries.length = count;
+    // What is gone must not be held.
+    for (let i = count; i < pool.length && pool[i]!.object; i++) {
+      pool[i]!.object = pool[i]!.geometry = null;
+    }
+  }
+}
+
+/** Let a scene's lists keep what they are made of, as long as the renderer lives. */
+export function keepLists(renderer: WebGLRenderer, scene: Scene): void {
+  const solid = new Kept();
+  const clear = new Kept();
+  Object.assign(renderer.renderLists.get(scene, 0), {
+    opaque: solid.entries,
+    transparent: clear.entries,
+    init: () => {
+      solid.begin();
+      clear.begin();
+    },
+    push: (
+      object: Object3D,
+      geometry: BufferGeometry | null,
+      material: Material,
+      groupOrder: number,
+      z: number,
+    ) => {
+      (material.transparent ? clear : solid).add(object, geometry, material, groupOrder, z);
+    },
+    finish: () => {
+      solid.finish();
+      clear.finish();
+    },
+    sort: () => {
+      sortInPlace(solid.entries, solidBefore);
+      sortInPlace(clear.entries, clearBefore);
+    },
+  });
 }

@@ -242,7 +242,21 @@ function search(numbers: Uint32Array, number: number): number {
 
 /** How much denser the frame's first `shown` points are than the piece's level: scales its spacing. */
 export function densityFactor(frame: CloudFrame, piece: Piece, shown = frame.loaded): number {
-  return Math.sqrt(Math.min(1, pointsOfLevel(frame, piece.level) / Math.max(1, shown)));
+  writeDensity(factor, 0, frame, piece, shown);
+  return factor[0]!;
+}
+
+const factor = new Float32Array(1);
+
+/** The same, written to a place: a number that is given back would be boxed. */
+export function writeDensity(
+  out: Float32Array,
+  at: number,
+  frame: CloudFrame,
+  piece: Piece,
+  shown: number,
+): void {
+  out[at] = Math.sqrt(Math.min(1, pointsOfLevel(frame, piece.level) / Math.max(1, shown)));
 }
 
 function pointsOfLevel({ pieces }: CloudFrame, level: number): number {
@@ -252,6 +266,12 @@ function pointsOfLevel({ pieces }: CloudFrame, level: number): number {
   }
   return points;
 }
+
+/**
+ * More points than any frame has: no limit.  A small integer, where `Infinity` would be boxed for each
+ * that takes it.
+ */
+export const ALL_POINTS = 2 ** 30 - 1;
 
 /** Points of the finest levels that together have at most `limit`; the first level always. */
 export function pointsWithin(frame: CloudFrame, limit: number): number {

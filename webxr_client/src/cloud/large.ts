@@ -1,7 +1,7 @@
 /** A frame too large for memory: its chunks live in pages of the GPU, under a budget of points. */
 import { Group, Points, Vector3 } from 'three';
-import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { type CloudFrame } from './frame';
+import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
+import { ALL_POINTS, type CloudFrame } from './frame';
 import { lowerBound, type Piece } from './piece';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
@@ -92,17 +92,18 @@ export class LargeCloud {
   /** Points that are drawn. */
   drawn = 0;
   private readonly pages: Page[] = [];
-  private readonly table = new ChunkTable();
+  private readonly table: ChunkTable;
   /** Chunk → the chunk above it in the octree, −1 at the root. */
   private parents: readonly number[] = [];
   /** Chunk → how many are worth more from where one stands. */
   private ranks = new Map<number, number>();
-  private limit = Infinity;
+  private limit = ALL_POINTS;
 
   constructor(
-    private readonly gl: WebGL2RenderingContext,
+    private readonly renderer: WebGLRenderer,
     private readonly uniforms: PointUniforms,
   ) {
+    this.table = new ChunkTable(renderer);
     this.group.matrixAutoUpdate = false;
   }
 
@@ -135,7 +136,7 @@ export class LargeCloud {
   private select(): void {
     const rank = (page: Page): number => this.ranks.get(page.piece!.index) ?? Infinity;
     const held = this.pages.filter((page) => page.piece);
-    if (this.limit < Infinity) held.sort((a, b) => rank(a) - rank(b));
+    if (this.limit < ALL_POINTS) held.sort((a, b) => rank(a) - rank(b));
     let points = 0;
     for (const page of held) {
       const { count } = page.piece!;
@@ -160,12 +161,14 @@ export class LargeCloud {
     for (const page of shown) {
       page.setDensity(0.9 * REFINED ** (depths.get(page.piece!.index) ?? 0));
     }
+    this.table.upload();
   }
 
   private freePage(): Page {
     const free = this.pages.find((page) => !page.piece);
     if (free) return free;
-    const page = new Page(this.gl, this.uniforms, this.table, this.pages.length);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const page = new Page(gl, this.uniforms, this.table, this.pages.length);
     page.points.layers.mask = this.group.layers.mask;
     this.pages.push(page);
     this.group.add(page.points);
@@ -174,7 +177,7 @@ export class LargeCloud {
 
   dispose(): void {
     for (const page of this.pages) page.dispose();
-    this.table.texture.dispose();
+    this.table.dispose();
     this.group.removeFromParent();
   }
 }

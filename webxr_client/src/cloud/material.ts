@@ -1,70 +1,124 @@
 /** The points' material: every slot draws with its own, all share one set of settings. */
-import { DataTexture, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2, Vector3, Vector4 } from 'three'; // prettier-ignore
-import type { IUniform } from 'three';
+import { Box2, DataTexture, FloatType, GLSL3, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
+import type { Color, IUniform, Matrix4, Vector3, WebGLRenderer } from 'three';
 import type { ViewSettings } from '../state';
 import { MAX_CHUNKS } from '../net/segment';
-import { densityFactor, type CloudFrame } from './frame';
-import { POINT_FRAGMENT, POINT_VERTEX } from './shaders';
+import { writeDensity, type CloudFrame } from './frame';
+import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
 const COLOR_MODES = { rgb: 0, intensity: 1, height: 2, plain: 3 } as const;
 
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
 const FILL = 1.85;
 
-/** Settings that all points share; the values are read at every draw. */
+/** Where `PointUniforms.settings` has what: the rows of the shader's array. */
+const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
+const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
+const HEIGHT_ROW = 8;
+const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
+const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
+
+/** What the brush lights up: a ball, or what lies round a half-line. */
+const [NONE, BALL, RAY] = [0, 1, 2];
+
+/**
+ * Settings that all points share, read at every draw.  One array of numbers for all: three.js hands
+ * it on as it is, while each number or vector of its own would be boxed and compared.
+ */
 export class PointUniforms {
-  readonly pixelsPerMetre = { value: 500 };
-  readonly pixelLimits = { value: new Vector2(1.5, 48) };
-  readonly colourMode = { value: 0 };
-  readonly hasIntensity = { value: 0 };
-  readonly heightRow = { value: new Vector4() };
-  readonly gain = { value: 1 };
-  readonly labelBlend = { value: 0.7 };
-  readonly hideUnlabeled = { value: 0 };
-  readonly showDeleted = { value: 0 };
-  readonly brushMode = { value: 0 };
-  readonly brushA = { value: new Vector3() };
-  readonly brushB = { value: new Vector3() };
-  readonly brushRadius = { value: 0.05 };
-  readonly brushColour = { value: new Vector3(1, 1, 1) };
-  readonly brushOnlyUnlabeled = { value: 0 };
-  readonly pulse = { value: 0 };
+  readonly settings = { value: new Float32Array(4 * SETTING_ROWS) };
   readonly palette: IUniform<DataTexture>;
   private pointSize = 1;
 
   constructor(palette: DataTexture) {
     this.palette = { value: palette };
+    const { value } = this.settings;
+    value.fill(1, BRUSH_COLOUR, BRUSH_COLOUR + 3);
+    value[GAIN] = 1;
+    this.setViewport(500);
   }
 
   set(view: ViewSettings, fields: readonly string[]): void {
     let mode = view.color;
     if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
     if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
-    this.colourMode.value = COLOR_MODES[mode];
-    this.hasIntensity.value = fields.includes('intensity') ? 1 : 0;
+    const { value } = this.settings;
+    value[COLOUR_MODE] = COLOR_MODES[mode];
+    value[HAS_INTENSITY] = fields.includes('intensity') ? 1 : 0;
     this.pointSize = view.pointSize;
     // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
-    this.gain.value = view.brightness ** (1 / 2.2);
-    this.labelBlend.value = view.labelBlend;
-    this.hideUnlabeled.value = view.hideUnlabeled ? 1 : 0;
-    this.showDeleted.value = view.showDeleted ? 1 : 0;
+    value[GAIN] = view.brightness ** (1 / 2.2);
+    value[LABEL_BLEND] = view.labelBlend;
+    value[HIDE_UNLABELED] = view.hideUnlabeled ? 1 : 0;
+    value[SHOW_DELETED] = view.showDeleted ? 1 : 0;
   }
 
   /** Height of the viewport that is drawn into, in pixels. */
   setViewport(height: number): void {
-    this.pixelsPerMetre.value = (height / 2) * FILL * this.pointSize;
+    const { value } = this.settings;
     const scale = Math.max(1, height / 900);
-    this.pixelLimits.value.set(
-      1.4 * scale * Math.min(1, this.pointSize),
-      26 * scale * this.pointSize,
-    );
+    value[PIXELS_PER_METRE] = (height / 2) * FILL * this.pointSize;
+    value[HALF_HEIGHT] = height / 2;
+    value[PIXEL_LIMITS] = 1.4 * scale * Math.min(1, this.pointSize);
+    value[PIXEL_LIMITS + 1] = 26 * scale * this.pointSize;
   }
 
   /** The height ramp runs over the room's bounds. */
   setHeight(room: Matrix4, low: number, high: number): void {
     const e = room.elements;
     const span = Math.max(1e-3, high - low);
-    this.heightRow.value.set(e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span);
+    this.settings.value.set([e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span], HEIGHT_ROW); // prettier-ignore
+  }
+
+  /** Light up the points in a ball, local coordinates and metres. */
+  lightBall(middle: Vector3, radius: number): void {
+    const { value } = this.settings;
+    middle.toArray(value, BRUSH_A);
+    middle.toArray(value, BRUSH_B);
+    value[BRUSH_RADIUS] = radius;
+    value[BRUSH_MODE] = BALL;
+  }
+
+  /** Light up the points so near to a half-line. */
+  lightRay(origin: Vector3, direction: Vector3, radius: number): void {
+    const { value } = this.settings;
+    origin.toArray(value, BRUSH_A);
+    direction.toArray(value, BRUSH_B);
+    value[BRUSH_RADIUS] = radius;
+    value[BRUSH_MODE] = RAY;
+  }
+
+  lightNothing(): void {
+    this.settings.value[BRUSH_MODE] = NONE;
+  }
+
+  /** The brush's light, with gamma as points are stored. */
+  setBrushColour({ r, g, b }: Color): void {
+    const { value } = this.settings;
+    value[BRUSH_COLOUR] = r;
+    value[BRUSH_COLOUR + 1] = g;
+    value[BRUSH_COLOUR + 2] = b;
+  }
+
+  /** Points that have a label are not lit. */
+  setOnlyUnlabeled(on: boolean): void {
+    this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
+  }
+
+  /** How far labels that a person should look at stand out, 0..1. */
+  get pulse(): number {
+    return this.settings.value[PULSE]!;
+  }
+
+  set pulse(strength: number) {
+    this.settings.value[PULSE] = strength;
+  }
+
+  /** The ball that is lit, or null. */
+  get lit(): { middle: number[]; radius: number } | null {
+    const { value } = this.settings;
+    if (value[BRUSH_MODE] !== BALL) return null;
+    return { middle: [...value.subarray(BRUSH_A, BRUSH_A + 3)], radius: value[BRUSH_RADIUS]! };
   }
 }
 
@@ -72,51 +126,69 @@ export class PointUniforms {
 export class ChunkTable {
   readonly texture: DataTexture;
   private readonly data = new Float32Array(MAX_CHUNKS * 8);
+  /** The same memory: what three.js has not uploaded by itself it copies without more ado. */
+  private readonly source: DataTexture;
+  /** The rows that changed. */
+  private readonly changed = new Box2(new Vector2(), new Vector2(2, 0));
 
-  constructor() {
-    this.texture = new DataTexture(this.data, 2, MAX_CHUNKS, RGBAFormat, FloatType);
-    this.texture.minFilter = NearestFilter;
-    this.texture.magFilter = NearestFilter;
+  constructor(private readonly renderer: WebGLRenderer) {
+    this.texture = table(this.data);
     this.texture.needsUpdate = true;
+    this.source = table(this.data);
   }
 
   /** `shown`: points of the frame that are drawn. */
   set(frame: CloudFrame, shown: number): void {
     for (let i = 0; i < frame.pieces.length; i++) {
       const piece = frame.pieces[i]!;
-      const at = (piece.index % MAX_CHUNKS) * 8;
-      this.data.set(piece.origin, at);
-      this.data[at + 3] = densityFactor(frame, piece, shown);
-      this.data.set(piece.scale, at + 4);
+      const row = piece.index % MAX_CHUNKS;
+      this.place(row, piece.origin, piece.scale);
+      writeDensity(this.data, row * 8 + 3, frame, piece, shown);
     }
-    this.texture.needsUpdate = true;
+    this.upload();
   }
 
   setRow(row: number, origin: readonly number[], scale: readonly number[], factor: number): void {
-    this.data.set(origin, row * 8);
+    this.place(row, origin, scale);
     this.data[row * 8 + 3] = factor;
-    this.data.set(scale, row * 8 + 4);
-    this.texture.needsUpdate = true;
+  }
+
+  private place(row: number, origin: readonly number[], scale: readonly number[]): void {
+    const { data } = this;
+    const { min, max } = this.changed;
+    for (let k = 0; k < 3; k++) {
+      data[row * 8 + k] = origin[k]!;
+      data[row * 8 + 4 + k] = scale[k]!;
+    }
+    if (max.y === 0 || row < min.y) min.y = row;
+    if (row >= max.y) max.y = row + 1;
+  }
+
+  /** Bring the rows that changed to the GPU. */
+  upload(): void {
+    const { min, max } = this.changed;
+    if (max.y === 0) return;
+    this.renderer.copyTextureToTexture(this.source, this.texture, this.changed, min);
+    min.y = max.y = 0;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
   }
 }
 
+function table(data: Float32Array<ArrayBuffer>): DataTexture {
+  const texture = new DataTexture(data, 2, MAX_CHUNKS, RGBAFormat, FloatType);
+  texture.minFilter = NearestFilter;
+  texture.magFilter = NearestFilter;
+  return texture;
+}
+
 export function pointMaterial(
-  shared: PointUniforms,
+  { settings, palette }: PointUniforms,
   table: ChunkTable,
   row: number,
 ): RawShaderMaterial {
-  const {
-    palette,
-    pixelsPerMetre,
-    pixelLimits,
-    colourMode,
-    hasIntensity,
-    heightRow,
-    gain,
-    labelBlend,
-  } = shared;
-  const { hideUnlabeled, showDeleted, brushMode, brushA, brushB } = shared;
-  const { brushRadius, brushColour, brushOnlyUnlabeled, pulse } = shared;
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: POINT_VERTEX,
@@ -124,9 +196,21 @@ export function pointMaterial(
     uniforms: {
       chunkTable: { value: table.texture },
       chunkRow: { value: row },
-      palette, pixelsPerMetre, pixelLimits, colourMode, hasIntensity, heightRow, gain, labelBlend,
-      hideUnlabeled, showDeleted, brushMode, brushA, brushB,
-      brushRadius, brushColour, brushOnlyUnlabeled, pulse,
-    }, // prettier-ignore
+      palette,
+      settings,
+    },
+  });
+}
+
+/** Dots so many metres wide, which are not points of the recording. */
+export function dotMaterial({ settings }: PointUniforms, size: number): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: DOT_VERTEX,
+    fragmentShader: DOT_FRAGMENT,
+    defines: { SIZE: size.toFixed(4) },
+    uniforms: { settings },
+    transparent: true,
+    depthWrite: false,
   });
 }

@@ -1,5 +1,8 @@
 /** GLSL of the points and of eye-dome lighting. */
 
+/** Vectors of four numbers in the points' settings. */
+export const SETTING_ROWS = 7;
+
 export const POINT_VERTEX = /* glsl */ `
 precision highp float;
 precision highp int;
@@ -15,22 +18,24 @@ uniform mat4 projectionMatrix;
 uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
 uniform sampler2D palette;      // texel per label: colour, flags
 uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
-uniform float pixelsPerMetre;   // at distance 1: viewport height / 2 * point size setting
-uniform vec2 pixelLimits;
-uniform int colourMode;         // 0 rgb, 1 intensity, 2 height, 3 plain
-uniform int hasIntensity;
-uniform vec4 heightRow;         // local xyz1 -> height 0..1
-uniform float gain;
-uniform float labelBlend;
-uniform int hideUnlabeled;
-uniform int showDeleted;
-uniform int brushMode;          // 0 none, 1 capsule a-b, 2 half-line from a along b
-uniform vec3 brushA;
-uniform vec3 brushB;
-uniform float brushRadius;
-uniform vec3 brushColour;
-uniform int brushOnlyUnlabeled;
-uniform float pulse;            // 0..1, of labels that a person should look at
+uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material.ts
+
+#define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
+#define pixelLimits settings[0].yz
+#define gain settings[0].w
+#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain
+#define hasIntensity int(settings[1].y)
+#define labelBlend settings[1].z
+#define hideUnlabeled int(settings[1].w)
+#define heightRow settings[2]                   // local xyz1 -> height 0..1
+#define brushA settings[3].xyz
+#define brushRadius settings[3].w
+#define brushB settings[4].xyz
+#define brushMode int(settings[4].w)            // 0 none, 1 capsule a-b, 2 half-line from a along b
+#define brushColour settings[5].xyz
+#define brushOnlyUnlabeled int(settings[5].w)
+#define showDeleted int(settings[6].x)
+#define pulse settings[6].y                     // 0..1, of labels that a person should look at
 
 out vec3 shade;
 flat out float pixels;
@@ -134,6 +139,36 @@ void main() {
     if (dot(d, d) > 1.0) discard;
   }
   result = vec4(shade, 1.0);
+}
+`;
+
+/** Dots of one size in metres, with colours of their own: linear, and how opaque. */
+export const DOT_VERTEX = /* glsl */ `
+precision highp float;
+in vec3 position;
+in vec4 color;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform vec4 settings[${SETTING_ROWS}];
+#define halfHeight settings[6].z                // of the viewport, pixels
+out vec4 shade;
+
+void main() {
+  vec3 dark = color.rgb * 12.92;
+  vec3 light = 1.055 * pow(color.rgb, vec3(1.0 / 2.4)) - 0.055;
+  shade = vec4(mix(dark, light, step(0.0031308, color.rgb)), color.a);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  float zoom = length(modelViewMatrix[0].xyz);
+  gl_PointSize = SIZE * zoom * projectionMatrix[1][1] * halfHeight / max(gl_Position.w, 1e-4);
+}
+`;
+
+export const DOT_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec4 shade;
+out vec4 result;
+void main() {
+  result = shade;
 }
 `;
 

@@ -1,7 +1,7 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
 import { Points } from 'three';
-import type { BufferGeometry, RawShaderMaterial } from 'three';
-import { pointsWithin, type CloudFrame } from './frame';
+import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
+import { ALL_POINTS, pointsWithin, type CloudFrame } from './frame';
 import { DELETED } from './piece';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
@@ -15,17 +15,18 @@ export class Slot {
   private labelsVersion = -1;
   private uploaded = 0;
   private shownPoints = 0;
-  private limit = Infinity;
+  private limit = ALL_POINTS;
   private blank = false;
   private readonly buffers: PointBuffers;
-  private readonly table = new ChunkTable();
+  private readonly table: ChunkTable;
 
   constructor(
-    gl: WebGL2RenderingContext,
+    renderer: WebGLRenderer,
     readonly capacity: number,
     uniforms: PointUniforms,
   ) {
-    this.buffers = new PointBuffers(gl, capacity);
+    this.buffers = new PointBuffers(renderer.getContext() as WebGL2RenderingContext, capacity);
+    this.table = new ChunkTable(renderer);
     this.shown = new Uint16Array(capacity);
     this.points = new Points(this.buffers.geometry(), pointMaterial(uniforms, this.table, -1));
     this.points.frustumCulled = false;
@@ -112,7 +113,7 @@ export class Slot {
   dispose(): void {
     this.points.removeFromParent();
     this.points.material.dispose();
-    this.table.texture.dispose();
+    this.table.dispose();
     this.points.geometry.dispose();
     this.buffers.dispose();
   }

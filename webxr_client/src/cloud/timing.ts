@@ -1,22 +1,36 @@
-/** Times of the last frames, for the rate control, the headset's budget and the benchmarks. */
+/** Times of the last pictures, for the budget of points and the benchmarks. */
 
 const LENGTH = 256;
 
 export class Timing {
   private readonly values = new Float32Array(LENGTH);
   private count = 0;
-  /** A running mean over about 20 values. */
-  mean = 0;
+  /** When it was marked last; −1 when what came before does not count. */
+  private readonly marked = Float64Array.of(-1);
 
   add(ms: number): void {
     this.values[this.count % LENGTH] = ms;
     this.count += 1;
-    this.mean = this.count === 1 ? ms : this.mean + (ms - this.mean) / 20;
   }
 
-  /** The newest value. */
-  get last(): number {
-    return this.values[(this.count + LENGTH - 1) % LENGTH]!;
+  /** Add the time since the last mark. */
+  mark(now: number): void {
+    const { marked } = this;
+    if (marked[0]! >= 0) {
+      this.values[this.count % LENGTH] = now - marked[0]!;
+      this.count += 1;
+    }
+    marked[0] = now;
+  }
+
+  /** What is marked next has nothing to do with what was before. */
+  interrupt(): void {
+    this.marked[0] = -1;
+  }
+
+  /** Write the newest value: a number that is given back would be boxed. */
+  last(out: Float64Array): void {
+    out[0] = this.values[(this.count + LENGTH - 1) % LENGTH]!;
   }
 
   get total(): number {
@@ -31,6 +45,5 @@ export class Timing {
 
   reset(): void {
     this.count = 0;
-    this.mean = 0;
   }
 }

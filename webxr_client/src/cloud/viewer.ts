@@ -1,12 +1,12 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
-import { BufferGeometry, Color, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
+import { BufferGeometry, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../protocol/messages';
 import type { ViewSettings } from '../state';
 import { Afterwards } from './afterwards';
 import { Backdrop } from './backdrop';
-import { sortWithoutGarbage } from './draw-order';
+import { keepLists } from './draw-order';
 import { EyeDome } from './eyedome';
-import type { CloudFrame } from './frame';
+import { ALL_POINTS, type CloudFrame } from './frame';
 import { LargeCloud } from './large';
 import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
@@ -35,7 +35,9 @@ export class Viewer {
   /** Called before each picture, in order. */
   readonly ticks: Tick[] = [];
   readonly afterwards = new Afterwards();
-  /** CPU milliseconds: our own work before a picture, and three's to issue it. */
+  /** Pictures drawn. */
+  pictures = 0;
+  /** CPU milliseconds, while measured: our own work before a picture, and three's to issue it. */
   readonly workMs = new Timing();
   readonly drawMs = new Timing();
   /** Milliseconds between pictures while something moves. */
@@ -52,8 +54,8 @@ export class Viewer {
   private shown: CloudFrame | null = null;
   private eyeDomeOn = true;
   private dirty = true;
-  private limit = Infinity;
-  private lastDrawn = 0;
+  private limit = ALL_POINTS;
+  private measuring = false;
   private readonly size = new Vector2();
 
   constructor(readonly canvas: HTMLCanvasElement) {
@@ -65,8 +67,8 @@ export class Viewer {
     this.renderer.autoClear = false;
     // Each question after a program's errors waits for the GPU: three of them for each program.
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
-    this.renderer.setClearColor(new Color(0x0d1014), 0);
-    sortWithoutGarbage(this.renderer, this.scene);
+    this.renderer.setClearColor(0x000000, 0);
+    keepLists(this.renderer, this.scene);
     this.software = isSoftware(this.renderer.getContext());
     this.world.add(this.room);
     this.room.matrixAutoUpdate = false;
@@ -80,7 +82,7 @@ export class Viewer {
   private warmUp(): Points {
     const points = new Points(
       new BufferGeometry(),
-      pointMaterial(this.uniforms, new ChunkTable(), -1),
+      pointMaterial(this.uniforms, new ChunkTable(this.renderer), -1),
     );
     points.geometry.setDrawRange(0, 0);
     points.frustumCulled = false;
@@ -95,10 +97,6 @@ export class Viewer {
   invalidate(): void {
     this.dirty = true;
     this.changes += 1;
-  }
-
-  private get gl(): WebGL2RenderingContext {
-    return this.renderer.getContext() as WebGL2RenderingContext;
   }
 
   private resize(): void {
@@ -121,7 +119,7 @@ export class Viewer {
     if (!info) return;
     this.stand(info);
     if (info.large) {
-      this.large = new LargeCloud(this.gl, this.uniforms);
+      this.large = new LargeCloud(this.renderer, this.uniforms);
       this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
       this.large.setLimit(this.limit);
       this.room.add(this.large.group);
@@ -129,7 +127,10 @@ export class Viewer {
     }
     const capacity = Math.max(1, ...info.points);
     const count = Math.min(SLOTS, info.frames);
-    this.slots = Array.from({ length: count }, () => new Slot(this.gl, capacity, this.uniforms));
+    this.slots = Array.from(
+      { length: count },
+      () => new Slot(this.renderer, capacity, this.uniforms),
+    );
     for (const slot of this.slots) {
       slot.points.layers.set(POINTS_LAYER);
       slot.setLimit(this.limit);
@@ -218,11 +219,11 @@ export class Viewer {
     if (points === this.limit) return;
     this.limit = points;
     const before = this.drawn;
-    for (const slot of this.slots) slot.setLimit(points);
+    for (let i = 0; i < this.slots.length; i++) this.slots[i]!.setLimit(points);
     this.large?.setLimit(points);
     if (this.drawn === before) return;
     // The next picture takes another time: it says nothing of the one before.
-    this.lastDrawn = 0;
+    this.intervalMs.interrupt();
     this.dirty = true;
   }
 
@@ -259,22 +260,34 @@ export class Viewer {
   }
 
   private tick(now: number, frame: XRFrame | undefined): void {
-    const started = performance.now();
+    const { measuring } = this;
+    const started = measuring ? performance.now() : 0;
     for (let i = 0; i < this.ticks.length; i++) this.ticks[i]!(now, frame);
-    const worked = performance.now();
     const presenting = this.renderer.xr.isPresenting;
     if (!this.dirty && !presenting) {
-      this.lastDrawn = 0;
+      this.intervalMs.interrupt();
       return;
     }
     if (!this.drawing) return;
     this.dirty = false;
-    this.workMs.add(worked - started);
+    this.pictures += 1;
+    const worked = measuring ? performance.now() : 0;
     if (presenting) this.drawHeadset();
     else this.drawDesk();
-    this.drawMs.add(performance.now() - worked);
-    if (this.lastDrawn > 0) this.intervalMs.add(now - this.lastDrawn);
-    this.lastDrawn = now;
+    if (measuring) {
+      this.workMs.add(worked - started);
+      this.drawMs.add(performance.now() - worked);
+    }
+    this.intervalMs.mark(now);
+  }
+
+  /** Take times from now on, or no more: asking the clock leaves a number behind each time. */
+  measure(on: boolean): void {
+    this.measuring = this.afterwards.measuring = on;
+    if (!on) return;
+    for (const timing of [this.workMs, this.drawMs, this.afterwards.ms, this.intervalMs]) {
+      timing.reset();
+    }
   }
 
   private drawHeadset(): void {

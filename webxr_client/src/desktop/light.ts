@@ -1,5 +1,5 @@
 /** The brush under the cursor: its ring, and the points that it lights up. */
-import { Color, type Vector3 } from 'three';
+import { Color, Vector3 } from 'three';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
@@ -22,6 +22,8 @@ export class BrushLight {
   at: Vector3 | null = null;
   private readonly ring = new BrushRing();
   private readonly color = new Color();
+  private readonly place = new Vector3();
+  private readonly way = new Vector3();
 
   constructor(
     private readonly viewer: Viewer,
@@ -57,26 +59,18 @@ export class BrushLight {
     this.at = this.aim.roomPosition(hit);
     this.ring.show(this.at, radius, this.color, camera, this.aim.pixelAt(hit.distance));
     // As the points' shader mixes colours: with gamma.
-    const { r, g, b } = this.color.convertLinearToSRGB();
-    uniforms.brushColour.value.set(r, g, b);
-    uniforms.brushRadius.value = radius;
-    uniforms.brushOnlyUnlabeled.value = state.tool.peek() === 'paint' && onlyUnlabeled ? 1 : 0;
+    uniforms.setBrushColour(this.color.convertLinearToSRGB());
+    uniforms.setOnlyUnlabeled(state.tool.peek() === 'paint' && onlyUnlabeled);
     if (through && shape === 'brush' && state.tool.peek() !== 'floor') {
       const { origin, direction } = this.aim.ray();
-      uniforms.brushMode.value = 2;
-      uniforms.brushA.value.set(...origin);
-      uniforms.brushB.value.set(direction[0], direction[1], direction[2]);
-      return;
-    }
-    uniforms.brushMode.value = 1;
-    uniforms.brushA.value.set(...hit.position);
-    uniforms.brushB.value.set(...hit.position);
+      uniforms.lightRay(this.place.fromArray(origin), this.way.fromArray(direction), radius);
+    } else uniforms.lightBall(this.place.fromArray(hit.position), radius);
   }
 
   private putOut(): void {
     this.ring.hide();
     this.at = null;
-    this.viewer.uniforms.brushMode.value = 0;
+    this.viewer.uniforms.lightNothing();
   }
 
   private hide(): void {

@@ -3,6 +3,8 @@
  * come in time.  Pure: times of pictures come in.
  */
 
+import { ALL_POINTS } from '../cloud/frame';
+
 /** A picture later than this many times its target is late; most late ones make it less. */
 const LATE = 1.3;
 /** Pictures that are looked at together, or as many as come in this time. */
@@ -26,8 +28,8 @@ const SHARE_OF_REST = 1.5;
 export const FEWEST_POINTS = 10_000;
 
 export class PointBudget {
-  /** Points to draw at most; `Infinity` while nothing is late. */
-  points = Infinity;
+  /** Points to draw at most, whole; `ALL_POINTS` while nothing is late. */
+  points = ALL_POINTS;
   private pictures = 0;
   private late = 0;
   private sum = 0;
@@ -42,8 +44,11 @@ export class PointBudget {
   /** The best that can be hoped for: a display at 30 Hz, a slow machine. */
   private floor = 0;
 
-  /** A picture of `drawn` points took `interval` of the `target` milliseconds. */
-  note(interval: number, target: number, drawn: number, now: number): void {
+  /** A picture of `drawn` points: what it took, what it should take, and when, milliseconds. */
+  note(picture: Float64Array, drawn: number): void {
+    const interval = picture[0]!;
+    const target = picture[1]!;
+    const now = picture[2]!;
     if (this.since < 0) this.since = now;
     if (this.settling > 0 && now - this.since < SETTLING_MS) {
       this.settling -= 1;
@@ -74,7 +79,7 @@ export class PointBudget {
     }
     this.triedAt = -1;
     const factor = Math.min(LEAST_CUT, Math.max(MOST_CUT, goal / mean));
-    this.points = Math.max(FEWEST_POINTS, factor * Math.min(this.points, drawn));
+    this.points = Math.max(FEWEST_POINTS, Math.round(factor * Math.min(this.points, drawn)));
     this.change(now);
   }
 
@@ -103,13 +108,13 @@ export class PointBudget {
   private grow(drawn: number, now: number): void {
     this.begin(now);
     this.cutDrawn = 0;
-    if (this.points === Infinity) return;
+    if (this.points === ALL_POINTS) return;
     // The last try went well.
     if (this.triedAt >= 0) this.patience = Math.max(PATIENCE_MS, this.patience / 2);
     // A limit far above what there is to draw is none.
-    this.points = this.points > 4 * drawn ? Infinity : this.points * GROW;
+    this.points = this.points > 4 * drawn ? ALL_POINTS : Math.round(this.points * GROW);
     this.triedAt = now;
-    if (this.points === Infinity) this.patience = PATIENCE_MS;
+    if (this.points === ALL_POINTS) this.patience = PATIENCE_MS;
     this.change(now);
   }
 
@@ -125,7 +130,7 @@ export class PointBudget {
 
   /** Another display, another recording: begin without a limit. */
   reset(): void {
-    this.points = Infinity;
+    this.points = ALL_POINTS;
     this.patience = PATIENCE_MS;
     this.settling = 0;
     this.since = this.triedAt = -1;

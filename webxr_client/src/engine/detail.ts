@@ -1,6 +1,6 @@
 /** Large frames: asks for the chunks that are worth their points, drops others under the budget. */
 import { Frustum, Matrix4, Vector3 } from 'three';
-import type { CloudFrame } from '../cloud/frame';
+import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
 import type { Link } from '../net/link';
 import { apiUrl } from '../net/rest';
@@ -44,7 +44,7 @@ export class Detail {
   ) {}
 
   /** Points that may be here at once, when `limit` can be drawn in time. */
-  budget(limit = Infinity): number {
+  budget(limit = ALL_POINTS): number {
     return Math.min(limit, this.viewer.software ? BUDGET_SOFTWARE : BUDGET);
   }
 

@@ -1,7 +1,7 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
 import { effect } from '@preact/signals';
 import { bindActions, type TrackRequest, type ViewPreset } from '../actions';
-import type { CloudFrame } from '../cloud/frame';
+import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
 import { viewOf } from '../desktop/framing';
@@ -87,12 +87,12 @@ export class Engine {
   }
 
   private tick(now: number): void {
-    this.playback.update();
+    this.playback.update(now);
     if (this.strokes.show()) this.viewer.afterwards.ask();
     this.pacing.update(now);
     const { isPresenting } = this.viewer.renderer.xr;
     // At the desk more is kept than is drawn while something moves; a head always moves.
-    this.detail.update(now, isPresenting ? this.pacing.points : Infinity);
+    this.detail.update(now, isPresenting ? this.pacing.points : ALL_POINTS);
     if (isPresenting) return;
     if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
     const shown = state.shown.peek();

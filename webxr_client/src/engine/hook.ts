@@ -30,23 +30,22 @@ export function installHook(engine: Engine): void {
     drawnLabels: () => Object.fromEntries(viewer.countLabels()),
     counters: () => ({
       ...playback.counters,
-      pictures: viewer.drawMs.total,
+      pictures: viewer.pictures,
       cachedFrames: playback.store.size,
       cachedBytes: playback.store.usedBytes,
     }),
     /** Milliseconds a picture: our own work, issuing the draws, and what waited for them. */
-    timing: () => ({
-      work: viewer.workMs.recent(),
-      draw: viewer.drawMs.recent(),
-      after: viewer.afterwards.ms.recent(),
-      interval: viewer.intervalMs.recent(),
-    }),
-    resetTiming: () => {
-      viewer.workMs.reset();
-      viewer.drawMs.reset();
-      viewer.afterwards.ms.reset();
-      viewer.intervalMs.reset();
+    timing: () => {
+      viewer.measure(false);
+      return {
+        work: viewer.workMs.recent(),
+        draw: viewer.drawMs.recent(),
+        after: viewer.afterwards.ms.recent(),
+        interval: viewer.intervalMs.recent(),
+      };
     },
+    /** Take times anew, until they are asked for. */
+    resetTiming: () => viewer.measure(true),
     /** Look from `eye` to `target`, room coordinates. */
     look: (eye: [number, number, number], target: [number, number, number]) => {
       const { position } = viewer.camera;

@@ -162,14 +162,13 @@ export class Playback {
 
   // ── before each picture ────────────────────────────────────────────────────────────────────
 
-  update(): void {
-    if (state.playing.peek()) this.advance();
+  update(now: number): void {
+    if (state.playing.peek()) this.advance(now);
     this.sync();
-    this.report();
+    this.report(now);
   }
 
-  private advance(): void {
-    const now = performance.now();
+  private advance(now: number): void {
     if (this.clock.ended(now)) {
       this.pause(this.clock.frameAt(now));
       return;
@@ -207,9 +206,8 @@ export class Playback {
   }
 
   /** The buffer bar, a few times a second at most. */
-  private report(): void {
+  private report(now: number): void {
     if (this.store.version === this.rangesVersion) return;
-    const now = performance.now();
     if (now - this.ranges < 200) return;
     this.ranges = now;
     this.rangesVersion = this.store.version;

@@ -21,7 +21,7 @@ export class Boxes {
   private readonly size = new Float64Array(3);
 
   constructor(world: Object3D) {
-    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.9, toneMapped: false });
+    const material = new MeshBasicMaterial({ transparent: true, toneMapped: false });
     this.mesh = new InstancedMesh(new BoxGeometry(1, 1, 1), material, MOST * EDGES);
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.setColorAt(0, new Color());

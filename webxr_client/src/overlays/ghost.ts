@@ -1,6 +1,7 @@
 /** Where the labelled objects were a frame before: their points, faint, while one steps and paints. */
-import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, PointsMaterial, type Object3D } from 'three'; // prettier-ignore
+import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { type CloudFrame } from '../cloud/frame';
+import { dotMaterial, type PointUniforms } from '../cloud/material';
 import { DELETED } from '../cloud/piece';
 import { colorOf, isShown } from './shown';
 
@@ -12,17 +13,16 @@ const OPACITY = 0.5;
 export class Ghost {
   /** Points on screen. */
   count = 0;
-  private readonly points: Points<BufferGeometry, PointsMaterial>;
+  private readonly points: Points<BufferGeometry, RawShaderMaterial>;
 
   /** `room`: points are placed in local coordinates. */
-  constructor(room: Object3D) {
+  constructor(room: Object3D, uniforms: PointUniforms) {
     const geometry = new BufferGeometry();
-    for (const name of ['position', 'color']) {
-      const attribute = new Float32BufferAttribute(new Float32Array(3 * MOST), 3);
-      geometry.setAttribute(name, attribute.setUsage(DynamicDrawUsage));
-    }
-    const look = { size: DOT, transparent: true, opacity: OPACITY, depthWrite: false } as const;
-    this.points = new Points(geometry, new PointsMaterial({ ...look, vertexColors: true }));
+    const places = new Float32BufferAttribute(new Float32Array(3 * MOST), 3);
+    const colors = new Float32BufferAttribute(new Float32Array(4 * MOST), 4);
+    geometry.setAttribute('position', places.setUsage(DynamicDrawUsage));
+    geometry.setAttribute('color', colors.setUsage(DynamicDrawUsage));
+    this.points = new Points(geometry, dotMaterial(uniforms, DOT));
     this.points.frustumCulled = false;
     this.points.visible = false;
     this.points.renderOrder = 59;
@@ -62,7 +62,7 @@ export class Ghost {
           origin[1] + words[w + 1]! * scale[1],
           origin[2] + words[w + 2]! * scale[2],
         );
-        color!.setXYZ(count, tint.r, tint.g, tint.b);
+        color!.setXYZW(count, tint.r, tint.g, tint.b, OPACITY);
         count += 1;
       }
     }

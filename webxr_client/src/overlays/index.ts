@@ -27,10 +27,10 @@ export class Overlays {
   private room: readonly number[] | null = null;
 
   constructor(private readonly engine: Engine) {
-    const { world, room } = engine.viewer;
+    const { world, room, uniforms } = engine.viewer;
     this.boxes = new Boxes(world);
-    this.trails = new Trails(world);
-    this.ghost = new Ghost(room);
+    this.trails = new Trails(world, uniforms);
+    this.ghost = new Ghost(room, uniforms);
     const { palette, solo, view, activeLabel, sequence, playing } = state;
     watch([palette, solo, view, activeLabel, sequence, playing], () => {
       this.dirty = true;

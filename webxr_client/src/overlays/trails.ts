@@ -1,5 +1,6 @@
 /** The ways of the labelled objects through the frames near the playhead. */
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, PointsMaterial, type Color, type Object3D } from 'three'; // prettier-ignore
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
+import { dotMaterial, type PointUniforms } from '../cloud/material';
 import { colorOf, isShown } from './shown';
 import { at, MIDDLE, type Summary } from './summary';
 
@@ -20,6 +21,8 @@ class Prefix extends BufferAttribute {
     super(new Float32Array(size * most), size);
     this.setUsage(DynamicDrawUsage);
     this.updateRanges.push(this.range);
+    // There is one: sorting them would only make garbage.
+    this.updateRanges.sort = () => this.updateRanges;
   }
 
   renew(count: number): void {
@@ -73,14 +76,15 @@ export class Trails {
   count = 0;
   private readonly dots = new Vertices(DOTS);
   private readonly ends = new Vertices(2 * DOTS);
-  private readonly points: Points<BufferGeometry, PointsMaterial>;
+  private readonly points: Points<BufferGeometry, RawShaderMaterial>;
   private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
 
-  constructor(world: Object3D) {
+  constructor(world: Object3D, uniforms: PointUniforms) {
     const look = { transparent: true, depthTest: false, vertexColors: true };
     this.lines = new LineSegments(this.ends.geometry, new LineBasicMaterial(look));
     // A dot for each frame: a line alone is a hair in a headset.
-    this.points = new Points(this.dots.geometry, new PointsMaterial({ ...look, size: DOT }));
+    this.points = new Points(this.dots.geometry, dotMaterial(uniforms, DOT));
+    this.points.material.depthTest = false;
     for (const object of [this.lines, this.points]) {
       object.frustumCulled = false;
       object.visible = false;

@@ -29,7 +29,8 @@ export interface TimelineSizes {
   readonly fontSize: number;
 }
 
-const INK = {
+/** Contrast of words on each of the backs is above 4.5. */
+export const STRIP_INK = {
   back: '#12161b',
   lane: '#191e25',
   laneActive: '#222932',
@@ -43,6 +44,9 @@ const INK = {
   playhead: '#ffffff',
   bad: '#ff7b72',
 } as const;
+
+/** How solid the name of a hidden label is: still legible. */
+export const HIDDEN = 0.75;
 
 const SOLIDITY: Record<CellKind, number> = {
   none: 0,
@@ -58,7 +62,7 @@ type Pen = CanvasRenderingContext2D;
 export function drawTimeline(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture): void {
   const { width, height, gutter, ruler, row } = sizes;
   const inner = width - gutter;
-  pen.fillStyle = INK.back;
+  pen.fillStyle = STRIP_INK.back;
   pen.fillRect(0, 0, width, height);
   pen.save();
   pen.beginPath();
@@ -92,7 +96,7 @@ function drawLane(
   const inner = width - gutter;
   const active = label.id === picture.active;
   const gap = Math.max(1, Math.round(row * 0.12));
-  pen.fillStyle = active ? INK.laneActive : INK.lane;
+  pen.fillStyle = active ? STRIP_INK.laneActive : STRIP_INK.lane;
   pen.fillRect(gutter, top + gap, inner, row - gap);
   if (gutter > 0) drawName(pen, label, active, top + gap, sizes);
   const cells = picture.rows.get(label.id);
@@ -120,13 +124,13 @@ function drawName(
   const { gutter, row, font, fontSize } = sizes;
   const middle = top + row / 2 - 1;
   const swatch = Math.round(fontSize * 0.72);
-  pen.globalAlpha = label.visible ? 1 : 0.5;
+  pen.globalAlpha = label.visible ? 1 : HIDDEN;
   pen.fillStyle = label.color;
   pen.fillRect(fontSize, middle - swatch / 2, swatch, swatch);
   pen.font = `${active ? 600 : 400} ${fontSize}px ${font}`;
   pen.textBaseline = 'middle';
   pen.textAlign = 'left';
-  pen.fillStyle = active ? INK.textStrong : INK.text;
+  pen.fillStyle = active ? STRIP_INK.textStrong : STRIP_INK.text;
   const left = fontSize + swatch + fontSize * 0.7;
   pen.fillText(ellipsis(pen, label.name, gutter - left - 8), left, middle + 0.5);
   pen.globalAlpha = 1;
@@ -142,7 +146,7 @@ function drawRun(
   height: number,
 ): void {
   pen.globalAlpha = SOLIDITY[kind];
-  pen.fillStyle = kind === 'lost' ? INK.bad : color;
+  pen.fillStyle = kind === 'lost' ? STRIP_INK.bad : color;
   pen.fillRect(left, top, width, height);
   pen.globalAlpha = 1;
   if (kind !== 'doubtful' && kind !== 'lost') return;
@@ -156,7 +160,7 @@ function hatch(pen: Pen, left: number, top: number, width: number, height: numbe
   pen.beginPath();
   pen.rect(left, top, width, height);
   pen.clip();
-  pen.strokeStyle = INK.bad;
+  pen.strokeStyle = STRIP_INK.bad;
   pen.lineWidth = Math.max(1.5, height * 0.12);
   pen.beginPath();
   const start = Math.floor((left - height) / gap) * gap;
@@ -173,9 +177,9 @@ function drawRange(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inn
   const { from, to } = picture.range;
   const left = frameToX(Math.min(from, to), picture.span, inner);
   const right = frameToX(Math.max(from, to) + 1, picture.span, inner);
-  pen.fillStyle = INK.range;
+  pen.fillStyle = STRIP_INK.range;
   pen.fillRect(left, 0, right - left, sizes.height);
-  pen.fillStyle = INK.rangeEdge;
+  pen.fillStyle = STRIP_INK.rangeEdge;
   pen.fillRect(left, 0, 1.5, sizes.height);
   pen.fillRect(right - 1.5, 0, 1.5, sizes.height);
 }
@@ -184,11 +188,11 @@ function drawRuler(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inn
   const { ruler, font, fontSize } = sizes;
   const { span, frames } = picture;
   const bar = Math.max(2, Math.round(ruler * 0.12));
-  pen.fillStyle = INK.lane;
+  pen.fillStyle = STRIP_INK.lane;
   pen.fillRect(0, ruler - bar, inner, bar);
   for (const { first, last, complete } of picture.loaded) {
     const left = frameToX(first, span, inner);
-    pen.fillStyle = complete ? INK.loaded : INK.loadedPart;
+    pen.fillStyle = complete ? STRIP_INK.loaded : STRIP_INK.loadedPart;
     pen.fillRect(left, ruler - bar, Math.max(1, frameToX(last + 1, span, inner) - left), bar);
   }
   pen.font = `400 ${fontSize}px ${font}`;
@@ -197,10 +201,10 @@ function drawRuler(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inn
   for (const { frame, major } of ticks(span, inner, frames)) {
     const x = Math.round(frameToX(frame + 0.5, span, inner));
     const height = major ? ruler * 0.28 : ruler * 0.14;
-    pen.fillStyle = INK.line;
+    pen.fillStyle = STRIP_INK.line;
     pen.fillRect(x, ruler - bar - height, 1, height);
     if (!major) continue;
-    pen.fillStyle = INK.text;
+    pen.fillStyle = STRIP_INK.text;
     const text = String(frame);
     const half = pen.measureText(text).width / 2 + 2;
     pen.fillText(text, Math.min(inner - half, Math.max(half, x)), ruler * 0.33);
@@ -221,12 +225,12 @@ function drawPlayhead(
   const width = pen.measureText(text).width + fontSize;
   const tall = ruler * 0.66;
   const left = Math.min(inner - width, Math.max(0, x - width / 2));
-  pen.fillStyle = INK.playhead;
+  pen.fillStyle = STRIP_INK.playhead;
   pen.fillRect(x - 0.75, tall, 1.5, height - tall);
   pen.beginPath();
   pen.roundRect(left, 0, width, tall, fontSize * 0.3);
   pen.fill();
-  pen.fillStyle = INK.back;
+  pen.fillStyle = STRIP_INK.back;
   pen.textBaseline = 'middle';
   pen.textAlign = 'center';
   pen.fillText(text, left + width / 2, tall / 2 + 0.5);

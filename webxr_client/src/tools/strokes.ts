@@ -28,8 +28,8 @@ export interface StrokeDeps {
 /** A stroke while its button or trigger is held. */
 export interface Stroke {
   readonly id: string;
-  /** The sample may be used again: it is copied. */
-  add(sample: PointerSample): void;
+  /** The sample may be used again: it is copied.  `now`: when it was, milliseconds. */
+  add(sample: PointerSample, now?: number): void;
   end(): void;
 }
 
@@ -40,13 +40,17 @@ class Batch {
   /** By number: the first samples of the pool.  An array that grows and shrinks is garbage too. */
   private readonly firsts: Required<Sample>[][] = [];
 
-  add({ origin, direction }: PointerSample, shift: Vec, t: number): void {
+  /** When the stroke began, milliseconds. */
+  constructor(private readonly started: number) {}
+
+  add({ origin, direction }: PointerSample, shift: Vec, now: number): void {
     const sample = (this.pool[this.count++] ??= { origin: [0, 0, 0], direction: [0, 0, 0], t: 0 });
     for (let k = 0; k < 3; k++) {
       sample.origin[k] = origin[k]! + shift[k]!;
       sample.direction[k] = direction[k]!;
     }
-    sample.t = t;
+    // A picture is dated from its beginning, which may be before the press.
+    sample.t = Math.max(0, (now - this.started) | 0);
   }
 
   /** What was added since the last call. */
@@ -58,8 +62,7 @@ class Batch {
 }
 
 class LiveStroke implements Stroke {
-  private readonly started: number;
-  private readonly batch = new Batch();
+  private readonly batch: Batch;
   private readonly message: StrokeSamples;
   readonly preview: StrokePreview;
   refused = false;
@@ -72,15 +75,15 @@ class LiveStroke implements Stroke {
     private readonly deps: StrokeDeps,
     private readonly finished: (stroke: LiveStroke) => void,
   ) {
-    this.started = deps.now();
+    this.batch = new Batch(deps.now());
     this.message = { type: 'stroke_samples', id, samples: [] };
     this.preview = new StrokePreview(id, frame, brush, deps.locked);
     deps.send({ type: 'stroke_begin', id, frame: frame.index, brush });
   }
 
-  add(sample: PointerSample): void {
+  add(sample: PointerSample, now = this.deps.now()): void {
     if (this.refused) return;
-    this.batch.add(sample, this.shift, this.deps.now() - this.started);
+    this.batch.add(sample, this.shift, now);
     this.preview.add(sample);
   }
 
@@ -120,7 +123,7 @@ export class Strokes {
   /** Ended, and waiting for the server. */
   private readonly ended = new Map<string, StrokePreview>();
   /** Told every answer: `touched` drives the haptic pulse. */
-  readonly results = new Set<ResultListener>();
+  readonly results: ResultListener[] = [];
 
   constructor(private readonly deps: StrokeDeps) {}
 
@@ -146,7 +149,7 @@ export class Strokes {
   }
 
   onResult(result: StrokeResult): void {
-    for (const listen of this.results) listen(result);
+    for (let i = 0; i < this.results.length; i++) this.results[i]!(result);
     if (!result.final) return;
     // What did not change needs no delta; otherwise the delta takes the preview away.
     if (result.changed === 0) this.drop(result.id);

@@ -51,7 +51,7 @@ export class AirShape {
   private stretch(tip: Vector3, other: Hand): void {
     const two = other.tracked && other.trigger >= 0.5;
     this.from.copy(two ? other.origin : this.start);
-    if (two) this.from.addScaledVector(other.direction, other.device?.tip ?? 0);
+    if (two) this.from.addScaledVector(other.direction, other.tip[0]!);
     this.to.copy(tip);
     this.drawBox();
   }

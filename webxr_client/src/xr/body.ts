@@ -5,7 +5,8 @@ import { BUTTON_TICK } from './haptics';
 import { controllerModel, disposeModel, HandModel, Ray } from './model';
 import type { Painter } from './painter';
 import type { Panel } from './panel';
-import { Tips, type Lessons } from './tips';
+import type { Lessons } from './lessons';
+import { Tips } from './tips';
 
 export class Body {
   readonly tips: Tips;
@@ -19,7 +20,7 @@ export class Body {
     readonly hand: Hand,
     lessons: Lessons,
   ) {
-    this.tips = new Tips(lessons);
+    this.tips = new Tips(lessons, hand);
   }
 
   addTo(scene: Object3D, rig: Object3D): void {
@@ -50,7 +51,7 @@ export class Body {
   }
 
   explain(paints: boolean): void {
-    this.tips.set(this.hand, paints);
+    this.tips.set(paints);
   }
 
   /** It has gone. */
@@ -66,24 +67,24 @@ export class Body {
   point(panels: readonly Panel[], painter: Painter | null): void {
     const { hand } = this;
     const held = this.on?.held ? this.on : null;
+    const { length } = this.ray;
     let nearest: Panel | null = null;
-    let distance = Infinity;
     const free = hand.tracked && !painter?.painting;
     for (let i = 0; i < panels.length; i++) {
       const panel = panels[i]!;
       if (!free || (held && panel !== held)) continue;
-      const away = panel.meet(hand.origin, hand.direction);
-      if (away < 0 || away >= distance) continue;
+      if (!panel.meet(hand.origin, hand.direction)) continue;
+      if (nearest && panel.away[0]! >= nearest.away[0]!) continue;
       nearest = panel;
-      distance = away;
     }
     if (this.on && this.on !== nearest) this.on.leave();
     this.on = nearest;
     if (nearest?.point(hand.edge.click)) {
       hand.pulse(BUTTON_TICK.strength, BUTTON_TICK.milliseconds);
     }
-    const reach = painter && hand.tracked ? painter.reach : -1;
-    this.ray.show(hand.origin, hand.direction, nearest ? distance : reach);
+    if (nearest) length[0] = nearest.away[0]!;
+    else length[0] = painter && hand.tracked ? painter.reach[0]! : -1;
+    this.ray.show(hand.origin, hand.direction);
   }
 
   dispose(): void {

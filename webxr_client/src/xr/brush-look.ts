@@ -7,20 +7,23 @@ import { isStroke, state } from '../state';
 import { brushColor, type Way } from './brush';
 import type { Hand } from './hand';
 import type { Place } from './place';
+import { tint } from './tint';
 
 /** The ray looks for the surface so often. */
 const EVERY_MS = 60;
 const FAR = 30;
 const PICK_LENGTH = 4;
 const POINTER_SIZE = 0.006;
+const OPACITY = 0.28;
 
 export class BrushLook {
   readonly ball: Mesh<SphereGeometry, MeshBasicMaterial>;
   /** Metres of ray to show, or −1. */
-  reach = -1;
+  readonly reach = Float64Array.of(-1);
   private readonly local: [number, number, number] = [0, 0, 0];
   private readonly aim: [number, number, number] = [0, 0, 0];
   private readonly scratch = new Vector3();
+  private readonly way = new Vector3();
   private readonly color = new Color();
   private shownColor = '';
   private last = 0;
@@ -29,8 +32,8 @@ export class BrushLook {
     private readonly engine: Engine,
     private readonly place: Place,
   ) {
-    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.28, depthWrite: false });
-    this.ball = new Mesh(new SphereGeometry(1, 32, 20), material);
+    const look = { vertexColors: true, transparent: true, depthWrite: false };
+    this.ball = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial(look));
     this.ball.renderOrder = 95;
     this.ball.frustumCulled = false;
   }
@@ -41,7 +44,7 @@ export class BrushLook {
     way: Way,
     hand: Hand,
     tip: Vector3,
-    radius: number,
+    radius: Float64Array,
     now: number,
   ): string | null {
     const { uniforms } = this.engine.viewer;
@@ -52,44 +55,38 @@ export class BrushLook {
     const far = floor || way === 'ray' || way === 'plane';
     this.ball.visible = brushes && !far;
     this.ball.position.copy(tip);
-    this.ball.scale.setScalar(drawn ? POINTER_SIZE : radius * this.place.scale);
+    const { scale } = this.ball;
+    scale.x = scale.y = scale.z = drawn ? POINTER_SIZE : radius[0]! * this.place.scale;
     if (!brushes || drawn) {
-      uniforms.brushMode.value = 0;
-      this.reach = visible && tool === 'pick' ? PICK_LENGTH : -1;
+      uniforms.lightNothing();
+      this.reach[0] = visible && tool === 'pick' ? PICK_LENGTH : -1;
       return this.newColor();
     }
-    uniforms.brushOnlyUnlabeled.value =
-      tool === 'paint' && state.brush.peek().onlyUnlabeled ? 1 : 0;
+    uniforms.setOnlyUnlabeled(tool === 'paint' && state.brush.peek().onlyUnlabeled);
     const through = !floor && way === 'ray' && state.brush.peek().through;
-    if (far) this.followRay(hand, floor ? FLOOR_SPOT : radius, now, through);
+    if (far) this.followRay(hand, floor ? FLOOR_SPOT : radius[0]!, now, through);
     else {
-      this.reach = -1;
-      uniforms.brushMode.value = 1;
-      uniforms.brushRadius.value = radius;
-      this.place.toLocal(tip, uniforms.brushA.value);
-      uniforms.brushB.value.copy(uniforms.brushA.value);
+      this.reach[0] = -1;
+      uniforms.lightBall(this.place.toLocal(tip, this.scratch), radius[0]!);
     }
     return this.newColor();
   }
 
   private followRay(hand: Hand, radius: number, now: number, through: boolean): void {
     const { uniforms } = this.engine.viewer;
-    uniforms.brushRadius.value = radius;
+    const { place, scratch, way } = this;
     if (through) {
-      this.reach = FAR;
-      uniforms.brushMode.value = 2;
-      this.place.toLocal(hand.origin, uniforms.brushA.value);
-      this.place.directionToLocal(hand.direction, uniforms.brushB.value);
+      this.reach[0] = FAR;
+      place.toLocal(hand.origin, scratch);
+      uniforms.lightRay(scratch, place.directionToLocal(hand.direction, way), radius);
       return;
     }
     if (now - this.last < EVERY_MS) return;
     this.last = now;
     const hit = this.hit(hand, radius);
-    this.reach = hit ? hit.distance * this.place.scale : FAR;
-    uniforms.brushMode.value = hit ? 1 : 0;
-    if (!hit) return;
-    uniforms.brushA.value.fromArray(hit.position);
-    uniforms.brushB.value.fromArray(hit.position);
+    this.reach[0] = hit ? hit.distance * place.scale : FAR;
+    if (hit) uniforms.lightBall(scratch.fromArray(hit.position), radius);
+    else uniforms.lightNothing();
   }
 
   /** What the hand's ray meets first. */
@@ -106,9 +103,8 @@ export class BrushLook {
     const color = brushColor();
     if (color === this.shownColor) return null;
     this.shownColor = color;
-    this.ball.material.color.set(color);
-    const { r, g, b } = this.color.set(color).convertLinearToSRGB();
-    this.engine.viewer.uniforms.brushColour.value.set(r, g, b);
+    tint(this.ball.geometry, color, OPACITY);
+    this.engine.viewer.uniforms.setBrushColour(this.color.set(color).convertLinearToSRGB());
     return color;
   }
 
@@ -116,6 +112,6 @@ export class BrushLook {
     this.ball.removeFromParent();
     this.ball.geometry.dispose();
     this.ball.material.dispose();
-    this.engine.viewer.uniforms.brushMode.value = 0;
+    this.engine.viewer.uniforms.lightNothing();
   }
 }

@@ -2,7 +2,7 @@
 import { actions } from '../actions';
 import { state } from '../state';
 import type { Hand } from './hand';
-import type { Lessons } from './tips';
+import type { Lessons } from './lessons';
 
 /** The brush grows by this factor a second at full lean. */
 const GROWTH = 4;
@@ -15,7 +15,7 @@ export class Buttons {
     private readonly togglePanel: () => void,
   ) {}
 
-  update(brush: Hand, other: Hand, seconds: number, now: number): void {
+  update(brush: Hand, other: Hand, seconds: Float64Array, now: number): void {
     this.time(brush, now);
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {
@@ -55,7 +55,7 @@ export class Buttons {
     }
   }
 
-  private size(hand: Hand, seconds: number, now: number): void {
+  private size(hand: Hand, seconds: Float64Array, now: number): void {
     const { y } = hand.pad;
     if (hand.device?.pad === 'touchpad') {
       const notch = hand.repeatY.update(y, now);
@@ -63,7 +63,7 @@ export class Buttons {
       actions.nudgeRadius(notch * NOTCHES);
       this.lessons.done('size');
     } else if (y !== 0) {
-      actions.setRadius(state.brush.peek().radius * GROWTH ** (y * seconds));
+      actions.setRadius(state.brush.peek().radius * GROWTH ** (y * seconds[0]!));
       this.lessons.done('size');
     }
   }

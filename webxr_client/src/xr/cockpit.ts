@@ -10,6 +10,7 @@ import { notify, state } from '../state';
 import { currentWay } from './brush';
 import { Buttons } from './buttons';
 import { Controllers } from './controllers';
+import { faceEyes } from './facing';
 import { Feelings } from './feelings';
 import type { Hand } from './hand';
 import { Hud } from './hud';
@@ -24,16 +25,17 @@ import { Pulse } from './pulse';
 import { Rig } from './rig';
 import { xrSettings } from './settings';
 import { TimelinePanel } from './timeline-panel';
+import { SIZES } from './sizes';
 import { layLow, standBefore } from './standing';
-import { Lessons } from './tips';
+import { Lessons } from './lessons';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 import { watch } from '../watch';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
-/** Metres from the other hand to the palette's middle. */
-const PALETTE_ABOVE = 0.265;
-const PALETTE_INWARD = 0.07;
+/** Where the palette's middle is from the hand that holds it: above, and towards the other one. */
+const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
+const HELD = { left: { ...ABOVE, right: 0.07 }, right: { ...ABOVE, right: -0.07 } } as const;
 
 export class Cockpit {
   readonly rig = new Rig();
@@ -56,7 +58,9 @@ export class Cockpit {
   private readonly panels: readonly Panel[];
   private readonly farPanels: readonly Panel[];
   private standing = false;
-  private last = -1;
+  /** When the last picture was, and how long ago: numbers on their own would be boxed. */
+  private readonly last = Float64Array.of(-1);
+  private readonly seconds = new Float64Array(1);
 
   constructor(
     private readonly engine: Engine,
@@ -113,17 +117,11 @@ export class Cockpit {
 
   /** The palette stands over the other hand, turned to the face however that is held. */
   private holdPalette(): void {
-    const { side, place, tracked } = this.controllers.other;
+    const { side, grip, tracked } = this.controllers.other;
     const { mesh } = this.palette;
     mesh.visible = tracked;
     if (!tracked) return;
-    mesh.position.copy(place);
-    this.rig.group.worldToLocal(mesh.position);
-    mesh.lookAt(this.rig.head);
-    // Along the palette itself: seen from the eyes the hand is below it.
-    mesh.translateX(side === 'left' ? PALETTE_INWARD : -PALETTE_INWARD);
-    mesh.translateY(PALETTE_ABOVE);
-    mesh.lookAt(this.rig.head);
+    faceEyes(mesh, grip.position, this.rig.headInRig, HELD[side]);
     mesh.updateMatrixWorld();
   }
 
@@ -171,8 +169,9 @@ export class Cockpit {
   private update(now: number, frame: XRFrame | undefined): void {
     const space = this.engine.viewer.renderer.xr.getReferenceSpace();
     if (!frame || !space) return;
-    const seconds = this.last < 0 ? 0 : Math.min(0.1, (now - this.last) / 1000);
-    this.last = now;
+    const { seconds, last } = this;
+    seconds[0] = last[0]! < 0 ? 0 : Math.min(0.1, (now - last[0]!) / 1000);
+    last[0] = now;
     this.frames += 1;
     this.poses.read(frame, space);
     if (!this.rig.update(this.poses)) return;

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { Controllers } from './controllers';
 import { Poses } from './poses';
 import { Rig } from './rig';
-import { Lessons } from './tips';
+import { Lessons } from './lessons';
 
 const SQUEEZE = 'generic-trigger-squeeze-touchpad';
 const GRIPLESS = 'generic-trigger-touchpad';

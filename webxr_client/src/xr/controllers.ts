@@ -6,7 +6,7 @@ import type { Panel } from './panel';
 import { Poses } from './poses';
 import type { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
-import type { Lessons } from './tips';
+import type { Lessons } from './lessons';
 
 export interface Changes {
   /** The hand that paints is not there any more. */
@@ -95,10 +95,13 @@ export class Controllers {
     for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.follow(frame, space, matrixWorld);
   }
 
-  /** Show what the buttons do, as far as it is not learnt. */
-  teach(seconds: number): void {
+  /** Show what the buttons do, as far as it is not learnt; a hand that points at a panel needs none. */
+  teach(seconds: Float64Array): void {
     const { tips } = xrSettings.peek();
-    for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.tips.update(seconds, tips);
+    for (let i = 0; i < this.bodies.length; i++) {
+      const body = this.bodies[i]!;
+      body.tips.update(seconds, tips && body.on === null, this.rig.headInRig);
+    }
   }
 
   /** `far`: what also the hand that holds the palette can point at. */

@@ -5,8 +5,8 @@ import { readPad, Repeat, Switch, type Pad } from './pad';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';
 import type { Side } from './settings';
+import { turnBy } from './vectors';
 
-const FORWARD = new Vector3(0, 0, -1);
 /** A pinch without a gamepad counts as a trigger pressed so far. */
 const PINCHED = 1;
 
@@ -26,6 +26,8 @@ export class Hand {
   /** Where thumb and index finger meet, in the scene; controllers have no such place. */
   readonly pinch = new Vector3();
   hasPinch = false;
+  /** Metres from the ray's origin to the tip where the brush begins. */
+  readonly tip = new Float64Array(1);
   trigger = 0;
   readonly pad: Pad = { x: 0, y: 0, click: false };
   readonly pressure = new Pressure();
@@ -44,12 +46,14 @@ export class Hand {
 
   constructor(readonly side: Side) {
     this.grip.visible = false;
+    this.grip.matrixAutoUpdate = false;
   }
 
   attach(source: XRInputSource): void {
     this.source = source;
     const axes = source.gamepad?.axes.length ?? 0;
     this.device = deviceFor(source.profiles, axes, Boolean(source.hand));
+    this.tip[0] = this.device.tip;
   }
 
   detach(): void {
@@ -95,8 +99,15 @@ export class Hand {
   private takePose(rig: Matrix4): void {
     this.turn.setFromRotationMatrix(this.matrix);
     this.origin.setFromMatrixPosition(this.matrix).applyMatrix4(rig);
-    this.direction.copy(FORWARD).applyQuaternion(this.turn).transformDirection(rig);
-    this.grip.matrix.decompose(this.grip.position, this.grip.quaternion, this.grip.scale);
+    const { elements } = this.matrix;
+    const { direction } = this;
+    // A ray points along −z.
+    direction.x = -elements[8];
+    direction.y = -elements[9];
+    direction.z = -elements[10];
+    turnBy(rig, direction, direction);
+    this.grip.position.setFromMatrixPosition(this.grip.matrix);
+    this.grip.matrixWorldNeedsUpdate = true;
     this.grip.visible = true;
     this.place.setFromMatrixPosition(this.matrix.multiplyMatrices(rig, this.grip.matrix));
   }

@@ -78,7 +78,7 @@ export class Headset {
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
     await xr.setSession(session);
     xr.setFoveation(FOVEATION);
-    pacing.reset(1000 / (await chooseRate(session)));
+    pacing.show(1000 / (await chooseRate(session)));
     viewer.backdrop.showSky(mode === 'immersive-vr');
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
     this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
@@ -100,7 +100,7 @@ export class Headset {
     this.desk.decompose(position, quaternion, scale);
     viewer.renderer.xr.enabled = false;
     viewer.backdrop.showSky(true);
-    pacing.reset(null);
+    pacing.show(0);
     viewer.invalidate();
     if (this.leaving) {
       patch(state.xr, { session: 'none', detail: '' });

@@ -45,6 +45,8 @@ export function installHeadsetHook(
       const out = at.clone().setZ(at.z + 0.2);
       return { at: inRig(mesh.localToWorld(at)), out: inRig(mesh.localToWorld(out)) };
     },
+    /** The ball whose points the shader lights up, local coordinates. */
+    lit: () => viewer.uniforms.lit,
     /** What is drawn over the recording: boxes, dots of trails, points of the ghost. */
     overlays: () => ({
       boxes: overlays.boxes.count,
@@ -55,7 +57,7 @@ export function installHeadsetHook(
     doubt: () => ({
       unsure: unsure.peek(),
       halted: halted.peek(),
-      pulse: viewer.uniforms.pulse.value,
+      pulse: viewer.uniforms.pulse,
     }),
     /** What the controllers explain. */
     tips: (side: Side) => {

@@ -3,11 +3,16 @@ import { effect } from '@preact/signals';
 import { Group, Vector3 } from 'three';
 import { plural } from '../panels/format';
 import { state } from '../state';
+import { faceEyes } from './facing';
 import type { Rig } from './rig';
 import { Sign } from './sign';
 import { SIZES } from './sizes';
 
+/** Metres ahead and below the eyes; what is farther from where it should be jumps there. */
 const AWAY = 1;
+const BELOW = 0.22;
+const FAR = 1.5;
+const FACING = { right: 0, up: 0, away: SIZES.message.away };
 const STAY_MS = 4000;
 
 export class Hud {
@@ -16,33 +21,42 @@ export class Hud {
   private readonly unfollow: () => void;
   private own = '';
   private ownUntil = 0;
+  /** What holds until it is over, and comes first. */
   private text = '';
   private readonly goal = new Vector3();
+  private readonly at = new Vector3();
 
   constructor() {
     this.group.add(this.sign.mesh);
-    this.unfollow = effect(() => {
-      this.text = standing() || (state.notices.value.at(-1)?.title ?? '');
-    });
+    const stops = [
+      effect(() => void (this.text = standing())),
+      effect(() => {
+        const title = state.notices.value.at(-1)?.title;
+        if (title) this.say(title);
+      }),
+    ];
+    this.unfollow = () => {
+      for (const stop of stops) stop();
+    };
   }
 
-  /** A message of the headset's own. */
+  /** Say something for a while: nobody can dismiss it here. */
   say(text: string): void {
     this.own = text;
     this.ownUntil = performance.now() + STAY_MS;
   }
 
-  update(rig: Rig, seconds: number, now: number): void {
+  update(rig: Rig, seconds: Float64Array, now: number): void {
     this.sign.write(this.text || (now < this.ownUntil ? this.own : ''));
     if (!this.sign.mesh.visible) return;
-    const { group } = this;
+    const { at, goal } = this;
     // In the rig's own space, so that it comes along when one teleports.
-    this.goal.copy(rig.head).addScaledVector(rig.ahead, AWAY);
-    this.goal.y -= 0.22;
-    rig.group.worldToLocal(this.goal);
-    const far = group.position.distanceTo(this.goal) > 1.5;
-    group.position.lerp(this.goal, far ? 1 : Math.min(1, seconds * 4));
-    group.lookAt(rig.head);
+    goal.copy(rig.head).addScaledVector(rig.ahead, AWAY);
+    goal.y -= BELOW;
+    rig.group.worldToLocal(goal);
+    const far = at.distanceToSquared(goal) > FAR * FAR;
+    at.lerp(goal, far ? 1 : Math.min(1, seconds[0]! * 4));
+    faceEyes(this.group, at, rig.headInRig, FACING);
   }
 
   dispose(): void {

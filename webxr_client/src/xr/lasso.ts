@@ -1,6 +1,7 @@
 /** An outline drawn in the air: a volume seen from the head, as a polygon and a camera. */
 import { Matrix4, PerspectiveCamera, Vector3 } from 'three';
 import type { SequenceInfo } from '../protocol/messages';
+import { within } from './vectors';
 
 const STEP = 0.008;
 const MOST = 4000;
@@ -23,7 +24,7 @@ export class AirLasso {
     const end = corners.length;
     if (end >= 3) {
       this.at.fromArray(corners, end - 3);
-      if (this.at.distanceTo(place) < STEP || end >= 3 * MOST) return false;
+      if (within(this.at, place, STEP) || end >= 3 * MOST) return false;
     }
     corners.push(place.x, place.y, place.z);
     return true;

@@ -4,6 +4,7 @@ import type { Hand } from './hand';
 import { Switch } from './pad';
 import type { Rig } from './rig';
 import { xrSettings } from './settings';
+import { within } from './vectors';
 
 const SEGMENTS = 32;
 const SPEED = 6.5;
@@ -82,26 +83,26 @@ export class Locomotion {
   }
 
   /** The hand that does not paint: lean forward to aim, let go to be there; sideways to turn. */
-  update(hand: Hand, seconds: number): void {
+  update(hand: Hand, seconds: Float64Array): void {
     const { move, snap } = xrSettings.peek();
     const { x, y } = hand.pad;
     const smooth = move === 'smooth' && hand.device?.pad === 'stick';
     const turning = this.turn(x, snap, seconds);
     const gliding = smooth && Math.abs(y) > 0;
-    if (gliding) this.glide(hand, y * seconds);
+    if (gliding) this.glide(hand, y * seconds[0]!);
     else this.teleport(hand, smooth ? 0 : y);
     this.shade(gliding || turning, seconds);
   }
 
   /** In steps of `snap` degrees, or evenly when it is 0; true while it goes on. */
-  private turn(x: number, snap: number, seconds: number): boolean {
+  private turn(x: number, snap: number, seconds: Float64Array): boolean {
     const step = this.turns.update(Math.abs(x)) === 1;
     if (this.aiming) return false;
     if (snap > 0) {
       if (step) this.rig.turn((-Math.sign(x) * snap * Math.PI) / 180);
       return false;
     }
-    if (x !== 0) this.rig.turn(-x * SPIN * seconds);
+    if (x !== 0) this.rig.turn(-x * SPIN * seconds[0]!);
     return x !== 0;
   }
 
@@ -140,15 +141,15 @@ export class Locomotion {
     }
     places.needsUpdate = true;
     this.target.copy(this.point).setY(0);
-    this.valid = this.target.distanceTo(this.rig.head) < FARTHEST;
+    this.valid = within(this.target, this.rig.head, FARTHEST);
     this.arc.material.color.setHex(this.valid ? 0x5ea2ff : 0xff7b72);
     this.ring.position.copy(this.target).setY(0.01);
   }
 
   /** Narrow the view while it moves by itself. */
-  private shade(moving: boolean, seconds: number): void {
+  private shade(moving: boolean, seconds: Float64Array): void {
     const goal = moving && xrSettings.peek().vignette ? 1 : 0;
-    this.strength += (goal - this.strength) * Math.min(1, seconds * 8);
+    this.strength += (goal - this.strength) * Math.min(1, seconds[0]! * 8);
     this.vignette.visible = this.strength > 0.02;
     this.vignette.material.uniforms['strength']!.value = this.strength;
   }

@@ -1,7 +1,8 @@
 /** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
-import { BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { BufferGeometry, CapsuleGeometry, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Object3D, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Device } from './devices';
+import { tint } from './tint';
 
 const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
@@ -20,11 +21,7 @@ function part(
   z: number,
   turn = 0,
 ): BufferGeometry {
-  const { r, g, b } = new Color(color);
-  const { count } = geometry.getAttribute('position');
-  const colors = Float32Array.from({ length: 3 * count }, (_, i) => [r, g, b][i % 3]!);
-  geometry.setAttribute('color', new Float32BufferAttribute(colors, 3));
-  return geometry.rotateX(turn).translate(x, y, z);
+  return tint(geometry, color).rotateX(turn).translate(x, y, z);
 }
 
 /**
@@ -56,6 +53,7 @@ export function controllerModel(device: Device): Mesh {
   const look = { vertexColors: true, transparent: true };
   const mesh = new Mesh(geometry, new MeshBasicMaterial(look));
   mesh.renderOrder = ORDER;
+  mesh.frustumCulled = false;
   return mesh;
 }
 
@@ -112,6 +110,8 @@ export class HandModel {
 
 /** The pointing ray: a line from the hand to what it is on. */
 export class Ray {
+  /** Metres that it reaches. */
+  readonly length = new Float64Array(1);
   readonly line: Line<BufferGeometry, LineBasicMaterial>;
 
   constructor() {
@@ -129,18 +129,19 @@ export class Ray {
     this.line.visible = false;
   }
 
-  /** `length` ≤ 0 hides it. */
-  show(origin: Vector3, direction: Vector3, length: number): void {
+  /** Lie along a hand's ray; no length hides it. */
+  show(origin: Vector3, direction: Vector3): void {
+    const length = this.length[0]!;
     this.line.visible = length > 0;
     if (length <= 0) return;
     const ends = this.line.geometry.getAttribute('position');
-    ends.setXYZ(0, origin.x, origin.y, origin.z);
-    ends.setXYZ(
-      1,
-      origin.x + direction.x * length,
-      origin.y + direction.y * length,
-      origin.z + direction.z * length,
-    );
+    const { array } = ends;
+    array[0] = origin.x;
+    array[1] = origin.y;
+    array[2] = origin.z;
+    array[3] = origin.x + direction.x * length;
+    array[4] = origin.y + direction.y * length;
+    array[5] = origin.z + direction.z * length;
     ends.needsUpdate = true;
   }
 

@@ -25,6 +25,8 @@ type Triple = [number, number, number];
 export class Painter {
   /** The ball's middle, in the scene. */
   readonly tip = new Vector3();
+  /** The ball's radius now, metres of the recording. */
+  private readonly radius = new Float64Array(1);
   private readonly look: BrushLook;
   private readonly air: AirShape;
   private stroke: Stroke | null = null;
@@ -51,7 +53,7 @@ export class Painter {
   ) {
     this.look = new BrushLook(engine, place);
     this.air = new AirShape(engine.viewer, place);
-    engine.strokes.results.add(this.felt);
+    engine.strokes.results.push(this.felt);
   }
 
   addTo(scene: Object3D): void {
@@ -60,7 +62,8 @@ export class Painter {
 
   dispose(): void {
     this.finish();
-    this.engine.strokes.results.delete(this.felt);
+    const { results } = this.engine.strokes;
+    results.splice(results.indexOf(this.felt), 1);
     this.look.dispose();
     this.air.dispose();
   }
@@ -78,7 +81,7 @@ export class Painter {
   }
 
   /** Metres of ray to show, or −1. */
-  get reach(): number {
+  get reach(): Float64Array {
     return this.look.reach;
   }
 
@@ -87,6 +90,7 @@ export class Painter {
     const usable = hand.tracked && state.sequence.peek() !== null;
     const pressed = blocked && !this.painting ? 0 : hand.trigger;
     const level = usable ? hand.pressure.update(pressed, now) : 0;
+    this.measureBall();
     this.aimTip(hand);
     if (level !== this.level) this.turnTo(level, hand, head);
     if (this.level > 0) this.go(hand, other, now);
@@ -95,10 +99,9 @@ export class Painter {
     if (color !== null) this.air.line.material.color.set(color);
   }
 
-  /** Radius now, in metres of the recording. */
-  private get radius(): number {
+  private measureBall(): void {
     const { radius } = state.brush.peek();
-    return this.level === 0.5 ? radius * 0.5 : radius;
+    this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
   }
 
   private aimTip(hand: Hand): void {
@@ -106,15 +109,20 @@ export class Painter {
       this.tip.copy(hand.pinch);
       return;
     }
-    const size = Math.min(0.3, state.brush.peek().radius * this.place.scale);
-    const ahead = (hand.device?.tip ?? 0) + 0.5 * size;
-    this.tip.copy(hand.origin).addScaledVector(hand.direction, ahead);
+    const { tip, place } = this;
+    const { origin, direction } = hand;
+    const size = Math.min(0.3, state.brush.peek().radius * place.scale);
+    const ahead = hand.tip[0]! + 0.5 * size;
+    tip.x = origin.x + ahead * direction.x;
+    tip.y = origin.y + ahead * direction.y;
+    tip.z = origin.z + ahead * direction.z;
   }
 
   private turnTo(level: Level, hand: Hand, head: Vector3): void {
     const before = this.level;
     if (before > 0) this.finish(head);
     this.level = level;
+    this.measureBall();
     if (level === 0) return;
     if (before === 0) this.pointing = !isStroke(state.tool.peek());
     if (this.pointing) {
@@ -128,7 +136,7 @@ export class Painter {
       this.air.begin(this.way, this.tip);
       return;
     }
-    const brush = brushFor(this.way, this.radius);
+    const brush = brushFor(this.way, this.radius[0]!);
     this.stroke = brush && this.begin(brush);
     this.last.set(NaN, NaN, NaN);
   }
@@ -146,19 +154,24 @@ export class Painter {
     }
     if (!this.stroke || !this.aimSample(hand, now)) return;
     this.last.copy(this.local);
-    this.stroke.add(this.pointed());
+    this.stroke.add(this.pointed(), now);
   }
 
   private pointed(): PointerSample {
     const { local, aim, sample } = this;
-    local.toArray(sample.origin);
-    aim.toArray(sample.direction);
+    const { origin, direction } = sample;
+    origin[0] = local.x;
+    origin[1] = local.y;
+    origin[2] = local.z;
+    direction[0] = aim.x;
+    direction[1] = aim.y;
+    direction[2] = aim.z;
     return sample;
   }
 
   /** Put the next sample into `local` and `aim`; false when none is due. */
   private aimSample(hand: Hand, now: number): boolean {
-    const { place, local, aim } = this;
+    const { place, local, aim, last } = this;
     place.directionToLocal(hand.direction, aim);
     if (this.way === 'plane') {
       place.toLocal(hand.origin, local);
@@ -172,9 +185,15 @@ export class Painter {
       return true;
     }
     place.toLocal(this.tip, local);
-    if (this.way === 'ball') return !(this.last.distanceTo(local) < SAMPLE_STEP * this.radius);
+    if (this.way === 'ball') {
+      const x = last.x - local.x;
+      const y = last.y - local.y;
+      const z = last.z - local.z;
+      const step = SAMPLE_STEP * this.radius[0]!;
+      return !(x * x + y * y + z * z < step * step);
+    }
     // Fill: from outside of the ball inwards, so that the nearest surface is met; once a press.
-    local.addScaledVector(aim, -this.radius);
+    local.addScaledVector(aim, -this.radius[0]!);
     return Number.isNaN(this.last.x);
   }
 
@@ -187,7 +206,7 @@ export class Painter {
     const drawn = this.level > 0 && (this.way === 'lasso' || this.way === 'box');
     if (drawn && eye && info) {
       const shape = this.air.end(eye, info);
-      const brush = shape && brushFor(this.way, this.radius);
+      const brush = shape && brushFor(this.way, this.radius[0]!);
       if (brush) this.begin({ ...brush, ...shape })?.end();
     }
     this.level = 0;

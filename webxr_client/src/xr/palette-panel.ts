@@ -38,7 +38,7 @@ export class PalettePanel extends Panel {
   ) {
     super({ width: 0.31, height: 0.379, pixelsPerMetre: 3135, em: SIZES.palette.em }, 100);
     this.keyboard = new SystemKeyboard(session);
-    this.mesh.add(this.glow.group);
+    this.mesh.add(this.glow.mesh);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
     this.unfollow = watch(
       [

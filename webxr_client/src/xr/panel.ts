@@ -1,6 +1,7 @@
 /** A panel in the room: a plane with a canvas on it, pressed by a ray. */
 import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector3 } from 'three'; // prettier-ignore
-import { Ui, type Area } from './ui';
+import { tint } from './tint';
+import { LIGHT, Ui, type Area } from './ui';
 
 /** A texture takes its time to reach the GPU. */
 const REDRAW_MS = 60;
@@ -21,11 +22,15 @@ export abstract class Panel {
   private dirty = true;
   private drawn = -Infinity;
   private pressed: Area | null = null;
+  /** The area that the ray is on, and the light on it. */
+  private hover = -1;
+  private readonly light: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly inverse = new Matrix4();
   private readonly from = new Vector3();
   private readonly way = new Vector3();
-  /** Where the ray was last, pixels. */
-  private readonly at = { x: 0, y: 0 };
+  /** Where the ray met it last, pixels, and metres along the ray. */
+  private readonly at = new Float64Array(2);
+  readonly away = new Float64Array(1);
 
   constructor(
     readonly size: PanelSize,
@@ -47,6 +52,14 @@ export abstract class Panel {
     this.mesh = new Mesh(new PlaneGeometry(width, height), material);
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;
+    const glass = { vertexColors: true, transparent: true, depthTest: false, toneMapped: false };
+    const quad = new PlaneGeometry(1, 1);
+    tint(quad, LIGHT.color, LIGHT.opacity);
+    this.light = new Mesh(quad, new MeshBasicMaterial(glass));
+    this.light.renderOrder = order + 0.5;
+    this.light.position.z = 0.0002;
+    this.light.frustumCulled = this.light.visible = false;
+    this.mesh.add(this.light);
   }
 
   protected abstract draw(ui: Ui): void;
@@ -62,34 +75,38 @@ export abstract class Panel {
     this.drawn = now;
     this.ui.begin();
     this.draw(this.ui);
+    this.lighten();
     this.texture.needsUpdate = true;
   }
 
-  /** Metres along the ray to the panel, or −1; remembers where. */
-  meet(origin: Vector3, direction: Vector3): number {
-    if (!this.mesh.visible || !this.mesh.parent?.visible) return -1;
+  /** Whether the ray is on the panel; remembers where, and how far that is. */
+  meet(origin: Vector3, direction: Vector3): boolean {
+    if (!this.mesh.visible || !this.mesh.parent?.visible) return false;
     this.inverse.copy(this.mesh.matrixWorld).invert();
     this.from.copy(origin).applyMatrix4(this.inverse);
     this.way.copy(direction).transformDirection(this.inverse);
     // From behind a panel does not answer.
-    if (this.from.z <= 0 || this.way.z > -0.05) return -1;
+    if (this.from.z <= 0 || this.way.z > -0.05) return false;
     const distance = -this.from.z / this.way.z;
     const u = (this.from.x + this.way.x * distance) / this.size.width + 0.5;
     const v = 0.5 - (this.from.y + this.way.y * distance) / this.size.height;
-    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return -1;
-    this.at.x = u * this.ui.width;
-    this.at.y = v * this.ui.height;
-    return distance;
+    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
+    this.at[0] = u * this.ui.width;
+    this.at[1] = v * this.ui.height;
+    // A panel that has grown counts metres of its own.
+    const e = this.mesh.matrixWorld.elements;
+    this.away[0] = distance * Math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+    return true;
   }
 
   /** The ray is on the panel (after `meet`). `edge` 1: pressed now, −1: let go. */
   point(edge: number): boolean {
     const { ui, at } = this;
-    const hover = ui.find(at.x, at.y);
-    const entered = hover !== ui.hover && hover >= 0;
-    if (hover !== ui.hover) {
-      ui.hover = hover;
-      this.dirty = true;
+    const hover = ui.find(at);
+    const entered = hover !== this.hover && hover >= 0;
+    if (hover !== this.hover) {
+      this.hover = hover;
+      this.lighten();
     }
     if (edge === 1) {
       this.pressed = ui.areas[hover] ?? null;
@@ -112,16 +129,27 @@ export abstract class Panel {
 
   leave(): void {
     if (this.pressed) this.letGo();
-    if (this.ui.hover < 0) return;
-    this.ui.hover = -1;
-    this.dirty = true;
+    this.hover = -1;
+    this.light.visible = false;
+  }
+
+  /** Light up what the ray is on, without drawing the panel anew. */
+  private lighten(): void {
+    const { light, size, ui } = this;
+    const area = ui.areas[this.hover];
+    light.visible = area !== undefined && !area.plain;
+    if (!area) return;
+    const { width, height, pixelsPerMetre } = size;
+    light.scale.set(area.w / pixelsPerMetre, area.h / pixelsPerMetre, 1);
+    light.position.x = (area.x + area.w / 2) / pixelsPerMetre - width / 2;
+    light.position.y = height / 2 - (area.y + area.h / 2) / pixelsPerMetre;
   }
 
   private tell(what: ((x: number, y: number) => void) | undefined): void {
     const area = this.pressed;
     if (!area || !what) return;
     const share = (value: number): number => Math.min(1, Math.max(0, value));
-    what(share((this.at.x - area.x) / area.w), share((this.at.y - area.y) / area.h));
+    what(share((this.at[0]! - area.x) / area.w), share((this.at[1]! - area.y) / area.h));
     this.dirty = true;
   }
 
@@ -139,8 +167,10 @@ export abstract class Panel {
 
   dispose(): void {
     this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    for (const { geometry, material } of [this.mesh, this.light]) {
+      geometry.dispose();
+      material.dispose();
+    }
     this.texture.dispose();
   }
 }

@@ -1,43 +1,42 @@
 /** The others: heads, hands, brushes and names, where they are in the recording's room. */
 import { effect } from '@preact/signals';
-import { BoxGeometry, ConeGeometry, Group, Mesh, MeshBasicMaterial, SphereGeometry, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { BoxGeometry, ConeGeometry, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, type BufferGeometry, type MeshBasicMaterialParameters, type Object3D } from 'three'; // prettier-ignore
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { state, type Person, type Pose } from '../state';
 import { disposeModel } from './model';
+import { faceEyes } from './facing';
 import { Sign } from './sign';
+import { SIZES } from './sizes';
+import { tint } from './tint';
+
+const FACING = { right: 0, up: 0, away: SIZES.name.away };
+/** How bodies look: opaque colours, and those one sees through. */
+const SOLID = { vertexColors: true, transparent: true };
+const CLEAR = { ...SOLID, depthWrite: false };
 
 class Avatar {
   readonly group = new Group();
-  private readonly head = new Group();
+  private readonly head: Mesh;
   private readonly hands: Mesh[];
   private readonly brush: Mesh;
   private readonly name: Sign;
+  /** Holds the name, and where that stands. */
+  private readonly plate = new Group();
+  private readonly above = new Vector3();
 
-  constructor(person: Person) {
-    const material = new MeshBasicMaterial({
-      color: person.color,
-      transparent: true,
-      opacity: 0.85,
-    });
-    const visor = new MeshBasicMaterial({ color: 0x0d1014 });
-    const skull = new Mesh(new SphereGeometry(0.11, 20, 14), material);
-    const glass = new Mesh(new BoxGeometry(0.17, 0.08, 0.08), visor);
-    glass.position.set(0, 0.01, -0.08);
-    this.head.add(skull, glass);
-    this.hands = [0, 1].map(() => {
-      const hand = new Mesh(new ConeGeometry(0.03, 0.11, 12), material);
-      hand.geometry.rotateX(-Math.PI / 2);
-      return hand;
-    });
-    const glow = new MeshBasicMaterial({
-      color: person.color,
-      transparent: true,
-      opacity: 0.3,
-      depthWrite: false,
-    });
-    this.brush = new Mesh(new SphereGeometry(1, 20, 14), glow);
-    this.name = new Sign({ em: 0.05, order: 60 });
-    this.name.write(person.name || 'Someone');
-    this.group.add(this.head, ...this.hands, this.brush, this.name.mesh);
+  constructor({ color, name }: Person) {
+    const skull = tint(new SphereGeometry(0.11, 20, 14), color, 0.85);
+    const glass = tint(new BoxGeometry(0.17, 0.08, 0.08), 0x0d1014).translate(0, 0.01, -0.08);
+    this.head = body(mergeGeometries([glass, skull]), SOLID);
+    for (const part of [skull, glass]) part.dispose();
+    this.hands = [0, 1].map(() =>
+      body(tint(new ConeGeometry(0.03, 0.11, 12), color, 0.85).rotateX(-Math.PI / 2), SOLID),
+    );
+    this.brush = body(tint(new SphereGeometry(1, 20, 14), color, 0.3), CLEAR);
+    this.name = new Sign({ em: SIZES.name.em, order: 60 });
+    this.name.write(name || 'Someone');
+    this.plate.add(this.name.mesh);
+    this.group.add(this.head, ...this.hands, this.brush, this.plate);
   }
 
   take(person: Person): void {
@@ -46,14 +45,15 @@ class Avatar {
     this.brush.visible = person.brush !== null && person.radius > 0;
     if (person.brush) this.brush.position.set(...person.brush);
     this.brush.scale.setScalar(Math.max(0.005, person.radius));
-    const { head, name } = this;
+    const { head, name, above } = this;
     name.mesh.visible = head.visible || this.brush.visible;
-    name.mesh.position.copy(head.visible ? head.position : this.brush.position);
-    name.mesh.position.y += head.visible ? 0.24 : person.radius + 0.08;
+    above.copy(head.visible ? head.position : this.brush.position);
+    above.y += head.visible ? 0.24 : person.radius + 0.08;
   }
 
+  /** `eye` in the room, as all that is known of people. */
   face(eye: Vector3): void {
-    this.name.mesh.lookAt(eye);
+    faceEyes(this.plate, this.above, eye, FACING);
   }
 
   /** What one sees of this person. */
@@ -67,6 +67,12 @@ class Avatar {
     this.name.dispose();
     disposeModel(this.group);
   }
+}
+
+function body(geometry: BufferGeometry, look: MeshBasicMaterialParameters): Mesh {
+  const mesh = new Mesh(geometry, new MeshBasicMaterial(look));
+  mesh.frustumCulled = false;
+  return mesh;
 }
 
 function place(object: Object3D, pose: Pose | null): void {
@@ -83,7 +89,12 @@ export class People {
   private present: readonly Avatar[] = [];
   private readonly unfollow: () => void;
 
-  constructor(world: Group, changed: () => void) {
+  private readonly eye = new Vector3();
+
+  constructor(
+    private readonly world: Group,
+    changed: () => void,
+  ) {
     this.unfollow = effect(() => {
       const people = state.people.value;
       for (const [viewer, avatar] of this.avatars) {
@@ -110,9 +121,11 @@ export class People {
     return this.present.map((avatar) => avatar.seen);
   }
 
-  /** Names turn to the eye. */
+  /** Names turn to the eye, a place in the scene. */
   face(eye: Vector3): void {
-    for (let i = 0; i < this.present.length; i++) this.present[i]!.face(eye);
+    if (this.present.length === 0) return;
+    this.world.worldToLocal(this.eye.copy(eye));
+    for (let i = 0; i < this.present.length; i++) this.present[i]!.face(this.eye);
   }
 
   dispose(): void {

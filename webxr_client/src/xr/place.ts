@@ -1,6 +1,7 @@
 /** From the scene to the recording: `local` is where its points are stored, metres. */
 import { Matrix4, Vector3 } from 'three';
 import type { Viewer } from '../cloud/viewer';
+import { turnBy } from './vectors';
 
 export class Place {
   readonly localFromScene = new Matrix4();
@@ -23,6 +24,6 @@ export class Place {
   }
 
   directionToLocal(scene: Vector3, local: Vector3): Vector3 {
-    return local.copy(scene).transformDirection(this.localFromScene);
+    return turnBy(this.localFromScene, scene, local);
   }
 }

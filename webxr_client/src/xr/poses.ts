@@ -83,8 +83,15 @@ export class Poses {
   }
 
   private take(place: number, out: Matrix4): boolean {
-    if (Number.isNaN(this.values[16 * place]!)) return false;
-    out.fromArray(this.values, 16 * place);
-    return true;
+    const { values } = this;
+    const { elements } = out;
+    let seen = true;
+    for (let k = 0; k < 16; k++) {
+      const value = values[16 * place + k]!;
+      elements[k] = value;
+      // Only what is not a number is neither; asking `Number` would box each.
+      seen &&= value >= 0 || value < 0;
+    }
+    return seen;
   }
 }

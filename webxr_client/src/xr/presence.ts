@@ -1,5 +1,5 @@
 /** Tells the others where one is, a few times a second.  The message is made once and sent again. */
-import { Matrix4, Quaternion, Vector3, type Object3D } from 'three';
+import { Matrix4, Vector3, type Object3D, type Quaternion } from 'three';
 import type { Afterwards } from '../cloud/afterwards';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
@@ -15,11 +15,9 @@ type Message = Required<ClientPresence>;
 const nowhere = (): Pose => [0, 0, 0, 0, 0, 0, 1];
 
 export class Presence {
-  private last = 0;
+  private readonly last = new Float64Array(1);
   private readonly roomFromScene = new Matrix4();
-  private readonly turnFromScene = new Quaternion();
   private readonly at = new Vector3();
-  private readonly way = new Quaternion();
   private readonly head = nowhere();
   private readonly hands: readonly [Pose, Pose] = [nowhere(), nowhere()];
   private readonly brush: [number, number, number] = [0, 0, 0];
@@ -44,19 +42,18 @@ export class Presence {
   }
 
   update(now: number, rig: Rig, hands: readonly Hand[], tip: Vector3, world: Object3D): void {
-    if (now - this.last < PERIOD_MS || state.sequence.peek() === null) return;
-    this.last = now;
+    if (now - this.last[0]! < PERIOD_MS || state.sequence.peek() === null) return;
+    this.last[0] = now;
     this.roomFromScene.copy(world.matrixWorld).invert();
-    world.getWorldQuaternion(this.turnFromScene).invert();
     const { message } = this;
-    this.write(this.head, rig.head, rig.turned);
+    this.write(this.head, rig.head, rig.turned, world.quaternion);
     for (let i = 0; i < 2; i++) {
       const hand = hands[i]!;
       const pose = this.hands[i as 0 | 1];
-      if (hand.tracked) this.write(pose, hand.place, hand.turn);
+      if (hand.tracked) this.write(pose, hand.place, hand.turn, world.quaternion);
       message.hands[i] = hand.tracked ? pose : null;
     }
-    this.at.copy(tip).applyMatrix4(this.roomFromScene).toArray(this.brush);
+    this.place(this.brush, tip);
     message.radius = state.brush.peek().radius;
     this.due = true;
     this.afterwards.ask();
@@ -68,9 +65,26 @@ export class Presence {
     this.send(this.message);
   };
 
-  private write(pose: Pose, place: Vector3, turn: Quaternion): void {
-    this.at.copy(place).applyMatrix4(this.roomFromScene).toArray(pose);
-    this.way.copy(turn).premultiply(this.turnFromScene).toArray(pose, 3);
+  private place(out: number[], scene: Vector3): void {
+    const { at } = this;
+    at.copy(scene).applyMatrix4(this.roomFromScene);
+    out[0] = at.x;
+    out[1] = at.y;
+    out[2] = at.z;
+  }
+
+  /** `world`: how the recording was turned in the scene, which is taken back. */
+  private write(pose: Pose, place: Vector3, turn: Quaternion, world: Quaternion): void {
+    this.place(pose, place);
+    const { x, y, z, w } = turn;
+    const a = -world.x;
+    const b = -world.y;
+    const c = -world.z;
+    const d = world.w;
+    pose[3] = d * x + a * w + b * z - c * y;
+    pose[4] = d * y + b * w + c * x - a * z;
+    pose[5] = d * z + c * w + a * y - b * x;
+    pose[6] = d * w - a * x - b * y - c * z;
   }
 
   /** One has left the room. */

@@ -16,11 +16,11 @@ export class Pulse {
   update(now: number): void {
     const on = unsure.peek().length > 0;
     const strength = on ? 0.5 - 0.5 * Math.cos((2 * Math.PI * now) / PERIOD_MS) : 0;
-    this.uniforms.pulse.value = strength;
+    this.uniforms.pulse = strength;
     this.palette.pulse(strength);
   }
 
   dispose(): void {
-    this.uniforms.pulse.value = 0;
+    this.uniforms.pulse = 0;
   }
 }

@@ -1,122 +1,147 @@
-/** The number of the frame and its time: a small canvas of its own, since it changes all the time. */
-import { CanvasTexture, LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type Object3D } from 'three'; // prettier-ignore
+/**
+ * The number of the frame and its time.  They change all the time: each sign is a quad that shows its
+ * place of a canvas drawn once, so that another number moves some corners and draws nothing.
+ */
+import { BufferGeometry, CanvasTexture, DynamicDrawUsage, Float32BufferAttribute, Mesh, MeshBasicMaterial, SRGBColorSpace, type Object3D } from 'three'; // prettier-ignore
 import { state } from '../state';
 import { FONT, INK } from './ui';
 
-/** Ems. */
-const [WIDTH, HEIGHT] = [11.6, 2.3];
-/** While it plays nobody reads each number. */
-const PLAYING_MS = 120;
-
-const DIGITS = '0123456789';
+const SIGNS = '0123456789/:.';
+const [SLASH, COLON, POINT] = [10, 11, 12];
 const UNITS = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
+/** Most signs at a time. */
+const MOST = 32;
+/** A quad's corners as two triangles. */
+const CORNERS = [0, 1, 2, 2, 1, 3] as const;
+/** Ems: of the frame's number, of the time, where the time begins, and the height of a row. */
+const [STRONG, PLAIN, TIME_AT, ROW] = [1.2, 1, 6.4, 1.6];
 
+/** One row of the canvas: a size and a colour. */
 interface Type {
-  readonly font: string;
-  /** Pixels from one digit to the next. */
+  /** The row from the top, and the width of its cells, which is a digit's, pixels. */
+  readonly row: number;
   readonly pitch: number;
 }
 
 export class Readout {
-  private readonly mesh: Mesh<PlaneGeometry, MeshBasicMaterial>;
-  private readonly pen: CanvasRenderingContext2D;
-  private readonly texture: CanvasTexture;
+  private readonly mesh: Mesh<BufferGeometry, MeshBasicMaterial>;
+  private readonly places = attribute(3);
+  private readonly parts = attribute(2);
+  private readonly pen = document.createElement('canvas').getContext('2d')!;
   private frame = -1;
   private sequence = '';
-  private drawn = -Infinity;
   private readonly strong: Type;
   private readonly plain: Type;
-  /** Where the next sign goes, and the width of a digit. */
-  private x = 0;
-  private pitch = 1;
+  private count = 0;
+  /** Where the next sign goes, pixels. */
+  private readonly x = new Float64Array(1);
 
   /** `em` in pixels. */
   constructor(
     private readonly em: number,
-    pixelsPerMetre: number,
+    private readonly pixelsPerMetre: number,
     order: number,
   ) {
-    const canvas = document.createElement('canvas');
-    canvas.width = Math.round(WIDTH * em);
-    canvas.height = Math.round(HEIGHT * em);
-    this.pen = canvas.getContext('2d')!;
-    this.strong = this.type(`600 ${1.2 * em}px ${FONT}`);
-    this.plain = this.type(`500 ${em}px ${FONT}`);
-    this.texture = new CanvasTexture(canvas);
-    this.texture.colorSpace = SRGBColorSpace;
-    this.texture.minFilter = LinearFilter;
-    this.texture.generateMipmaps = false;
-    const look = { map: this.texture, transparent: true, depthTest: false, toneMapped: false };
-    const size = [canvas.width / pixelsPerMetre, canvas.height / pixelsPerMetre] as const;
-    this.mesh = new Mesh(new PlaneGeometry(...size), new MeshBasicMaterial(look));
+    const { canvas } = this.pen;
+    canvas.width = Math.ceil(SIGNS.length * em);
+    canvas.height = Math.ceil(2 * ROW * em);
+    this.pen.fillStyle = INK.back;
+    this.pen.fillRect(0, 0, canvas.width, canvas.height);
+    this.strong = this.write(0, `600 ${STRONG * em}px ${FONT}`, INK.text);
+    this.plain = this.write(1, `500 ${PLAIN * em}px ${FONT}`, INK.quiet);
+    const map = new CanvasTexture(canvas);
+    map.colorSpace = SRGBColorSpace;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', this.places);
+    geometry.setAttribute('uv', this.parts);
+    const look = { map, transparent: true, depthTest: false, toneMapped: false };
+    this.mesh = new Mesh(geometry, new MeshBasicMaterial(look));
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;
   }
 
-  private type(font: string): Type {
-    this.pen.font = font;
-    return { font, pitch: this.pen.measureText('0').width };
+  /** Write every sign into a row, each in the middle of its cell. */
+  private write(row: number, font: string, color: string): Type {
+    const { pen, em } = this;
+    pen.font = font;
+    pen.fillStyle = color;
+    pen.textBaseline = 'middle';
+    pen.textAlign = 'center';
+    const pitch = pen.measureText('0').width;
+    for (let i = 0; i < SIGNS.length; i++) {
+      pen.fillText(SIGNS[i]!, (i + 0.5) * pitch, (row + 0.5) * ROW * em);
+    }
+    return { row, pitch };
   }
 
   /** Lie on a panel with the left edge at `x` and the middle at `y`, metres. */
   lieOn(panel: Object3D, x: number, y: number): void {
     panel.add(this.mesh);
-    this.mesh.position.set(x + this.mesh.geometry.parameters.width / 2, y, 0.001);
+    this.mesh.position.set(x, y, 0.001);
   }
 
-  update(now: number): void {
+  update(): void {
     const info = state.sequence.peek();
     const frame = state.frame.peek();
     this.mesh.visible = info !== null;
     if (!info || (frame === this.frame && info.id === this.sequence)) return;
-    if (state.playing.peek() && now - this.drawn < PLAYING_MS) return;
     this.frame = frame;
     this.sequence = info.id;
-    this.drawn = now;
-    const { em, pen } = this;
-    pen.fillStyle = INK.back;
-    pen.fillRect(0, 0, WIDTH * em, HEIGHT * em);
-    pen.textBaseline = 'middle';
-    pen.textAlign = 'center';
-    this.begin(this.strong, INK.text, 0);
-    this.digits(frame);
-    this.sign('/', 1.2);
-    this.digits(info.frames - 1);
-    this.begin(this.plain, INK.quiet, 6.4 * em);
+    this.count = 0;
+    this.x[0] = 0;
+    this.digits(this.strong, frame, 1);
+    this.sign(this.strong, SLASH);
+    this.digits(this.strong, info.frames - 1, 1);
+    this.x[0] = TIME_AT * this.em;
     const hundredths = Math.round((100 * frame) / Math.max(info.fps, 1e-3));
-    this.digits(Math.floor(hundredths / 6000));
-    this.sign(':', 0.4);
-    this.digits(Math.floor(hundredths / 100) % 60, 2);
-    this.sign('.', 0.4);
-    this.digits(hundredths % 100, 2);
-    this.texture.needsUpdate = true;
+    this.digits(this.plain, Math.floor(hundredths / 6000), 1);
+    this.sign(this.plain, COLON);
+    this.digits(this.plain, Math.floor(hundredths / 100) % 60, 2);
+    this.sign(this.plain, POINT);
+    this.digits(this.plain, hundredths % 100, 2);
+    this.mesh.geometry.setDrawRange(0, CORNERS.length * this.count);
+    this.places.needsUpdate = this.parts.needsUpdate = true;
   }
 
-  private begin(type: Type, color: string, x: number): void {
-    this.pen.font = type.font;
-    this.pen.fillStyle = color;
-    this.pitch = type.pitch;
-    this.x = x;
-  }
-
-  /** Digit by digit, `least` of them or more: a text would be made anew for each frame. */
-  private digits(value: number, least = 1): void {
+  /** Digit by digit, `least` of them or more. */
+  private digits(type: Type, value: number, least: number): void {
     let places = least;
     while (places < UNITS.length && UNITS[places]! <= value) places++;
-    while (places > 0) this.sign(DIGITS[Math.floor(value / UNITS[--places]!) % 10]!, 1);
+    while (places > 0) this.sign(type, Math.floor(value / UNITS[--places]!) % 10);
   }
 
-  /** `width` in digits. */
-  private sign(text: string, width: number): void {
-    const wide = width * this.pitch;
-    this.pen.fillText(text, this.x + wide / 2, (HEIGHT * this.em) / 2);
-    this.x += wide;
+  /** One cell of the canvas, side by side with the last; signs that are no digits are narrower. */
+  private sign({ row, pitch }: Type, sign: number): void {
+    const { em, pixelsPerMetre, x, count } = this;
+    if (count >= MOST) return;
+    const { width, height } = this.pen.canvas;
+    const places = this.places.array;
+    const parts = this.parts.array;
+    const wide = sign > SLASH ? 0.45 * pitch : pitch;
+    const middle = x[0]! + wide / 2;
+    for (let k = 0; k < CORNERS.length; k++) {
+      const corner = CORNERS[k]!;
+      const vertex = CORNERS.length * count + k;
+      const right = corner & 1;
+      const up = corner >> 1;
+      places[3 * vertex] = (middle + (right - 0.5) * wide) / pixelsPerMetre;
+      places[3 * vertex + 1] = ((up - 0.5) * ROW * em) / pixelsPerMetre;
+      parts[2 * vertex] = ((sign + 0.5) * pitch + (right - 0.5) * wide) / width;
+      parts[2 * vertex + 1] = 1 - ((row + 1 - up) * ROW * em) / height;
+    }
+    x[0] = x[0]! + wide;
+    this.count += 1;
   }
 
   dispose(): void {
     this.mesh.removeFromParent();
     this.mesh.geometry.dispose();
+    this.mesh.material.map!.dispose();
     this.mesh.material.dispose();
-    this.texture.dispose();
   }
+}
+
+function attribute(size: number): Float32BufferAttribute {
+  const numbers = new Float32Array(size * CORNERS.length * MOST);
+  return new Float32BufferAttribute(numbers, size).setUsage(DynamicDrawUsage);
 }

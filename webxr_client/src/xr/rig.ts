@@ -1,6 +1,7 @@
 /** Where the headset's space lies in the scene: walking, teleporting and turning move it. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Poses } from './poses';
+import { turnBy } from './vectors';
 
 const UP = new Vector3(0, 1, 0);
 
@@ -25,9 +26,12 @@ export class Rig {
     this.turned.setFromRotationMatrix(this.pose).premultiply(this.group.quaternion);
     const { elements } = this.pose;
     // The third column of the rotation, reversed and laid level.
-    this.ahead.set(-elements[8], 0, -elements[10]);
-    if (this.ahead.lengthSq() < 1e-6) this.ahead.set(0, 0, -1);
-    this.ahead.normalize().transformDirection(this.group.matrixWorld);
+    const { ahead } = this;
+    ahead.x = -elements[8];
+    ahead.y = 0;
+    ahead.z = -elements[10];
+    if (ahead.x * ahead.x + ahead.z * ahead.z < 1e-6) ahead.set(0, 0, -1);
+    turnBy(this.group.matrixWorld, ahead, ahead);
     return true;
   }
 

@@ -1,16 +1,34 @@
-/** Text in the room: metres of its em, and the farthest that it is usually read from, metres. */
+/**
+ * Text in the room.  What one reads are words of small letters that begin with capitals: their height
+ * is what is asked to be a degree at least, which makes the em (the figure that fonts go by) 1.4°.
+ */
+
+/** Height of a capital letter in ems: Inter's own metrics, 1490 of 2048 units. */
+export const CAPITAL = 1490 / 2048;
+/** What a capital letter is tall at least, seen from where one is. */
+export const LEAST_DEGREES = 1;
+
 export interface TextSize {
+  /** Metres of the em. */
   readonly em: number;
+  /** The farthest that it is read from, metres; what follows the hands grows beyond. */
   readonly away: number;
 }
 
+/** How tall a capital letter is seen from so far, degrees. */
+export function degrees({ em, away }: TextSize): number {
+  return (Math.atan2(CAPITAL * em, away) * 180) / Math.PI;
+}
+
 export const SIZES = {
-  /** On the other hand, the arm stretched out. */
-  palette: { em: 0.0132, away: 0.7 },
+  /** On the other hand, the arm bent. */
+  palette: { em: 0.0132, away: 0.54 },
   /** Low before one, its far corners. */
-  timeline: { em: 0.02, away: 1.1 },
+  timeline: { em: 0.0262, away: 1.09 },
   /** Beside a controller. */
-  tips: { em: 0.012, away: 0.65 },
+  tips: { em: 0.0122, away: 0.5 },
   /** Before the eyes. */
-  message: { em: 0.024, away: 1.05 },
+  message: { em: 0.025, away: 1.03 },
+  /** Over somebody else's head. */
+  name: { em: 0.05, away: 2 },
 } as const satisfies Record<string, TextSize>;

@@ -48,8 +48,8 @@ export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig
   return true;
 }
 
-const LENGTH = 0.75;
-const BELOW = 0.62;
+const LENGTH = 0.7;
+const BELOW = 0.6;
 const LOWEST = 0.55;
 const LEAN = -0.65;
 

@@ -14,7 +14,7 @@ import { FONT, INK, type Ui } from './ui';
 import { watch } from '../watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
-const LANES = 7;
+const LANES = 6;
 const GUTTER_EMS = 7.5;
 const READOUT_EMS = 14.6;
 /** Between two drawings for what may show later; a picture of its own is a costly one. */
@@ -34,7 +34,7 @@ export class TimelinePanel extends Panel {
   private drawnAt = -Infinity;
 
   constructor() {
-    super({ width: 0.9, height: 0.43, pixelsPerMetre: 1800, em: SIZES.timeline.em }, 90);
+    super({ width: 1.06, height: 0.485, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
     const material = new MeshBasicMaterial({
       color: 0xffffff,
       depthTest: false,
@@ -82,7 +82,7 @@ export class TimelinePanel extends Panel {
       this.touch();
     }
     this.placeHead(frame);
-    this.readout.update(now);
+    this.readout.update();
     super.update(now);
   }
 
@@ -168,11 +168,11 @@ export class TimelinePanel extends Panel {
     const w = width - gutter;
     this.strips = { x, y: top, w, h: height };
     const seek = (share: number): void => actions.seek(xToFrame(share * w, span, w, frames), true);
-    ui.area({ name: 'ruler', x, y: top, w, h: ruler, act: seek, drag: seek });
+    ui.area({ name: 'ruler', x, y: top, w, h: ruler, act: seek, drag: seek, plain: true });
     let start = 0;
     ui.area({
       name: 'strips',
-      x, y: top + ruler, w, h: height - ruler,
+      x, y: top + ruler, w, h: height - ruler, plain: true,
       act: (share) => {
         start = xToFrame(share * w, span, w, frames);
         frameRange.value = null;

@@ -108,15 +108,11 @@ function drawOffers(row: Row, frames: number): void {
   const none = labels.length === 0;
   const go = (stop: number) => () => track(labels, frame, stop);
   const end = none || frame === last;
-  row.button(9.6, { icon: 'next', text: 'To end', strong: true, disabled: end }, go(last));
+  row.button(8.2, { icon: 'next', text: 'To end', strong: true, disabled: end }, go(last));
   const some = Math.min(last, frame + SOME);
-  row.button(
-    10.5,
-    { icon: 'track', text: `${SOME} frames`, strong: true, disabled: end },
-    go(some),
-  );
+  row.button(9.8, { icon: 'track', text: `${SOME} frames`, strong: true, disabled: end }, go(some));
   const start = none || frame === 0;
-  row.button(9.7, { icon: 'previous', text: 'To start', strong: true, disabled: start }, go(0));
+  row.button(8.8, { icon: 'previous', text: 'To start', strong: true, disabled: start }, go(0));
   offer(row, labels, frame);
 }
 

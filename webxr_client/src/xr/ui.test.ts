@@ -1,24 +1,62 @@
 import { describe, expect, it } from 'vitest';
 import { contrast, LABEL_COLORS } from '../panels/colors';
-import { SIZES } from './sizes';
-import { INK } from './ui';
+import { HIDDEN, STRIP_INK } from '../panels/timeline-draw';
+import { degrees, LEAST_DEGREES, SIZES } from './sizes';
+import { INK, LIGHT } from './ui';
+
+type Color = `#${string}`;
+
+/** One colour seen through another, as the browser mixes them. */
+function over(top: Color, below: Color, opacity: number): Color {
+  const channel = (color: Color, k: number): number =>
+    Number.parseInt(color.slice(1 + 2 * k, 3 + 2 * k), 16);
+  const mixed = [0, 1, 2].map((k) =>
+    Math.round(opacity * channel(top, k) + (1 - opacity) * channel(below, k)),
+  );
+  return `#${mixed.map((value) => value.toString(16).padStart(2, '0')).join('')}`;
+}
+
+/** Which words stand on which backs. */
+const WORDS = {
+  back: ['text', 'quiet', 'off', 'accent', 'bad', 'good', 'warn'],
+  raised: ['text', 'quiet', 'off', 'warn'],
+  on: ['onText', 'warn'],
+} as const;
+const LINES = ['line', 'edge'];
 
 describe('panels in the room', () => {
-  it.each(Object.entries(SIZES))('have text of a degree or more: %s', (_name, { em, away }) => {
-    expect((Math.atan2(em, away) * 180) / Math.PI).toBeGreaterThan(1);
+  it.each(Object.entries(SIZES))('have capitals of a degree or more: %s', (_name, size) => {
+    expect(degrees(size)).toBeGreaterThanOrEqual(LEAST_DEGREES);
   });
 
-  it('have text that contrasts with whatever lies under it', () => {
-    for (const back of [INK.back, INK.raised, INK.hover]) {
-      expect(contrast(INK.text, back)).toBeGreaterThan(7);
-      expect(contrast(INK.quiet, back)).toBeGreaterThan(4.5);
+  it.each(Object.entries(WORDS))('have words that contrast with %s, lit or not', (back, words) => {
+    const below = INK[back as keyof typeof WORDS];
+    for (const word of words) {
+      expect(contrast(INK[word], below), word).toBeGreaterThan(4.5);
+      // What cannot be pressed does not light up.
+      if (word === 'off') continue;
+      const light = (color: Color): Color => over(LIGHT.color, color, LIGHT.opacity);
+      expect(contrast(light(INK[word]), light(below)), `${word}, lit`).toBeGreaterThan(4.5);
     }
-    expect(contrast(INK.accent, INK.on)).toBeGreaterThan(4.5);
-    expect(contrast(INK.quiet, INK.on)).toBeGreaterThan(4.5);
-    expect(contrast(INK.off, INK.raised)).toBeGreaterThan(4.5);
-    for (const color of [INK.bad, INK.good, INK.warn]) {
-      expect(contrast(color, INK.back)).toBeGreaterThan(4.5);
+    expect(contrast(INK.text, INK.back)).toBeGreaterThan(7);
+  });
+
+  it('know all their colours', () => {
+    const known = new Set<string>([...Object.entries(WORDS).flat(2), ...LINES]);
+    expect(Object.keys(INK).filter((name) => !known.has(name))).toEqual([]);
+  });
+
+  it('have names of labels, also of hidden ones, that contrast with the strips', () => {
+    for (const back of [STRIP_INK.back, STRIP_INK.lane, STRIP_INK.laneActive]) {
+      for (const word of [STRIP_INK.text, STRIP_INK.textStrong]) {
+        expect(contrast(word, back)).toBeGreaterThan(4.5);
+      }
     }
+    const hidden = over(STRIP_INK.text, STRIP_INK.back, HIDDEN);
+    expect(contrast(hidden, STRIP_INK.back)).toBeGreaterThan(4.5);
+  });
+
+  it('have colours of labels that stand out', () => {
     for (const color of LABEL_COLORS) expect(contrast(color, INK.raised)).toBeGreaterThan(3);
   });
 });

@@ -11,8 +11,9 @@ export const FONT = '"Inter Variable", system-ui, sans-serif';
 export const INK = {
   back: '#12161b',
   raised: '#1e242c',
-  hover: '#303a46',
   on: '#1c416d',
+  /** Text on what is on. */
+  onText: '#bcd7ff',
   line: '#38424e',
   edge: '#56636f',
   text: '#f2f5f9',
@@ -36,7 +37,12 @@ export interface Area {
   /** While pressed, also outside of the area; then clamped. */
   readonly drag?: ((x: number, y: number) => void) | undefined;
   readonly release?: (() => void) | undefined;
+  /** Too large to light up under the ray. */
+  readonly plain?: boolean;
 }
+
+/** The light on what the ray is on, and how much of it: text below it stays legible. */
+export const LIGHT = { color: '#8bbcff', opacity: 0.14 } as const;
 
 export interface ButtonLook {
   icon?: IconName;
@@ -54,8 +60,6 @@ const paths = new Map<IconName, Path2D>();
 
 export class Ui {
   readonly areas: Area[] = [];
-  /** The area that the ray is on. */
-  hover = -1;
 
   constructor(
     readonly pen: CanvasRenderingContext2D,
@@ -82,14 +86,15 @@ export class Ui {
     pen.stroke();
   }
 
-  /** Note a place that answers; true while the ray is on it. */
-  area(area: Area): boolean {
+  /** Note a place that answers. */
+  area(area: Area): void {
     this.areas.push(area);
-    return this.hover === this.areas.length - 1;
   }
 
   /** Number of the topmost area at a place, or −1. */
-  find(px: number, py: number): number {
+  find(place: Float64Array): number {
+    const px = place[0]!;
+    const py = place[1]!;
     for (let i = this.areas.length - 1; i >= 0; i--) {
       const { x, y, w, h } = this.areas[i]!;
       if (px >= x && px <= x + w && py >= y && py <= y + h) return i;
@@ -150,18 +155,16 @@ export class Ui {
     act?: (x: number, y: number) => void,
   ): void {
     const usable = act && !look.disabled;
-    const hovered = usable
-      ? this.area({ name: look.text ?? look.icon ?? '', x, y, w, h, act })
-      : false;
-    const fill = hovered ? INK.hover : look.on ? INK.on : look.strong ? INK.raised : null;
+    if (usable) this.area({ name: look.text ?? look.icon ?? '', x, y, w, h, act });
+    const fill = look.on ? INK.on : look.strong ? INK.raised : null;
     if (fill) this.box(x, y, w, h, fill);
-    const color = look.disabled ? INK.off : look.on ? INK.accent : INK.text;
+    const color = look.disabled ? INK.off : look.on ? INK.onText : INK.text;
     const { em, pen } = this;
     const size = em * 1.25;
     const gap = em * 0.45;
     const marks = (look.icon ? size + gap : 0) + (look.swatch ? size + gap : 0);
     const text = look.text ?? '';
-    const noted = look.note ? this.note(look.note, x + w - em * 0.5, y + h / 2, w * 0.4) : 0;
+    const noted = look.note ? this.note(look, x + w - em * 0.5, y + h / 2, w * 0.4) : 0;
     pen.font = `500 ${em}px ${FONT}`;
     const room = w - marks - noted - em * 0.8;
     const wide = text ? Math.min(room, pen.measureText(text).width) : -gap;
@@ -179,9 +182,10 @@ export class Ui {
   }
 
   /** Write quiet words that end at `right`; returns the room that they take. */
-  private note(text: string, right: number, y: number, width: number): number {
+  private note({ note, on }: ButtonLook, right: number, y: number, width: number): number {
     const { em, pen } = this;
-    this.text(text, right, y, { color: INK.quiet, align: 'right', width });
+    const text = note ?? '';
+    this.text(text, right, y, { color: on ? INK.onText : INK.quiet, align: 'right', width });
     return Math.min(width, pen.measureText(text).width) + em * 0.5;
   }
 
@@ -201,12 +205,12 @@ export class Ui {
     this.text(shown, x + w, y + h * 0.28, { align: 'right' });
     const bar = { x, y: y + h * 0.5, w, h: h * 0.5 };
     const middle = bar.y + bar.h / 2;
-    const hovered = this.area({ name, ...bar, act: set, drag: set });
+    this.area({ name, ...bar, act: set, drag: set });
     this.box(x, middle - em * 0.14, w, em * 0.28, INK.line);
     this.box(x, middle - em * 0.14, Math.max(em * 0.3, w * share), em * 0.28, INK.accent);
-    this.pen.fillStyle = hovered ? '#ffffff' : INK.text;
+    this.pen.fillStyle = INK.text;
     this.pen.beginPath();
-    this.pen.arc(x + w * share, middle, em * (hovered ? 0.48 : 0.38), 0, 7);
+    this.pen.arc(x + w * share, middle, em * 0.42, 0, 7);
     this.pen.fill();
   }
 
@@ -220,12 +224,11 @@ export class Ui {
     set: (on: boolean) => void,
   ): void {
     const { em } = this;
-    const hovered = this.area({ name, x, y, w, h, act: () => set(!on) });
-    if (hovered) this.box(x, y, w, h, INK.hover);
+    this.area({ name, x, y, w, h, act: () => set(!on) });
     const size = em * 1.1;
     const top = y + (h - size) / 2;
     this.box(x + em * 0.4, top, size, size, on ? INK.accent : INK.line);
-    if (on) this.icon('check', x + em * 0.45, top + em * 0.05, em, '#07131f');
+    if (on) this.icon('check', x + em * 0.45, top + em * 0.05, em, INK.back);
     this.text(name, x + em * 2, y + h / 2, { width: w - em * 2.2 });
   }
 }
