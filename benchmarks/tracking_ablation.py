@@ -41,6 +41,10 @@ IDEAS: dict[str, tuple[str, Any]] = {
         "pointbrush.tracking.belong.carved",
         lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
     ),
+    "missed pieces": (
+        "pointbrush.tracking.belong.lost_pieces",
+        lambda *_: np.empty(0, np.int64),
+    ),
     "way of the sensor": ("pointbrush.tracking.ego.stands", lambda *_: True),
     "ground": (
         "pointbrush.tracking.view.on_ground",

@@ -17,6 +17,7 @@ from pointbrush.tracking.carve import carved
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
+from pointbrush.tracking.regain import lost_pieces
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -88,14 +89,17 @@ def grow(
     for label, place in places.items():
         thing, core = things[label], claims[label].indices
         rest = place.moving[~taken[place.moving]]
-        if len(core) < 5 or not len(rest) or thing.large:
+        if len(core) < 5 or thing.large:
             continue
-        new = _whole(thing, view, place, core, taken)
+        new = _whole(thing, view, place, core, taken) if len(rest) else None
         place.whole = new is not None
         if new is None:
             new = _adjoin(thing, view, place, core, rest)
             mine = (hider != label) & ~taken[shown]
-            place.uncovered = _shown(thing, view, core, shown[mine], hider[mine])
+            place.uncovered = together(
+                _shown(thing, view, core, shown[mine], hider[mine]),
+                lost_pieces(thing, view, place, core, taken, background),
+            )
             new = together(new, place.uncovered)
         grown[label] = new
         taken[new] = True

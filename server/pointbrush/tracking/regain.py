@@ -1,0 +1,91 @@
+"""Surface of a thing that was missed for a while: pieces beside it that are nobody else's.
+
+What is missed once lies unlabelled beside the thing ever after, and explains itself as unlabelled.
+But a hand goes on to an arm, and out of the picture; a piece that ends all round, touches nothing
+but the thing and what never moves, and has the colours that the thing was painted with, is its.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.background import Background
+from pointbrush.tracking.carve import ENOUGH, carved
+from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+SHRUNK, MOST = 0.85, 1.1
+"""Share of its size under which a thing has lost a part, and up to which it is given pieces."""
+LEAST = 0.04
+"""Share of its size that a piece has at least."""
+CELL, TOUCH = 1.5, 1.75
+"""Units of a cell, and cells between the middles of two that touch."""
+BESIDE, LONELY = 2.5, 6.0
+"""Units between a thing and what touches it, and around a piece where nothing else may be."""
+FEW, SHARP = 0.2, 0.2
+"""Share of its points up to which others may be near a piece, as flying pixels are, or a piece may
+lie where the sensor looked through; cost of a fit up to which that can be told."""
+ALIKE = 0.7
+"""Share of a piece's colours that the thing showed where it was painted."""
+
+
+def lost_pieces(
+    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
+) -> I64:
+    """The points (M,), sorted, of the pieces of ``thing`` beside its points ``core``.
+
+    ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
+    what never moves.
+    """
+    none = np.empty(0, np.int64)
+    if view.lens is None or thing.bends or len(core) > SHRUNK * thing.size:
+        return none
+    rest = place.around[~taken[place.around]]
+    rest = rest[~background.static(view, rest)[0]]
+    least = max(5.0, LEAST * thing.size)
+    if len(rest) < least:
+        return none
+    xyz = view.xyz[rest].astype(np.float64)
+    cell = cells_of(xyz, CELL * thing.unit)
+    count = np.bincount(cell)
+    middle = np.stack([np.bincount(cell, weights=v) for v in xyz.T], axis=1) / count[:, None]
+    pairs = cKDTree(middle).query_pairs(TOUCH * CELL * thing.unit, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(count),) * 2)
+    number, part = connected_components(links, directed=False)
+    piece = part[cell]
+    size = np.bincount(piece, minlength=number)
+    lo, hi = place.box
+    edge = BESIDE * thing.unit
+    outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
+    found, left = [none], MOST * thing.size - len(core)
+    for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
+        mine = piece == one
+        points = rest[mine]
+        if len(points) <= left and _is_its(thing, view, place, core, points, xyz[~mine]):
+            found.append(points)
+            left -= len(points)
+    return np.sort(np.concatenate(found))
+
+
+def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
+    """Whether a piece touches the thing and no ``others`` (M, 3), and looks like it."""
+    xyz = view.xyz[points].astype(np.float64)
+    if not np.isfinite(gaps(view.xyz[core], xyz, BESIDE * thing.unit)).any():
+        return False
+    if thing.worn.share(view.colour(points)) < ALIKE:
+        return False
+    if np.count_nonzero(np.isfinite(gaps(others, xyz, LONELY * thing.unit))) > FEW * len(points):
+        return False
+    if thing.soft or len(thing.glimpses) < ENOUGH:
+        return True
+    return (
+        place.cost < SHARP
+        and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean()) < FEW
+    )

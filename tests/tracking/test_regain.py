@@ -1,0 +1,72 @@
+"""Parts of a thing that were missed: taken back where they are nobody else's, hands never."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.tracking.background import ImageBackground, Waver
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.regain import lost_pieces
+from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.view import View
+
+BLUE, SKIN = (40, 90, 200), (210, 160, 130)
+
+
+def shot(colour: tuple[int, int, int], reach: float) -> tuple[View, ImageBackground]:
+    """A blue box, label 1; beside it a block of ``colour``, label 2, that goes on for ``reach``."""
+    rng = np.random.default_rng(2)
+    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
+    empty = camera.shoot([], rng)
+    lens = find_lens(empty)
+    first = View(0, empty, lens)
+    unknown = np.full_like(first.depth, np.nan)
+    background = ImageBackground(
+        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+    )
+    background.learn(first, first=True)
+    box = scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), np.array([0.1, 0.12, 0.1]), rot=np.eye(3))
+    block = scenes.Part(
+        2,
+        colour,
+        np.array([0.1 + reach, 1.2, 1.6]),
+        np.array([reach, 0.06, 0.1]),
+        rot=np.eye(3),
+    )
+    return View(1, camera.shoot([box, block], rng), lens), background
+
+
+@pytest.mark.parametrize(
+    ("colour", "reach", "somebodys", "taken"),
+    [
+        (BLUE, 0.05, False, True),
+        (SKIN, 0.05, False, False),  # other colours than were painted
+        (BLUE, 0.6, False, False),  # goes on out of the box, as an arm does
+        (BLUE, 0.05, True, False),  # somebody's
+    ],
+)
+def test_a_piece_that_was_missed_is_taken_back(
+    colour: tuple[int, int, int], reach: float, somebodys: bool, taken: bool
+) -> None:
+    view, background = shot(colour, reach)
+    truth = view.frame.truth
+    core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    thing = begin(view, 1, core, 0.004, none)
+    thing.size = 1.6 * len(core)  # it was larger before
+    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
+    box = (lo.astype(np.float64), hi.astype(np.float64))
+    around = view.box(*box)
+    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    has = np.zeros(len(view.xyz), np.bool_)
+    has[core] = True
+    if somebodys:
+        has[beside] = True
+    found = lost_pieces(thing, view, place, core, has, background)
+    assert (len(np.intersect1d(found, beside)) > 0.8 * len(beside)) == taken
+    assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
+    thing.size = len(core)  # nothing of it is missing
+    assert not len(lost_pieces(thing, view, place, core, has, background))
