@@ -297,8 +297,7 @@ def skews(clients: list[LightViewer]) -> list[float]:
     behind = []
     for client in clients:
         shown = sorted(
-            (max(moment, client.started + step / FPS), step)
-            for moment, step in steps(client)
+            (max(moment, client.started + step / FPS), step) for moment, step in steps(client)
         )
         times = np.array([moment for moment, _ in shown])
         newest = np.maximum.accumulate([step for _, step in shown])

@@ -38,7 +38,8 @@ def frame(count: int, seed: int = 0, far: float = 0.0, dtype: type = np.float32)
     xyz = (rng.uniform(-2, 2, (count, 3)) + far).astype(dtype)
     return PointFrame(
         xyz,
-        rgb=rng.integers(0, 256, (count, 3)).astype(np.uint8),
+        # Alike in all three, as light is: the wire keeps them as they are.
+        rgb=(rng.integers(0, 240, (count, 1)) + rng.integers(0, 16, 3)).astype(np.uint8),
         intensity=rng.uniform(0, 255, count).astype(np.float32),
         label=rng.integers(0, 9, count).astype(np.uint16),
         instance=rng.integers(0, 9, count).astype(np.uint16),

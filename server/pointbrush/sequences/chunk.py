@@ -1,16 +1,7 @@
-"""One chunk's points → its bytes on the wire, within a budget.
-
-A chunk is encoded on the finest grid of its recording.  Where that takes more than six bytes a
-point, as between the far-apart points of a lidar, the grid is coarsened as far as the recording's
-sensor justifies (``quantise.coarsest_step``); if that is not enough, the points are put on a
-shorter way, and then colours lose their lowest bit, or two, which is a camera's noise: only in
-recordings whose grid may be coarsened, those of lidars.
-Vertices are 12 bytes: x, y, z uint16; r, g, b, intensity uint8; flags; a free byte.
-"""
+"""One chunk's points → its bytes on the wire (``budget``) and its row of the chunk table."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -18,29 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.codec import Bytes, encode_vertices
-from pointbrush.sequences.path import short_path
-from pointbrush.sequences.quantise import Quantised, quantise
-
-WIRE_STRIDE = 12
-BUDGET = 6.0
-"""Bytes a point that a chunk should not exceed."""
-RELATIVE = 1
-"""Flag of a chunk's vertices: r and b are differences to g, modulo 256."""
-DROPPED_SHIFT, MOST_DROPPED = 1, 2
-"""Where the flags say how many low bits r, g and b have lost, and the most they may lose."""
-
-_FLAGS = 10
-_WORDS = 1
-"""Four bytes of x and y are encoded as words; z shares its four with colours."""
-_FEW = 512
-"""With fewer points, what a stream needs anyway outweighs all that could be saved."""
-_GAIN = 3 / 8
-"""Bytes a point that a grid of twice the step saves: one bit for each coordinate."""
-_MANY = 16384
-_SAMPLE, _RUN = 32, 64
-"""So many runs of so many points stand for a larger chunk."""
-_MARGIN = 0.15
+from pointbrush.sequences.budget import BUDGET, fit
+from pointbrush.sequences.codec import Bytes
 
 CHUNK = np.dtype(
     [
@@ -63,7 +33,8 @@ CHUNK = np.dtype(
 class Grid:
     """What all frames of a sequence share: the shift, the grid, the intensities' range.
 
-    A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``).
+    A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); that of
+    noise may be more.
     """
 
     shift: NDArray[np.float64]
@@ -128,7 +99,8 @@ def encode_chunks(
     order: NDArray[np.int64] | None = None
     offset, error = 0, 0.0
     for number, (start, stop) in enumerate(pairwise(first.tolist())):
-        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, hurry=hurry)
+        spare = max(0.0, BUDGET * start - offset)
+        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, spare=spare, hurry=hurry)
         if chunk.order is not None:
             order = np.arange(len(xyz)) if order is None else order
             order[start:stop] = start + chunk.order
@@ -141,90 +113,22 @@ def encode_chunks(
 
 
 def encode_chunk(
-    xyz: NDArray[np.float32], colors: Bytes, grid: Grid, *, hurry: bool = False
+    xyz: NDArray[np.float32],
+    colors: Bytes,
+    grid: Grid,
+    *,
+    spare: float = 0.0,
+    hurry: bool = False,
 ) -> EncodedChunk:
     """Encode points (N, 3), local metres in Morton order, with colours (N, 4).
 
-    ``hurry``: look for a shorter way in little runs only, at a quarter of the time.
+    ``spare``: bytes that chunks ahead of it left of their budget.  ``hurry``: look for a
+    shorter way in little runs only, at a quarter of the time.
     """
-    budget = BUDGET * len(xyz) if len(xyz) >= _FEW else math.inf
-    related = _related(colors)
-    step, order = grid.step, None
-    if len(xyz) >= _MANY and step < grid.coarsest:  # most of what fails is not even tried
-        step = _coarser(step, _forecast(xyz, colors, step, related=related) - BUDGET, grid)
-    quantised = quantise(xyz, step)
-    data = _encode(quantised, colors, related=related)
-    while len(data) > budget and step < grid.coarsest:
-        step = _coarser(step, (len(data) - budget) / len(xyz), grid)
-        quantised = quantise(xyz, step)
-        data = _encode(quantised, colors, related=related)
-    if len(data) > budget:
-        changing = colors.astype(np.int16)
-        if related:
-            changing[:, :3:2] -= changing[:, 1:2]
-        values = np.concatenate([quantised.q.astype(np.int32), changing], axis=1)
-        order = short_path(values, 8 if hurry else 2)
-        data = _encode(quantised, colors, order, related=related)
-    droppable = grid.coarsest > grid.step and bool(colors[:, :3].any())
-    for dropped in range(1, MOST_DROPPED + 1):
-        if droppable and len(data) > budget:
-            data = _encode(quantised, colors, order, related=related, dropped=dropped)
+    fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare, hurry=hurry)
+    quantised, data = fitted.quantised, fitted.data
     row = np.zeros((), CHUNK)
     row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)
     for name in ("origin", "scale", "lo", "hi"):
         row[name] = getattr(quantised, name)
-    return EncodedChunk(row, data, quantised.error, order)
-
-
-def _coarser(step: float, excess: float, grid: Grid) -> float:
-    """The step that saves ``excess`` bytes a point, no coarser than the grid may become."""
-    doublings = max(0, math.ceil(excess / _GAIN))
-    return min(step * 2.0**doublings, grid.coarsest)
-
-
-def _forecast(xyz: NDArray[np.float32], colors: Bytes, step: float, *, related: bool) -> float:
-    """About the bytes a point that a chunk will take, or a little less, from some of its runs."""
-    starts = np.arange(_SAMPLE) * (len(xyz) - _RUN) // _SAMPLE
-    sample = (starts[:, None] + np.arange(_RUN)).ravel()
-    data = _encode(quantise(xyz[sample], step), colors[sample], related=related)
-    return len(data) / len(sample) - _MARGIN
-
-
-def _encode(
-    quantised: Quantised,
-    colors: Bytes,
-    order: NDArray[np.int64] | None = None,
-    *,
-    related: bool,
-    dropped: int = 0,
-) -> bytes:
-    vertices = np.zeros((len(colors), WIRE_STRIDE), np.uint8)
-    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
-    vertices[:, 6:_FLAGS] = colors
-    vertices[:, _FLAGS] = dropped << DROPPED_SHIFT
-    if dropped:
-        # Black stands for no colour: what is nearly black must not become it.
-        vertices[:, 6:9] = np.maximum(colors[:, :3] >> dropped, colors[:, :3] > 0)
-    if related:
-        vertices[:, 6] -= vertices[:, 7]
-        vertices[:, 8] -= vertices[:, 7]
-        vertices[:, _FLAGS] |= RELATIVE
-    return encode_vertices(vertices if order is None else vertices[order], _WORDS)
-
-
-def _related(colors: Bytes) -> bool:
-    """Whether r and b of colours (N, 4) change less from point to point relative to g.
-
-    Looks at runs all over the chunk; what counts is the bits of each change.
-    """
-    if len(colors) == 0:
-        return False
-    starts = np.arange(_SAMPLE) * max(len(colors) - _RUN, 0) // _SAMPLE
-    at = np.minimum(starts[:, None] + np.arange(_RUN), len(colors) - 1)
-    steps = np.diff(colors[at, :3], axis=1)  # modulo 256
-    alone, green = steps[..., ::2], steps[..., 1:2]
-    return _bits(alone - green) < _bits(alone)
-
-
-def _bits(steps: Bytes) -> float:
-    return float(np.log2(1.0 + np.abs(steps.view(np.int8).astype(np.float64))).sum())
+    return EncodedChunk(row, data, quantised.error, fitted.order)

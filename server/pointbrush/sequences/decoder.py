@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.sequences.chunk import DROPPED_SHIFT, MOST_DROPPED, RELATIVE
 from pointbrush.sequences.codec import GROUP, PLAIN, TAIL_MIN, ZERO, Bytes, block_size, check_stride
+from pointbrush.sequences.vertices import plain_colors
 
 _HEADER = {0xA0: 0, 0xA1: 1}
 _TAIL_MIN = (32, TAIL_MIN)
@@ -46,19 +46,12 @@ def decode_vertices(data: bytes | memoryview, count: int, stride: int = 12) -> B
 
 
 def decode_points(data: bytes | memoryview, count: int) -> Bytes:
-    """Vertices (count, 12) of a chunk (``chunk.py``) with plain colours, as the page holds them.
+    """Vertices (count, 12) of a chunk (``vertices.py``) with plain colours, as the page holds them.
 
     Raises BadInputError as ``decode_vertices``.
     """
     vertices = decode_vertices(data, count)
-    related = (vertices[:, 10] & RELATIVE).astype(np.bool_)
-    vertices[related, 6] += vertices[related, 7]
-    vertices[related, 8] += vertices[related, 7]
-    for dropped in range(1, MOST_DROPPED + 1):
-        rows = vertices[:, 10] >> DROPPED_SHIFT == dropped
-        values = vertices[rows, 6:9]
-        vertices[rows, 6:9] = (values << dropped) | (values >> (8 - 2 * dropped))
-    vertices[:, 10] = 0
+    plain_colors(vertices)
     return vertices
 
 

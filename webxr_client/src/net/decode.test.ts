@@ -73,13 +73,16 @@ describe('a frame that Python encoded', () => {
     }
   });
 
-  it('gives colours that lost their lowest bits the whole range again', () => {
+  it('gives colours that lost their lowest bits, or share two bytes, the whole range again', () => {
     const words = new Uint32Array(3);
     const bytes = new Uint8Array(words.buffer);
     for (const [flags, sent, shown] of [
       [4, [0, 1, 63], [0, 4, 255]],
       [2, [127, 64, 1], [255, 129, 2]],
       [5, [2, 1, 0], [12, 4, 4]],
+      [6, [0, 0, 0], [0, 0, 0]],
+      [6, [255, 255, 0], [255, 255, 255]],
+      [6, [1 | (5 << 5), (41 >> 3) | (30 << 3), 0], [8, 182, 247]],
     ] as const) {
       bytes.set(sent, 6);
       finishChunk(words, 1, [0, 0, 0], [1, 1, 1], 0, flags);

@@ -10,10 +10,14 @@ const WORDS = 3;
 const HALVES = 6;
 const STAMP = 5;
 const RED = 6;
-/** Flags on the wire: r and b are less g; so many low bits of r, g and b are left out. */
+/**
+ * Flags on the wire: r and b are less g; so many low bits of r, g and b are left out, or the bytes
+ * of r and g hold all three with 5, 6 and 5 bits.
+ */
 const RELATIVE = 1;
 const DROPPED = 6;
 const DROPPED_SHIFT = 1;
+const PACKED = 3;
 const RUNS = 65536 / RUN;
 const MANY = 256;
 const spacings = new Float32Array(RUNS);
@@ -64,7 +68,9 @@ export function finishChunk(
   if ((flags & (RELATIVE | DROPPED)) === 0) return;
   const bytes = new Uint8Array(vertices.buffer, vertices.byteOffset, count * STRIDE);
   if (flags & RELATIVE) addGreen(bytes);
-  if (flags & DROPPED) widen(bytes, (flags & DROPPED) >> DROPPED_SHIFT);
+  const dropped = (flags & DROPPED) >> DROPPED_SHIFT;
+  if (dropped === PACKED) unpack(bytes);
+  else if (dropped) widen(bytes, dropped);
 }
 
 function addGreen(bytes: Uint8Array): void {
@@ -83,6 +89,20 @@ function widen(bytes: Uint8Array, bits: number): void {
       const value = bytes[colour]!;
       bytes[colour] = (value << bits) | (value >> high);
     }
+  }
+}
+
+/** Give colours of 5, 6 and 5 bits in two bytes a byte each. */
+function unpack(bytes: Uint8Array): void {
+  for (let i = RED; i < bytes.length; i += STRIDE) {
+    const low = bytes[i]!;
+    const high = bytes[i + 1]!;
+    const red = low & 31;
+    const green = (low >> 5) | ((high & 7) << 3);
+    const blue = high >> 3;
+    bytes[i] = (red << 3) | (red >> 2);
+    bytes[i + 1] = (green << 2) | (green >> 4);
+    bytes[i + 2] = (blue << 3) | (blue >> 2);
   }
 }
 

@@ -1,0 +1,99 @@
+"""A point on the wire: 12 bytes before they are encoded.
+
+x, y, z uint16; r, g, b, intensity uint8; flags; a free byte.  The flags are the same in all points
+of a chunk.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.sequences.codec import Bytes, encode_vertices
+from pointbrush.sequences.quantise import Quantised
+
+WIRE_STRIDE = 12
+RELATIVE = 1
+"""Flag: r and b are differences to g, modulo 256."""
+DROPPED_SHIFT, MOST_DROPPED = 1, 2
+"""Where the flags say how many low bits r, g and b have lost, and the most they may lose."""
+PACKED = 3
+"""In their place: the bytes of r and g hold all three, 5, 6 and 5 bits from the lowest on."""
+
+_FLAGS = 10
+_WORDS = 1
+"""Four bytes of x and y are encoded as words; z shares its four with colours."""
+_SAMPLE, _RUN = 32, 64
+
+
+def encode(
+    quantised: Quantised,
+    colors: Bytes,
+    order: NDArray[np.int64] | None = None,
+    *,
+    related: bool,
+    dropped: int = 0,
+) -> bytes:
+    """Points with colours (N, 4) in an order (N,), None: as they are, as a stream of the codec.
+
+    ``dropped``: low bits that the colours lose, or PACKED; ``related``: send r and b relative to g.
+    """
+    vertices = np.zeros((len(colors), WIRE_STRIDE), np.uint8)
+    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
+    vertices[:, 6:_FLAGS] = colors
+    vertices[:, _FLAGS] = dropped << DROPPED_SHIFT
+    # Black stands for no colour: what is nearly black must not become it.
+    if dropped == PACKED:
+        vertices[:, 6:8] = _packed(colors)
+        vertices[:, 8] = 0
+    elif dropped:
+        vertices[:, 6:9] = np.maximum(colors[:, :3] >> dropped, colors[:, :3] > 0)
+    if related and dropped != PACKED:
+        vertices[:, 6] -= vertices[:, 7]
+        vertices[:, 8] -= vertices[:, 7]
+        vertices[:, _FLAGS] |= RELATIVE
+    return encode_vertices(vertices if order is None else vertices[order], _WORDS)
+
+
+def _packed(colors: Bytes) -> Bytes:
+    red, green, blue = colors[:, :3].T.astype(np.uint16)
+    packed = (red >> 3) | (green >> 2 << 5) | (blue >> 3 << 11)
+    packed[(packed == 0) & colors[:, :3].any(axis=1)] = 1 << 5
+    halves: Bytes = packed.astype("<u2").view(np.uint8).reshape(-1, 2)
+    return halves
+
+
+def plain_colors(vertices: Bytes) -> None:
+    """Give decoded vertices (N, 12) their own colours in place, as the page does."""
+    related = (vertices[:, _FLAGS] & RELATIVE).astype(np.bool_)
+    vertices[related, 6] += vertices[related, 7]
+    vertices[related, 8] += vertices[related, 7]
+    kind = vertices[:, _FLAGS] >> DROPPED_SHIFT
+    for dropped in range(1, MOST_DROPPED + 1):
+        values = vertices[kind == dropped, 6:9]
+        vertices[kind == dropped, 6:9] = (values << dropped) | (values >> (8 - 2 * dropped))
+    rows = kind == PACKED
+    low, high = vertices[rows, 6], vertices[rows, 7]
+    red, green, blue = low & 31, (low >> 5) | ((high & 7) << 3), high >> 3
+    vertices[rows, 6] = (red << 3) | (red >> 2)
+    vertices[rows, 7] = (green << 2) | (green >> 4)
+    vertices[rows, 8] = (blue << 3) | (blue >> 2)
+    vertices[:, _FLAGS] = 0
+
+
+def are_related(colors: Bytes) -> bool:
+    """Whether r and b of colours (N, 4) change less from point to point relative to g.
+
+    Looks at runs all over the chunk; what counts is the bits of each change.
+    """
+    if len(colors) == 0:
+        return False
+    starts = np.arange(_SAMPLE) * max(len(colors) - _RUN, 0) // _SAMPLE
+    at = np.minimum(starts[:, None] + np.arange(_RUN), len(colors) - 1)
+    steps = np.diff(colors[at, :3], axis=1)  # modulo 256
+    alone, green = steps[..., ::2], steps[..., 1:2]
+    return _bits(alone - green) < _bits(alone)
+
+
+def _bits(steps: Bytes) -> float:
+    return float(np.log2(1.0 + np.abs(steps.view(np.int8).astype(np.float64))).sum())
