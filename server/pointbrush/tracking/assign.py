@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.near import bounds, gaps, within
 from pointbrush.tracking.view import View
 
 NEIGHBOURS = 3
@@ -54,11 +54,13 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
     if len(indices) > MANY:
         close = perhaps_near(xyz, place, reach)
     else:
-        close = within(xyz, place.min(axis=0) - far, place.max(axis=0) + far)
+        lo, hi = bounds(place)
+        close = within(xyz, lo - far, hi + far)
     indices, xyz = indices[close], xyz[close]
     if not len(indices):
         return Claim.nothing()
-    part = np.flatnonzero(within(place, xyz.min(axis=0) - far, xyz.max(axis=0) + far))
+    lo, hi = bounds(xyz)
+    part = np.flatnonzero(within(place, lo - far, hi + far))
     if not len(part):
         return Claim.nothing()
     k = min(NEIGHBOURS, len(part))
@@ -119,14 +121,14 @@ def blob(
     """
     front = view.xyz[core].astype(np.float64)
     xyz = view.xyz[rest].astype(np.float64)
-    lo, hi = front.min(axis=0) - STEPS * reach, front.max(axis=0) + STEPS * reach
-    inside = np.flatnonzero(within(xyz, lo, hi))
+    lo, hi = bounds(front)
+    inside = np.flatnonzero(within(xyz, lo - STEPS * reach, hi + STEPS * reach))
     rest, xyz = rest[inside], xyz[inside]
     joined = np.zeros(len(rest), np.bool_)
     for _ in range(STEPS):
         # Points far from the front are of no interest until it has come that far.
-        lo, hi = front.min(axis=0) - reach, front.max(axis=0) + reach
-        open_ = np.flatnonzero(~joined & within(xyz, lo, hi))
+        lo, hi = bounds(front)
+        open_ = np.flatnonzero(~joined & within(xyz, lo - reach, hi + reach))
         if not len(open_):
             return rest[joined]
         new = open_[gaps(xyz[open_], front, reach) < reach]

@@ -33,6 +33,7 @@ from pointbrush.tracking.interface import (
     TrackState,
 )
 from pointbrush.tracking.locate import crop
+from pointbrush.tracking.near import bounds
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
@@ -115,7 +116,7 @@ class Run:
 
     def _around(self, thing: Thing, view: View, indices: I64) -> I64:
         """The unlabelled points beside a person's points of a thing."""
-        lo, hi = view.xyz[indices].min(axis=0), view.xyz[indices].max(axis=0)
+        lo, hi = bounds(view.xyz[indices])
         margin = 0.5 * thing.model.radius + 4 * thing.unit
         around = view.box(lo - margin, hi + margin)
         return around[~view.labelled()[around]]
@@ -229,11 +230,13 @@ class Run:
 
     def _look_around(self, view: View, places: Mapping[int, Place]) -> None:
         """Take note of what is beside each thing and is nothing."""
+        taken = view.labelled()
         for label, place in places.items():
-            taken = view.labelled()
+            before = taken[place.neutral]
             taken[place.neutral] = True
             beside = place.moving if place.beside is None else place.beside
             self._set_rivals(self.things[label], view, beside[~taken[beside]])
+            taken[place.neutral] = before
 
     def _shadow(self, view: View, places: dict[int, Place]) -> F64:
         """(M, 3) where a thing is known to be, even if it claimed nothing there."""

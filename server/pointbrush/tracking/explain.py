@@ -44,7 +44,8 @@ def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
     elif view.shade is not None:
         hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit)
         seen = facing & ~hidden.reshape(facing.shape)
-    return Look(world, seen, through, np.asarray(facing.mean(axis=1)))
+    share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
+    return Look(world, seen, through, share)
 
 
 def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) -> F64:
@@ -52,9 +53,10 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
 
     A side that was never seen must at least not stand before what was measured.
     """
-    total = np.count_nonzero(at.through & ~at.seen, axis=1).astype(np.float64)
-    count = total + np.count_nonzero(at.seen, axis=1)
     pose, point = np.nonzero(at.seen)
+    before, _ = np.nonzero(at.through & ~at.seen)
+    total = np.bincount(before, minlength=len(at.seen)).astype(np.float64)
+    count = total + np.bincount(pose, minlength=len(total))
     if len(pose):
         colour = thing.model.colour[sample[point]]
         distance, _ = target.nearest(at.world[pose, point], colour, 3.0 * scale)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.near import bounds
 
 MOST = 4_000_000
 """Cells of a grid that is kept whole; a larger one is sorted instead."""
@@ -17,8 +18,9 @@ MOST_NEAR = 100_000
 
 def cells_of(xyz: F64, size: float) -> I64:
     """(N,) number of each point's cell, ``size`` metres wide; occupied cells count from 0."""
-    key = np.floor((xyz - xyz.min(axis=0)) / size).astype(np.int64)
-    extent = key.max(axis=0) + 1
+    lo, hi = bounds(xyz)
+    key = np.floor((xyz - lo) / size).astype(np.int64)
+    extent = np.floor((hi - lo) / size).astype(np.int64) + 1
     flat = (key[:, 0] * extent[1] + key[:, 1]) * extent[2] + key[:, 2]
     if float(np.prod(extent, dtype=np.float64)) > MOST:
         return np.asarray(np.unique(flat, return_inverse=True)[1], np.int64)
@@ -29,7 +31,7 @@ def cells_of(xyz: F64, size: float) -> I64:
 
 def perhaps_near(xyz: NDArray[np.floating], some: NDArray[np.floating], reach: float) -> Mask:
     """Which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do are."""
-    least, most = (np.asarray(end, np.float64) for end in (some.min(axis=0), some.max(axis=0)))
+    least, most = bounds(some)
     # A cell is twice the reach wide, so that each of the few meets eight at most.
     reach = 1.001 * reach + 1e-6
     volume = float(np.prod(most - least + 4 * reach))

@@ -11,6 +11,7 @@ import numpy as np
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.explain import Look, costs_of, look
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.near import bounds
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import nudges, proposals
@@ -148,7 +149,7 @@ def _distinct(thing: Thing, guesses: F64) -> F64:
 def among(thing: Thing, view: View, points: I64) -> Search:
     """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
-    box = (xyz.min(axis=0), xyz.max(axis=0))
+    box = bounds(xyz)
     guesses = thing.motion.predictions()
     return _search(thing, view, guesses, box, points, points, points)
 
@@ -224,7 +225,10 @@ def register(search: Search) -> tuple[F64, float]:
     if search.view.lens is None and _rests(search, best, float(np.min(scores))):
         best = motion.poses[-1]
         return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
-    fit = _fits(search, search.many, best[None], LAST)
+    # What no point can be paired with is left out.
+    world = transform(best, model.xyz)
+    near = search.target.around(world, 4 * LAST[0] * search.thing.unit)
+    fit = _fits(search, search.many, best[None], LAST, target=near)
     return fit.T[0], float(fit.cost[0])
 
 
@@ -253,7 +257,7 @@ def _repeated(search: Search) -> tuple[F64, F64]:
         # Without a depth image a wrong turn may fit as well.
         if not len(scores) or scores[0] > GOOD or search.view.lens is None:
             seen = search.at.seen[guess : guess + 1]
-            new = _fits(search, search.few, search.guesses[guess][None], NARROW, seen).T
+            new = _fits(search, search.few, search.guesses[guess][None], NARROW, seen=seen).T
             poses = np.concatenate([poses, new])
             scores = np.concatenate([scores, _scores(search, new)])
     return poses, scores
@@ -297,18 +301,27 @@ def _scores(search: Search, poses: F64) -> F64:
 
 
 def _fits(
-    search: Search, sample: I64, poses: F64, scales: Sequence[float], seen: Mask | None = None
+    search: Search,
+    sample: I64,
+    poses: F64,
+    scales: Sequence[float],
+    *,
+    seen: Mask | None = None,
+    target: Target | None = None,
 ) -> Fits:
     """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units.
 
-    ``seen`` (K, M): which of the sample that is, where it is known.
+    ``seen`` (K, M): which of the sample that is, where it is known; ``target`` in place of the
+    search's.
     """
     model = search.thing.model
     if seen is None:
         seen = look(search.thing, search.view, sample, poses).seen
     seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
-    return robust_fits(model.xyz[sample], model.colour[sample], seen, search.target, poses, steps)
+    return robust_fits(
+        model.xyz[sample], model.colour[sample], seen, target or search.target, poses, steps
+    )
 
 
 def _surprise(search: Search, poses: F64) -> F64:

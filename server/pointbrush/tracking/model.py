@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.near import bounds, middle
 
 MOST_POINTS = 2500
 SURE = 12.0
@@ -49,7 +50,7 @@ class Model:
     @property
     def centre(self) -> F64:
         """(3,) mean of the points."""
-        return np.asarray(self.xyz.mean(axis=0))
+        return middle(self.xyz)
 
     @property
     def radius(self) -> float:
@@ -126,8 +127,9 @@ class Model:
     def _distinct(self) -> I64:
         """One point per cell of the model's spacing, the best confirmed."""
         key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
-        key -= key.min(axis=0)
-        size = key.max(axis=0) + 1
+        lo, hi = (end.astype(np.int64) for end in bounds(key))
+        key -= lo
+        size = hi - lo + 1
         flat = (key[:, 0] * size[1] + key[:, 1]) * size[2] + key[:, 2]
         order = np.lexsort((-self.hits, flat))
         first = np.concatenate([[True], np.diff(flat[order]) > 0])

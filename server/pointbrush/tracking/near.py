@@ -20,7 +20,7 @@ class Plain:
 
     def __init__(self, points: NDArray[np.floating]) -> None:
         count, width = points.shape
-        self._middle = np.add.reduce(points, axis=0) / count
+        self._middle = middle(points)
         # Single precision counts from the middle of the points.
         self._near = np.subtract(points, self._middle, dtype=np.float32, casting="same_kind")
         # |q - p|^2 less |q|^2, which is the same for all p, as one product of matrices.
@@ -51,6 +51,18 @@ class Plain:
         # The products serve to find it; so near to each other points need all digits.
         gap = some[:, :-1] - self._near.take(index, axis=0)
         return np.sqrt(np.einsum("ij,ij->i", gap, gap), dtype=np.float64), index
+
+
+def bounds(xyz: NDArray[np.number]) -> tuple[F64, F64]:
+    """The least and the greatest corner (3,) of a box around points (N, 3); see ``within``."""
+    columns = [xyz[:, axis] for axis in range(3)]
+    lo, hi = [float(c.min()) for c in columns], [float(c.max()) for c in columns]
+    return np.array(lo), np.array(hi)
+
+
+def middle(points: NDArray[np.floating]) -> F64:
+    """(D,) mean of points (N, D), as a product, which is faster than NumPy's mean of short rows."""
+    return np.asarray(np.full(len(points), 1.0 / len(points)) @ points, np.float64)
 
 
 def gaps(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> F64:

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import Plain, within
+from pointbrush.tracking.near import Plain, bounds, within
 
+MOSTLY = 0.8
+"""Share of a target from which it does not pay to cut it."""
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
 
@@ -119,6 +121,15 @@ class Target:
     colour: F32
     weight: float
 
+    def around(self, xyz: F64, margin: float) -> Target:
+        """What of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside; all of it
+        where that is most."""
+        lo, hi = bounds(xyz)
+        part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
+        if len(part) > MOSTLY * len(self.xyz) or not len(part):
+            return self
+        return Target(self.xyz[part], self.colour[part], self.weight)
+
     @cached_property
     def _plain(self) -> Plain:
         if self.weight == 0.0:
@@ -173,8 +184,8 @@ def excess(moved: F64, target: Target, unit: float) -> float:
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    lo, hi = moved.min(axis=0) - 6 * unit, moved.max(axis=0) + 6 * unit
-    around = target.xyz[within(target.xyz, lo, hi)]
+    lo, hi = bounds(moved)
+    around = target.xyz[within(target.xyz, lo - 6 * unit, hi + 6 * unit)]
     gap, _ = Plain(moved).nearest(around)
     on = int(np.count_nonzero(gap < 3 * unit))
     beside = int(np.count_nonzero(gap < 6 * unit)) - on

@@ -9,7 +9,7 @@ import numpy as np
 
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.locate import DOUBT, DOUBT_LARGE, FEWEST, Search
-from pointbrush.tracking.near import Plain, within
+from pointbrush.tracking.near import Plain, bounds, within
 from pointbrush.tracking.registration import Target, transform
 
 
@@ -70,4 +70,4 @@ def _ghost(search: Search) -> _Ghost:
     world = transform(search.best, model.xyz[many])
     surface = Plain(np.hstack([world, model.colour[many] * search.target.weight]))
     centre = transform(search.best, search.thing.motion.centre[None])[0]
-    return _Ghost(surface, centre, model.radius, world.min(axis=0), world.max(axis=0))
+    return _Ghost(surface, centre, model.radius, *bounds(world))
