@@ -70,6 +70,9 @@ def runtime(device: str) -> str:
 class Headset(Desk):
     """A desk whose page runs in a headset; poses are given in the headset's own space."""
 
+    bare = False
+    """Hands without controllers are what is moved: a pinch stands for the trigger."""
+
     # ── session ──────────────────────────────────────────────────────────────────────────
 
     def ready(self) -> None:
@@ -104,7 +107,7 @@ class Headset(Desk):
         target = to or [x, y, z - 1.0]
         self.ask(
             f"""(() => {{
-              const c = device.controllers.{hand};
+              const c = device.{"hands" if self.bare else "controllers"}.{hand};
               const [x, y, z] = {json.dumps(at)}, [tx, ty, tz] = {json.dumps(target)};
               c.position.set(x, y, z);
               const d = [tx - x, ty - y, tz - z], n = Math.hypot(...d);
@@ -117,8 +120,17 @@ class Headset(Desk):
         self.frames()
 
     def trigger(self, value: float, hand: str = "right") -> None:
-        self.ask(f"device.controllers.{hand}.updateButtonValue('trigger', {value})")
+        if self.bare:
+            self.ask(f"device.hands.{hand}.updatePinchValue({value})")
+        else:
+            self.ask(f"device.controllers.{hand}.updateButtonValue('trigger', {value})")
         self.frames()
+
+    def lay_down_controllers(self) -> None:
+        """Go on with bare hands."""
+        self.bare = True
+        self.ask("(device.primaryInputMode = 'hand')")
+        self.until("hs.headset.cockpit.hands.right.device?.id === 'hand'")
 
     def button(self, name: str, hand: str = "right") -> None:
         """Press and let go."""

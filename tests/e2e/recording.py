@@ -63,6 +63,22 @@ def stand_crooked(server: LiveServer) -> NDArray[np.float64]:
     return floor
 
 
+def tip_over(desk: Desk, server: LiveServer) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Another person's program stands the recording crooked, and the page shows it so at once.
+
+    Returns the room that the import found (4, 4), and the true floor's points (n, 3).
+    """
+    found = room_of(server)
+    floor = stand_crooked(server)
+    stands_as(desk, room_of(server))
+    return found, floor
+
+
+def stands_as(desk: Desk, room: NDArray[np.float64]) -> None:
+    """Wait until the page stands the recording as ``room`` (4, 4) says."""
+    desk.until(f"Math.abs(pb.engine.viewer.room.matrix.elements[13] - {room[1, 3]}) < 1e-6")
+
+
 def corners_of(floor: NDArray[np.float64]) -> list[list[float]]:
     """Three of the points of a floor that lie far apart, none at its very edge."""
     flat = floor[:, [0, 2]]

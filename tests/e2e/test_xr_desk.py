@@ -16,7 +16,8 @@ from tests.e2e.recording import (
     painted,
     put_dust,
     room_of,
-    stand_crooked,
+    stands_as,
+    tip_over,
 )
 from tests.e2e.server import LiveServer
 
@@ -79,10 +80,7 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
 
 def set_the_floor(server: LiveServer, desk: Desk) -> None:
     """With the mouse, on a recording that stands crooked; then as it was."""
-    found = room_of(server)
-    crooked = stand_crooked(server)
-    stands = "pb.engine.viewer.room.matrix.elements"
-    desk.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    found, crooked = tip_over(desk, server)
     desk.page.locator("button.sequence-button").click()
     desk.page.get_by_role("button", name="Set the floor…").click()
     hints = ["Stands on one place", "Stands on two places", "Stands on three places"]
@@ -90,10 +88,10 @@ def set_the_floor(server: LiveServer, desk: Desk) -> None:
         desk.page.mouse.click(*desk.place(place))
         desk.page.get_by_text(hint).wait_for()
     assert np.abs(heights(server, crooked)).mean() < 0.02
-    desk.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    stands_as(desk, room_of(server))
     desk.screenshot("floor-at-the-desk")
     desk.page.get_by_role("button", name="As found at import").click()
-    desk.until(f"Math.abs({stands}[13] - {found[1, 3]}) < 1e-6")
+    stands_as(desk, found)
     assert np.allclose(room_of(server), found)
     desk.page.get_by_role("button", name="Done").click()
     desk.until("pb.state.tool.value === 'paint'")

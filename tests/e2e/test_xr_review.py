@@ -16,7 +16,8 @@ from tests.e2e.recording import (
     painted,
     put_dust,
     room_of,
-    stand_crooked,
+    stands_as,
+    tip_over,
 )
 from tests.e2e.server import LiveServer
 
@@ -110,11 +111,8 @@ def test_the_ground_under_the_ray_is_deleted_and_comes_back_and_can_be_set_as_fl
 
 def set_the_floor(headset: Headset, server: LiveServer) -> None:
     """Point at three places of the floor of a recording that stands crooked; then go back."""
-    found = room_of(server)
-    floor = stand_crooked(server)
     # What somebody else changed shows at once, without leaving the headset.
-    stands = "pb.engine.viewer.room.matrix.elements"
-    headset.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    found, floor = tip_over(headset, server)
     headset.click("palette", "View")
     headset.click("palette", "Floor")
     # The timeline lies where one points, and makes way.
@@ -128,11 +126,11 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
     # The last of three places asks for no more.
     headset.until("pb.state.notices.value.at(-1)?.detail === ''")
     assert np.abs(heights(server, floor)).mean() < 0.02
-    headset.until(f"Math.abs({stands}[13] - {room_of(server)[1, 3]}) < 1e-6")
+    stands_as(headset, room_of(server))
     # Nothing was painted, and the import's own floor can be had back.
     assert painted(server, 0) == 0
     headset.click("palette", "As found at import")
-    headset.until(f"Math.abs({stands}[13] - {found[1, 3]}) < 1e-6")
+    stands_as(headset, found)
     assert np.allclose(room_of(server), found)
     headset.click("palette", "Done")
     headset.until("pb.state.tool.value === 'paint' && hs.headset.cockpit.timeline.mesh.visible")

@@ -50,6 +50,13 @@ def test_stands_on_the_floor_at_true_scale_before_the_scene(put_on: Wear, truth:
         True,
         True,
     ]
+    # Where the panels stand, a capital letter is a degree tall at least, in each corner too; with
+    # the arm stretched out the palette has grown.
+    for hand in ([-0.2, 1.2, -0.35], [-0.3, 1.5, -0.65]):
+        headset.move("left", hand)
+        for panel in ("timeline", "palette"):
+            for u, v in ((0.05, 0.05), (0.95, 0.05), (0.05, 0.95), (0.95, 0.95), (0.5, 0.5)):
+                assert headset.ask(f"hs.capital('{panel}', {u}, {v})") >= 1, (panel, u, v)
     # Who walks is as far on in the recording as in the room.
     before = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")
     headset.ask("device.position.set(0.3, 1.5, -0.4)")
@@ -185,25 +192,104 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
     quadrant(0, -0.8, "left")
     assert abs(headset.ask(f"{RIG}.head.z") - place) > 0.5
-    assert "Pad pressed: doubtful" in headset.ask("hs.tips('left')")
+    # A hand that points at a panel needs no words; past it, they are there.
+    headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 2.2, -0.3])
+    headset.until("hs.tips('left').includes('Pad pressed: doubtful')")
     headset.flick_to_frame(0)
     headset.paint([truth(0, PERSON)])
     headset.settled()
     assert painted(server, 0) > 5
 
 
-def test_a_pinch_paints(put_on: Wear, server: LiveServer, truth: Truth) -> None:
+def test_a_pinch_paints_and_presses_all_that_a_trigger_does(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
     headset = put_on()
-    headset.ask("(device.primaryInputMode = 'hand')")
-    headset.until("hs.headset.cockpit.hands.right.device?.id === 'hand'")
-    target = headset.ask(f"hs.place({truth(0, PERSON)})")
-    headset.hand_to("right", target)
-    headset.ask("device.hands.right.updatePinchValue(1)")
-    headset.frames(3)
-    headset.ask("device.hands.right.updatePinchValue(0)")
-    headset.frames()
+    # Who lays the controllers down in the middle of a stroke keeps it.
+    headset.paint([truth(0, PERSON)], release=False)
+    headset.lay_down_controllers()
     headset.settled()
-    assert painted(server, 0) > 5
+    first = painted(server, 0)
+    assert first > 5
+    headset.ask("device.controllers.right.updateButtonValue('trigger', 0)")
+    # A label, a page, a tool, a slider and the time, each with a pinch.
+    headset.click("palette", "other")
+    headset.until("pb.state.activeLabel.value === 2")
+    headset.click("palette", "View")
+    headset.slide("palette", "Point size", 0.5, 0.8)
+    headset.until("pb.state.view.value.pointSize > 1.5")
+    headset.click("palette", "Boxes")
+    headset.until("pb.state.view.value.boxes")
+    headset.click("palette", "Tools")
+    headset.click("palette", "Erase")
+    headset.until("pb.state.tool.value === 'erase'")
+    headset.click("palette", "Paint")
+    headset.slide("timeline", "ruler", 0.05, 0.95)
+    headset.until("pb.state.frame.value === 5 && pb.shown().frame === 5")
+    headset.slide("timeline", "ruler", 0.05)
+    headset.until("pb.state.frame.value === 0 && pb.shown().frame === 0")
+    assert painted(server, 0) == first
+    x, y, z = truth(0, PERSON)
+    headset.hand_to("right", headset.ask(f"hs.place({[x, y + 0.2, z]})"))
+    headset.trigger(1)
+    headset.frames(2)
+    headset.trigger(0)
+    headset.settled()
+    assert painted(server, 0, 2) > 5
+    # The trigger of the other hand takes hold of the room; so does its pinch.
+    headset.move("left", [-0.3, 1.2, -0.3], [-0.3, 2.0, -0.3])
+    headset.trigger(1, "left")
+    headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 2.0, -0.3])
+    headset.trigger(0, "left")
+    assert headset.ask("pb.engine.viewer.world.position.length()") > 0.05
+
+
+def test_what_changes_while_one_paints_is_told_and_stops_nobody(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
+    headset = put_on()
+    x, y, z = truth(0, PERSON)
+    headset.paint([[x, y, z]])
+    headset.settled()
+    first = painted(server, 0)
+    # Undo in the middle of a stroke takes back what was before; the stroke goes on.
+    headset.until("pb.state.undo.value !== null")
+    headset.paint([[x, y + 0.3, z]], release=False)
+    headset.button("b-button")
+    headset.until("pb.state.redo.value !== null")
+    headset.trigger(0)
+    headset.settled()
+    second = painted(server, 0)
+    points = server.points(SEQUENCE, 0)[server.annotation(SEQUENCE, 0) == 1]
+    assert first > 5
+    assert second > 0
+    radius = headset.ask("pb.state.brush.value.radius")
+    assert np.abs(points - [x, y + 0.3, z]).max() < 2 * radius
+    # Somebody deletes the label that is in use: another one is chosen, and the hand paints on.
+    headset.paint([[x, y, z]], release=False)
+    server.request("DELETE", f"sequences/{SEQUENCE}/labels/1")
+    headset.until("pb.state.palette.value.length === 1")
+    headset.trigger(0)
+    headset.settled()
+    headset.until("pb.state.activeLabel.value === 2")
+    headset.paint([[x, y, z]])
+    headset.settled()
+    assert painted(server, 0, 2) > 5
+    # Somebody deletes the recording: that is said, nothing is painted, and one can leave.
+    headset.trigger(1)
+    server.request("DELETE", f"sequences/{SEQUENCE}")
+    headset.until("hs.headset.cockpit.hud.sign.text === 'No recording is open'")
+    headset.trigger(0)
+    said = headset.ask("pb.state.notices.value.length")
+    headset.button("b-button")
+    assert headset.ask("pb.state.notices.value.length") <= said
+    headset.click("palette", "View")
+    headset.until("hs.areas('palette').some((area) => area.name === 'Leave')")
+    headset.point_at("palette", "Leave", 0.5)
+    headset.ask("device.controllers.right.updateButtonValue('trigger', 1)")
+    headset.until("pb.state.xr.value.session === 'none'")
 
 
 def test_enters_with_the_real_room_in_sight(browser: Browser, server: LiveServer) -> None:

@@ -7,6 +7,26 @@
  */
 import { computed, Signal, signal, untracked, type ReadonlySignal } from '@preact/signals';
 import type { Job, Label, SequenceInfo } from './protocol/messages';
+import type {
+  Connection,
+  Me,
+  Person,
+  SequenceSummary,
+  Shown,
+  LoadedRange,
+  TimelineTable,
+  StrokeTool,
+  Tool,
+  BrushSettings,
+  Hover,
+  ViewSettings,
+  HistoryEntry,
+  Notice,
+  Upload,
+  XrState,
+} from './store-types';
+
+export type * from './store-types';
 
 // The library's own `peek` makes a closure at each call: too much for a loop of 90 pictures a second.
 let peeked: Signal;
@@ -16,188 +36,15 @@ Signal.prototype.peek = function <T>(this: Signal<T>): T {
   return untracked(readPeeked) as T;
 };
 
-// ── connection and people ────────────────────────────────────────────────────────────────────
-
-/** `refused`: wrong token, page older than the server, … — trying again will not help. */
-export type ConnectionState = 'connecting' | 'online' | 'offline' | 'refused';
-
-export interface Connection {
-  readonly state: ConnectionState;
-  /** One sentence for the user; empty when there is nothing to say. */
-  readonly detail: string;
-  /** `performance.now()` of the next try, or null. */
-  readonly retryAt: number | null;
-}
-
-export interface Me {
-  readonly viewer: string;
-  readonly author: string;
-  readonly role: 'viewer' | 'annotator' | 'reviewer' | 'admin';
-  readonly serverVersion: string;
-}
-
-/** Position x, y, z then quaternion x, y, z, w; room coordinates, metres, y up. */
-export type Pose = readonly [number, number, number, number, number, number, number];
-
-export interface Person {
-  readonly viewer: string;
-  readonly name: string;
-  readonly color: string;
-  readonly frame: number;
-  readonly head: Pose | null;
-  readonly hands: readonly (Pose | null)[];
-  readonly brush: readonly [number, number, number] | null;
-  readonly radius: number;
-  readonly label: number;
-}
-
-// ── recordings ───────────────────────────────────────────────────────────────────────────────
-
-/** One row of the list of recordings, from REST. */
-export interface SequenceSummary {
-  readonly id: string;
-  readonly name: string;
-  readonly frames: number;
-  readonly fps: number;
-  /** Points of the largest frame. */
-  readonly points: number;
-}
-
-/** What is on screen now. */
-export interface Shown {
-  readonly frame: number;
-  /** Points loaded of `total`; fewer while the frame still sharpens. */
-  readonly points: number;
-  readonly total: number;
-}
-
-/** Frames [first, last] in the page's cache; `complete`: with all their points. */
-export interface LoadedRange {
-  readonly first: number;
-  readonly last: number;
-  readonly complete: boolean;
-}
-
-/** The timeline of one label: a value per frame. */
-export interface TimelineRow {
-  readonly points: Uint32Array;
-  readonly painted: Uint32Array;
-  /** 0..1; NaN where nothing was tracked. */
-  readonly confidence: Float32Array;
-  /** Index into `CELL_STATES`. */
-  readonly state: Uint8Array;
-}
-
 export const CELL_STATES = ['none', 'painted', 'tracked', 'occluded', 'lost'] as const;
-
-/** A new object at every change; the rows are updated in place. */
-export interface TimelineTable {
-  readonly rows: ReadonlyMap<number, TimelineRow>;
-}
-
-// ── tools ────────────────────────────────────────────────────────────────────────────────────
-
-/** What a stroke does to points. */
-export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
-
-/**
- * What the button or trigger is for. `navigate`: moves the camera; `pick`: takes a label; `floor`:
- * points at what the recording stands on.
- */
-export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
 
 /** Whether a tool makes strokes. */
 export function isStroke(tool: Tool): tool is StrokeTool {
   return tool !== 'navigate' && tool !== 'pick' && tool !== 'floor';
 }
 
-/** How a stroke chooses points: under the brush, a region, a flat surface, an outline. */
-export type BrushShape = 'brush' | 'fill' | 'plane' | 'lasso';
-
-export interface BrushSettings {
-  readonly shape: BrushShape;
-  /** Metres. */
-  readonly radius: number;
-  readonly onlyUnlabeled: boolean;
-  /** The brush also reaches points behind the first surface. */
-  readonly through: boolean;
-}
-
 export const RADIUS_MIN = 0.005;
 export const RADIUS_MAX = 5;
-
-/** What is under the mouse or the controller's ray. */
-export interface Hover {
-  /** 0 unlabeled. */
-  readonly label: number;
-  /** Metres from the eye. */
-  readonly distance: number;
-  /** Points under the brush. */
-  readonly points: number;
-}
-
-// ── view ─────────────────────────────────────────────────────────────────────────────────────
-
-export type ColorMode = 'rgb' | 'intensity' | 'height' | 'plain';
-
-export interface ViewSettings {
-  readonly color: ColorMode;
-  /** 1 = natural size. */
-  readonly pointSize: number;
-  /** 0 = recording's colours only, 1 = label colours only. */
-  readonly labelBlend: number;
-  /** 1 = as recorded. */
-  readonly brightness: number;
-  readonly eyeDome: boolean;
-  readonly hideUnlabeled: boolean;
-  readonly showDeleted: boolean;
-  readonly grid: boolean;
-  /** A box round each labelled object. */
-  readonly boxes: boolean;
-  /** The ways of the objects through the frames near the playhead. */
-  readonly trails: boolean;
-  /** Where the objects were in the frame before, faintly, while time stands. */
-  readonly ghost: boolean;
-}
-
-// ── work and messages ────────────────────────────────────────────────────────────────────────
-
-export interface HistoryEntry {
-  readonly id: string;
-  readonly revision: number;
-  readonly author: string;
-  /** ISO 8601. */
-  readonly time: string;
-  readonly kind: string;
-  readonly summary: string;
-  readonly points: number;
-  /** Numbers of the frames it changed. */
-  readonly frames: readonly number[];
-  readonly undone: boolean;
-}
-
-/** A short message to the user; `error` stays until dismissed. */
-export interface Notice {
-  readonly id: number;
-  readonly kind: 'info' | 'success' | 'error';
-  readonly title: string;
-  readonly detail: string;
-}
-
-/** Files on their way to the server, before the import job exists. */
-export interface Upload {
-  readonly name: string;
-  readonly sent: number;
-  readonly total: number;
-}
-
-export interface XrState {
-  /** null until the browser answered. */
-  readonly supported: boolean | null;
-  readonly passthrough: boolean;
-  readonly session: 'none' | 'starting' | 'running' | 'lost';
-  readonly detail: string;
-}
 
 // ── the store ────────────────────────────────────────────────────────────────────────────────
 

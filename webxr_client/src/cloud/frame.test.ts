@@ -44,6 +44,14 @@ describe('labels of a frame', () => {
     expect(labels(frame)).toEqual([1, 0, 0, 5, 5, 0, 0, DELETED]);
   });
 
+  it('merges overlays in any order, the newest value first', () => {
+    const frame = frameOf([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]); // prettier-ignore
+    frame.mergeOverlay('run', Uint32Array.of(3, 1), Uint16Array.of(7, 5));
+    frame.mergeOverlay('run', Uint32Array.of(2, 0, 3), Uint16Array.of(9));
+    expect([...frame.overlays.get('run')!.indices]).toEqual([0, 1, 2, 3]);
+    expect([...frame.overlays.get('run')!.values]).toEqual([9, 5, 9, 9]);
+  });
+
   it('shows overlays over the values of the server until they are dropped', () => {
     const frame = frameOf(wall(2, 0));
     frame.setOverlay('stroke', { indices: Uint32Array.of(1, 2), values: Uint16Array.of(4) });

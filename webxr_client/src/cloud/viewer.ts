@@ -10,12 +10,11 @@ import { ALL_POINTS, type CloudFrame } from './frame';
 import { LargeCloud } from './large';
 import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
-import { Slot } from './slot';
+import { Slots } from './slots';
 import { Timing } from './timing';
 
 /** Layers 1 and 2 are the headset's eyes. */
 const POINTS_LAYER = 3;
-const SLOTS = 3;
 
 export type Tick = (now: number, frame: XRFrame | undefined) => void;
 
@@ -47,9 +46,8 @@ export class Viewer {
   /** The GPU is a program: pretty extras are left out unless asked for. */
   readonly software: boolean;
   private readonly eyeDome = new EyeDome();
-  private slots: Slot[] = [];
+  private slots: Slots | null = null;
   private large: LargeCloud | null = null;
-  private current: Slot | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
   private eyeDomeOn = true;
@@ -118,24 +116,16 @@ export class Viewer {
     this.info = info;
     if (!info) return;
     this.stand(info);
+    const { renderer, uniforms, room } = this;
     if (info.large) {
-      this.large = new LargeCloud(this.renderer, this.uniforms);
+      this.large = new LargeCloud(renderer, uniforms);
       this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
-      this.large.setLimit(this.limit);
-      this.room.add(this.large.group);
-      return;
+      room.add(this.large.group);
+    } else {
+      const capacity = Math.max(1, ...info.points);
+      this.slots = new Slots(renderer, uniforms, info.frames, capacity, room, POINTS_LAYER);
     }
-    const capacity = Math.max(1, ...info.points);
-    const count = Math.min(SLOTS, info.frames);
-    this.slots = Array.from(
-      { length: count },
-      () => new Slot(this.renderer, capacity, this.uniforms),
-    );
-    for (const slot of this.slots) {
-      slot.points.layers.set(POINTS_LAYER);
-      slot.setLimit(this.limit);
-      this.room.add(slot.points);
-    }
+    this.cloud?.setLimit(this.limit);
   }
 
   /** Put the recording on its floor, which is as `info` says from now on. */
@@ -163,12 +153,9 @@ export class Viewer {
   }
 
   private clear(): void {
-    for (const slot of this.slots) slot.dispose();
-    this.slots = [];
-    this.current = null;
+    this.cloud?.dispose();
+    this.slots = this.large = null;
     this.shown = null;
-    this.large?.dispose();
-    this.large = null;
     this.invalidate();
   }
 
@@ -186,22 +173,15 @@ export class Viewer {
     this.invalidate();
   }
 
+  /** What shows the recording. */
+  private get cloud(): Slots | LargeCloud | null {
+    return this.slots ?? this.large;
+  }
+
   /** Show a frame as it is now. */
   show(frame: CloudFrame): void {
     this.shown = frame;
-    if (this.large) {
-      this.large.update(frame);
-      this.invalidate();
-      return;
-    }
-    const slot = this.slotFor(frame);
-    if (!slot) return;
-    slot.upload(frame);
-    if (slot !== this.current) {
-      if (this.current) this.current.points.visible = false;
-      slot.points.visible = true;
-      this.current = slot;
-    }
+    this.cloud?.update(frame);
     this.invalidate();
   }
 
@@ -219,8 +199,7 @@ export class Viewer {
     if (points === this.limit) return;
     this.limit = points;
     const before = this.drawn;
-    for (let i = 0; i < this.slots.length; i++) this.slots[i]!.setLimit(points);
-    this.large?.setLimit(points);
+    this.cloud?.setLimit(points);
     if (this.drawn === before) return;
     // The next picture takes another time: it says nothing of the one before.
     this.intervalMs.interrupt();
@@ -235,28 +214,17 @@ export class Viewer {
 
   /** Bring a frame to the GPU ahead of time. */
   prepare(frame: CloudFrame): void {
-    if (this.large || this.slots.length < 2) return;
-    const slot = this.slotFor(frame);
-    if (slot && slot !== this.current) slot.upload(frame);
-  }
-
-  private slotFor(frame: CloudFrame): Slot | undefined {
-    for (let i = 0; i < this.slots.length; i++) {
-      if (this.slots[i]!.frame === frame) return this.slots[i];
-    }
-    // The one after the current was shown longest ago.
-    const at = this.current ? this.slots.indexOf(this.current) : -1;
-    return this.slots[(at + 1) % this.slots.length];
+    this.slots?.prepare(frame);
   }
 
   /** Points on screen. */
   get drawn(): number {
-    return this.large?.drawn ?? this.current?.drawn ?? 0;
+    return this.cloud?.drawn ?? 0;
   }
 
   /** Points on screen with each label. */
   countLabels(): Map<number, number> {
-    return this.current?.countLabels() ?? new Map<number, number>();
+    return this.slots?.countLabels() ?? new Map<number, number>();
   }
 
   private tick(now: number, frame: XRFrame | undefined): void {
@@ -304,7 +272,7 @@ export class Viewer {
     this.uniforms.setViewport(this.size.y);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    if (this.eyeDomeOn && (this.current || this.large)) {
+    if (this.eyeDomeOn && this.shown) {
       eyeDome.setCamera(camera);
       renderer.setRenderTarget(eyeDome.target);
       renderer.clear();

@@ -130,14 +130,18 @@ export class Engine {
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
-      undo: () => this.link.send({ type: 'undo', id: crypto.randomUUID() }),
-      redo: () => this.link.send({ type: 'redo', id: crypto.randomUUID() }),
+      undo: () => this.travel('undo'),
+      redo: () => this.travel('redo'),
       track: (request) => this.track(request),
       openSequence: (id) => this.openSequence(id),
       closeSequence: () => this.closeSequence(),
       reconnect: () => this.link.connect(),
       dismissNotice: dismiss,
     });
+  }
+
+  private travel(type: 'undo' | 'redo'): void {
+    if (state.sequence.peek()) this.link.send({ type, id: crypto.randomUUID() });
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {

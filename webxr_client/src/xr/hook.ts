@@ -8,6 +8,7 @@ import type { Headset } from './headset';
 import type { Panel } from './panel';
 import type { People } from './people';
 import type { Side } from './settings';
+import { CAPITAL } from './sizes';
 
 type Triple = [number, number, number];
 
@@ -21,6 +22,12 @@ export function installHeadsetHook(
   const inRig = (place: Vector3): Triple =>
     headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
   const panel = (name: 'palette' | 'timeline'): Panel => headset.cockpit![name];
+  const onPanel = (name: 'palette' | 'timeline', u: number, v: number, out: number): Vector3 => {
+    const { mesh, size } = panel(name);
+    mesh.updateWorldMatrix(true, false);
+    const at = mesh.position.clone().set((u - 0.5) * size.width, (0.5 - v) * size.height, out);
+    return mesh.localToWorld(at);
+  };
   const hook = {
     /** Pictures since the session began. */
     frames: () => headset.cockpit?.frames ?? 0,
@@ -38,15 +45,22 @@ export function installHeadsetHook(
       return painter.tip.distanceTo(brushHand.origin);
     },
     /** Where a place on a panel (0..1 from the upper left) is, and its way out of it. */
-    onPanel: (name: 'palette' | 'timeline', u: number, v: number): { at: Triple; out: Triple } => {
-      const { mesh, size } = panel(name);
-      mesh.updateWorldMatrix(true, false);
-      const at = mesh.position.clone().set((u - 0.5) * size.width, (0.5 - v) * size.height, 0);
-      const out = at.clone().setZ(at.z + 0.2);
-      return { at: inRig(mesh.localToWorld(at)), out: inRig(mesh.localToWorld(out)) };
-    },
+    onPanel: (name: 'palette' | 'timeline', u: number, v: number): { at: Triple; out: Triple } => ({
+      at: inRig(onPanel(name, u, v, 0)),
+      out: inRig(onPanel(name, u, v, 0.2)),
+    }),
     /** The ball whose points the shader lights up, local coordinates. */
     lit: () => viewer.uniforms.lit,
+    /** How tall a capital letter is at a place of a panel, seen from the head, degrees. */
+    capital: (name: 'palette' | 'timeline', u: number, v: number): number => {
+      const { size } = panel(name);
+      const share = (CAPITAL * size.em) / size.height / 2;
+      const { head } = headset.cockpit!.rig;
+      const [upper, lower] = [v - share, v + share].map((at) =>
+        onPanel(name, u, at, 0).sub(head),
+      ) as [Vector3, Vector3];
+      return (upper.angleTo(lower) * 180) / Math.PI;
+    },
     /** What is drawn over the recording: boxes, dots of trails, points of the ghost. */
     overlays: () => ({
       boxes: overlays.boxes.count,

@@ -21,10 +21,10 @@ export function degrees({ em, away }: TextSize): number {
 }
 
 export const SIZES = {
-  /** On the other hand, the arm bent. */
-  palette: { em: 0.0132, away: 0.54 },
+  /** On the other hand, the arm bent; so near that its corners, farther away, are a degree as well. */
+  palette: { em: 0.0132, away: 0.46 },
   /** Low before one, its far corners. */
-  timeline: { em: 0.0262, away: 1.09 },
+  timeline: { em: 0.0268, away: 1.09 },
   /** Beside a controller. */
   tips: { em: 0.0122, away: 0.5 },
   /** Before the eyes. */

@@ -48,8 +48,8 @@ export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig
   return true;
 }
 
-const LENGTH = 0.7;
-const BELOW = 0.6;
+const LENGTH = 0.68;
+const BELOW = 0.58;
 const LOWEST = 0.55;
 const LEAN = -0.65;
 

@@ -34,7 +34,7 @@ export class TimelinePanel extends Panel {
   private drawnAt = -Infinity;
 
   constructor() {
-    super({ width: 1.06, height: 0.485, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
+    super({ width: 1.06, height: 0.5, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
     const material = new MeshBasicMaterial({
       color: 0xffffff,
       depthTest: false,
