@@ -36,6 +36,7 @@ class LightViewer(asyncio.Protocol):
         self._buffer = bytearray()
         self._skip = 0
         self._shaken = False
+        self._saying: bytearray | None = None
         self._forgotten: list[int] = []
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -66,8 +67,13 @@ class LightViewer(asyncio.Protocol):
             return
         self._buffer += memoryview(data)[self._skip :]
         self._skip = 0
+        self._saying = bytearray()
         while self._message():
             pass
+        # All that there is to say to what came in one piece leaves in one.
+        if self._saying:
+            self._transport.write(self._saying)
+        self._saying = None
 
     def _message(self) -> bool:
         buffer = self._buffer
@@ -113,7 +119,11 @@ class LightViewer(asyncio.Protocol):
         data: bytes = msgpack.packb(message)
         small = len(data) < 126
         size = bytes([128 | len(data)]) if small else b"\xfe" + len(data).to_bytes(2, "big")
-        self._transport.write(b"\x82" + size + b"\0\0\0\0" + data)
+        whole = b"\x82" + size + b"\0\0\0\0" + data
+        if self._saying is None:
+            self._transport.write(whole)
+        else:
+            self._saying += whole
 
     def stop_reading(self) -> None:
         """Let everything wait at the server."""

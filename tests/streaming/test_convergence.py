@@ -20,6 +20,7 @@ from pointbrush.labels import effect
 from pointbrush.streaming import outbox, sender
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
+from pointbrush.streaming.room import Room
 from pointbrush.streaming.session import ViewerSession
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
@@ -291,3 +292,22 @@ async def until(holds: Callable[[], bool]) -> None:
     while not holds():
         assert time.monotonic() < end, "it never came to that"
         await asyncio.sleep(0.002)
+
+
+def test_a_followers_messages_are_made_before_they_are_wanted(workspace: Workspace) -> None:
+    async def scenario() -> None:
+        hub = Hub(workspace, Metrics())
+        async with hub.running():
+            room = Room(workspace, workspace.recording("wall"), hub.cache, hub.read)
+            await room.load()
+            room.expect(2, 1)
+            while (table := room.stock.known_table(2)) is None:
+                await asyncio.sleep(0.001)
+            piece = table.first_piece(2, 1)
+            assert piece.stop == table.stops[1]
+            while (ready := room.ready(piece, table)) is None:
+                await asyncio.sleep(0.001)
+            assert ready == await room.points(piece, table)
+            assert msgpack.unpackb(ready[2])["total"] == table.firsts[-1]
+
+    asyncio.run(asyncio.wait_for(scenario(), PATIENCE))

@@ -115,6 +115,20 @@ def test_held_frames_are_not_taken_for_skipped_ones() -> None:
     assert set(range(20, 60)) <= plan.held.keys()
 
 
+def test_what_comes_behind_a_sent_frame_is_known() -> None:
+    plan = plan_with(1e9)
+    plan.play(PlayClock(97, 0.0, 30.0, 100))
+    coming = []
+    for tick in range(20):
+        piece = take(plan, tick / 30)
+        assert piece is not None
+        coming += plan.coming(piece)
+    wanted = [(98 + more) % 100 for more in range(len(coming))]
+    assert coming == wanted
+    plan.pause(5, 1.0)
+    assert plan.coming(Piece(5, 0, 1, final=False)) == []
+
+
 @given(
     start=st.integers(0, 99),
     speed=st.floats(-16, 16),

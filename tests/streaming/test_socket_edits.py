@@ -63,6 +63,33 @@ def test_counts_timeline_and_undo_follow_an_edit(served: Served) -> None:
     run(scenario)
 
 
+def test_what_is_sent_in_one_piece_is_answered_one_by_one_in_order(served: Served) -> None:
+    async def scenario() -> None:
+        strokes = [str(uuid.uuid4()) for _ in range(4)]
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=3)
+            await client.until("frame", frame=3, final=True)
+            for number, stroke in enumerate(strokes):
+                # The second has a label that does not exist; one answer says so.
+                brush = {"label": 999 if number == 1 else 1, "radius": 0.2}
+                sample = {"origin": [0.5 * number - 0.7, 0.1, 3.0]}
+                await client.send(type="stroke_begin", id=stroke, frame=3, brush=brush)
+                await client.send(type="stroke_samples", id=stroke, samples=[sample])
+                await client.send(type="stroke_end", id=stroke)
+            undo = str(uuid.uuid4())
+            await client.send(type="undo", id=undo)
+            await client.until("stroke_result", id=undo)
+        answers = [m for m in client.log if m["type"] in ("stroke_result", "error")]
+        told = [(m.get("id") or m["about"], m.get("final")) for m in answers]
+        good = [(stroke, final) for stroke in strokes for final in (False, True)]
+        assert told == [*good[:2], (strokes[1], None), *good[4:], (undo, True)]
+        *done, undone = answers
+        changed = [m["changed"] for m in done if m.get("final") and m["changed"]]
+        assert undone["changed"] == changed[-1]
+
+    run(scenario)
+
+
 def test_a_live_stroke_counts_while_it_is_drawn_and_a_resent_one_applies_once(
     served: Served,
 ) -> None:

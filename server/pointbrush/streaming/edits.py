@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from dataclasses import dataclass
 
 from pointbrush.errors import (
     BadInputError,
@@ -36,8 +37,19 @@ EDITS = (
 )
 WAITING, WAITING_BYTES = 64, 1 << 20
 """Edits that may wait, and their bytes; a viewer that sends faster is read more slowly."""
+TOGETHER = 8
 LIVE_STROKES = 8
 EDITORS = ("annotator", "reviewer", "admin")
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """What is answered: points touched, and changed by a commit or, before it, so far."""
+
+    frame: int
+    touched: int
+    commit: Commit | None = None
+    changed: int = 0
 
 
 class Editor:
@@ -59,18 +71,26 @@ class Editor:
         await self._queue.put((edit, nbytes))
 
     async def run(self) -> None:
-        """Apply edits until cancelled."""
+        """Apply edits until cancelled.
+
+        Those that wait together are applied together: a short stroke comes in three messages, and
+        each way to a thread and back waits for the event loop twice.
+        """
         while True:
-            edit, nbytes = await self._queue.get()
+            batch, started = [await self._queue.get()], time.monotonic()
+            while len(batch) < TOGETHER and not self._queue.empty():
+                batch.append(self._queue.get_nowait())
             try:
-                await self._apply(edit)
-            except PointbrushError as error:
-                self._drop(edit)
-                self._viewer.refuse(error, edit.id)
+                results = await self._hub.edit(self._apply_all, [edit for edit, _ in batch])
+                for (edit, _), result in zip(batch, results, strict=True):
+                    self._tell(edit, result)
+                    if isinstance(edit, messages.StrokeEnd):
+                        self._hub.metrics.strokes.observe(time.monotonic() - started)
             finally:
-                self._bytes -= nbytes
+                self._bytes -= sum(nbytes for _, nbytes in batch)
                 self._fewer.set()
-                self._queue.task_done()
+                for _ in batch:
+                    self._queue.task_done()
 
     async def idle(self) -> None:
         """Wait until every edit that was put has been answered."""
@@ -84,118 +104,115 @@ class Editor:
             if len(self._refused) > LIVE_STROKES * 8:
                 del self._refused[next(iter(self._refused))]
 
-    async def _apply(self, edit: Edit) -> None:
+    def _tell(self, edit: Edit, result: Applied | PointbrushError | None) -> None:
+        if isinstance(result, PointbrushError):
+            self._viewer.refuse(result, edit.id)
+        elif result is not None:
+            self._answer(edit.id, result)
+
+    # ── in a thread, one batch at a time ─────────────────────────────────────────────────
+
+    def _apply_all(self, edits: list[Edit]) -> list[Applied | PointbrushError | None]:
+        """What each edit came to: an answer, an error, or nothing to be said yet."""
+        results: list[Applied | PointbrushError | None] = []
+        for edit in edits:
+            try:
+                results.append(self._apply(edit))
+            except PointbrushError as error:
+                self._drop(edit)
+                results.append(error)
+        return results
+
+    def _apply(self, edit: Edit) -> Applied | None:
         if self._viewer.role not in EDITORS:
             raise ForbiddenError(
                 f"expected the role annotator or higher, this token's is {self._viewer.role}"
             )
         match edit:
             case messages.StrokeBegin():
-                await self._begin(edit)
+                self._begin(edit)
             case messages.StrokeSamples() | messages.StrokeEnd() if edit.id in self._refused:
                 if isinstance(edit, messages.StrokeEnd):
                     del self._refused[edit.id]
             case messages.StrokeSamples():
-                await self._samples(edit)
+                return self._samples(edit)
             case messages.StrokeEnd():
-                await self._end(edit)
+                return self._end(edit)
             case messages.Undo() | messages.Redo():
-                await self._undo(edit)
+                return self._undo(edit)
             case messages.Track():
-                await self._track(edit)
+                self._track(edit)
+        return None
 
-    async def _begin(self, edit: messages.StrokeBegin) -> None:
-        viewer = self._viewer
-        workspace, sequence = self._hub.workspace, viewer.require_room().id
+    def _begin(self, edit: messages.StrokeBegin) -> None:
+        workspace, sequence = self._hub.workspace, self._viewer.require_room().id
         self._refused.pop(edit.id, None)
         if len(self._live) >= LIVE_STROKES and edit.id not in self._live:
             raise TooManyRequestsError(f"expected at most {LIVE_STROKES} strokes at a time")
-
-        def begin() -> LiveStroke | Commit:
-            # A stroke that is sent again after its answer was lost has been applied.
-            done = workspace.store.find(sequence, edit.id)
-            return done or workspace.begin_stroke(
-                sequence, edit.frame, edit.brush.model_dump(), edit.id
-            )
-
-        self._live[edit.id] = await self._hub.edit(begin)
+        # A stroke that is sent again after its answer was lost has been applied.
+        done = workspace.store.find(sequence, edit.id)
+        self._live[edit.id] = done or workspace.begin_stroke(
+            sequence, edit.frame, edit.brush.model_dump(), edit.id
+        )
 
     def _stroke(self, stroke_id: str) -> LiveStroke | Commit:
         if stroke_id not in self._live:
             raise BadInputError(f"id: expected a stroke that has begun, got {stroke_id}")
         return self._live[stroke_id]
 
-    async def _samples(self, edit: messages.StrokeSamples) -> None:
+    def _samples(self, edit: messages.StrokeSamples) -> Applied | None:
         stroke = self._stroke(edit.id)
         if isinstance(stroke, Commit):
-            return
-        samples = [sample.model_dump() for sample in edit.samples]
+            return None
+        touched = stroke.add([sample.model_dump() for sample in edit.samples])
+        return Applied(stroke.frame, touched, changed=stroke.changing)
 
-        def add() -> tuple[int, int]:
-            return stroke.add(samples), stroke.changing
-
-        touched, changed = await self._hub.edit(add)
-        self._answer(edit.id, stroke.frame, touched, changed=changed)
-
-    async def _end(self, edit: messages.StrokeEnd) -> None:
-        viewer = self._viewer
-        started = time.monotonic()
+    def _end(self, edit: messages.StrokeEnd) -> Applied:
         stroke = self._stroke(edit.id)
         if isinstance(stroke, Commit):
-            commit, frame, touched = stroke, next(iter(stroke.frames), 0), stroke.changed
+            applied = Applied(next(iter(stroke.frames), 0), stroke.changed, stroke)
         else:
-            commit = await self._hub.edit(stroke.commit, viewer.author)
-            frame, touched = stroke.frame, stroke.touched
+            commit = stroke.commit(self._viewer.author)
+            applied = Applied(stroke.frame, stroke.touched, commit)
         del self._live[edit.id]
-        self._hub.metrics.strokes.observe(time.monotonic() - started)
-        self._answer(edit.id, frame, touched, commit)
+        return applied
 
-    async def _undo(self, edit: messages.Undo | messages.Redo) -> None:
-        viewer = self._viewer
-        workspace = self._hub.workspace
+    def _undo(self, edit: messages.Undo | messages.Redo) -> Applied:
+        viewer, workspace = self._viewer, self._hub.workspace
         act = workspace.undo if isinstance(edit, messages.Undo) else workspace.redo
-        sequence = viewer.require_room().id
-        commit = await self._hub.edit(act, sequence, viewer.author, edit.id)
-        self._answer(edit.id, next(iter(commit.frames), 0), commit.changed, commit)
+        commit = act(viewer.require_room().id, viewer.author, edit.id)
+        return Applied(next(iter(commit.frames), 0), commit.changed, commit)
 
-    async def _track(self, edit: messages.Track) -> None:
+    def _track(self, edit: messages.Track) -> None:
         viewer = self._viewer
-        sequence = viewer.require_room().id
+        self._hub.workspace.track(
+            viewer.require_room().id,
+            start=edit.start,
+            stop=edit.stop,
+            author=viewer.author,
+            labels=edit.labels,
+            method=edit.method,
+            overwrite=edit.overwrite,
+            continue_lost=edit.continue_lost,
+            until_painted=edit.until_painted,
+            stop_unsure=edit.stop_unsure,
+            edit=edit.id,
+        )
 
-        def start() -> None:
-            self._hub.workspace.track(
-                sequence,
-                start=edit.start,
-                stop=edit.stop,
-                author=viewer.author,
-                labels=edit.labels,
-                method=edit.method,
-                overwrite=edit.overwrite,
-                continue_lost=edit.continue_lost,
-                until_painted=edit.until_painted,
-                stop_unsure=edit.stop_unsure,
-                edit=edit.id,
-            )
+    # ── on the event loop ────────────────────────────────────────────────────────────────
 
-        await self._hub.edit(start)
-
-    def _answer(
-        self,
-        stroke_id: str,
-        frame: int,
-        touched: int,
-        commit: Commit | None = None,
-        changed: int = 0,
-    ) -> None:
+    def _answer(self, edit_id: str, applied: Applied) -> None:
+        room, commit = self._viewer.room, applied.commit
+        revision = commit.revision if commit else room.revision if room else 0
         self._viewer.outbox.reply(
             encode(
                 messages.StrokeResult(
-                    id=stroke_id,
-                    frame=frame,
-                    touched=touched,
-                    changed=commit.changed if commit else changed,
+                    id=edit_id,
+                    frame=applied.frame,
+                    touched=applied.touched,
+                    changed=commit.changed if commit else applied.changed,
                     edit=commit.edit_id if commit else None,
-                    revision=commit.revision if commit else self._viewer.require_room().revision,
+                    revision=revision,
                     final=commit is not None,
                 )
             )

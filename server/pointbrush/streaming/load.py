@@ -17,7 +17,7 @@ BUSY, IDLE = 0.6, 0.45
 SENDS_A_TURN = 6
 YIELD_SECONDS, YIELDS = 0.001, 8
 """How long points wait at most for an edit that is being applied: a flood must not stop them."""
-FIRST, LEAST = 300e6, 3e6
+FIRST, LEAST = 300e6, 25e6
 """Bytes a second for all who follow a clock together: before anything is known, and at least."""
 CUT, GROW = 0.85, 1.05
 MOST_CUTS = 4
