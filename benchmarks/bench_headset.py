@@ -63,8 +63,8 @@ BOXES = """(() => {
 PICTURES = "__pointbrushHeadset.frames()"
 SECONDS = 6.0
 SAMPLED = 4.0
-WARM_UP = 15.0
-"""Seconds until V8 has compiled what runs in every picture."""
+WARM_UP = 20.0
+"""Seconds until V8 has compiled what runs in every picture; until then it boxes every number."""
 CACHED = "__pointbrush.counters().cachedFrames >= __pointbrush.state.sequence.value.frames"
 BUDGET_MS = 2.0
 LABELS, LABELLED = 8, 10
@@ -106,8 +106,12 @@ def inside(workspace: Path, *flags: str) -> Iterator[Tab]:
 
 
 PARTIES = {"ours": "ours", "three": "three.js", "libraries": "signals", "emulator": "emulator"}
-DOING = {"playing": "0", "painting": "1"}
-"""What is measured, and how far the trigger is pressed."""
+TRACK = """(() => {
+  __pointbrush.engine.playback.pause();
+  __pointbrush.engine.track({ labels: [1], start: 0, stop: 60, method: 'auto',
+    overwrite: 'tracked', stop_unsure: false });
+})()"""
+RUNNING = "__pointbrush.state.jobs.value.some((job) => job.state === 'running')"
 
 
 def main() -> None:
@@ -133,16 +137,20 @@ def middle() -> list[float]:
 
 
 def acting(page: Tab) -> Iterator[str]:
-    """Play what has come whole; then paint."""
+    """Play what has come whole; paint; then watch a tracking run's results arrive."""
+    trigger = "device.controllers.right.updateButtonValue('trigger', {})"
     page.run("__pointbrush.engine.playback.play()")
     page.until(CACHED)
     time.sleep(WARM_UP)
-    for doing, trigger in DOING.items():
-        if doing == "painting":
-            page.run(f"(window.surface = __pointbrushHeadset.place({middle()}))")
-        page.run(f"device.controllers.right.updateButtonValue('trigger', {trigger})")
-        time.sleep(2)
-        yield doing
+    yield "playing"
+    page.run(f"(window.surface = __pointbrushHeadset.place({middle()}))")
+    page.run(trigger.format(1))
+    time.sleep(WARM_UP)
+    yield "painting"
+    page.run(trigger.format(0))
+    page.run(TRACK)
+    page.until(RUNNING)
+    yield "tracking"
 
 
 def times(page: Tab, doing: str) -> None:

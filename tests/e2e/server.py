@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 TOKEN = "end-to-end-token-of-the-owner"
-START_SECONDS = 30
+START_SECONDS = 60
 COMMAND = [sys.executable, "-c", "import sys; from pointbrush.cli import main; sys.exit(main())"]
 
 
