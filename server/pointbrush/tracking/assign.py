@@ -15,7 +15,8 @@ from pointbrush.tracking.view import View
 NEIGHBOURS = 3
 STEPS = 10
 MANY = 4000
-"""Points from which it pays to leave out those that cannot be near, before they are searched."""
+"""Points from which it pays to leave out those that cannot be near, before they are searched, and
+to make a tree that is asked faster."""
 
 
 @dataclass(eq=False)
@@ -50,21 +51,14 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
     if len(indices) == 0 or len(place) == 0:
         return Claim.nothing()
     xyz = view.xyz.take(indices, axis=0)
-    far = 1.001 * reach  # single precision must not decide what is at the border
-    if len(indices) > MANY:
-        close = perhaps_near(xyz, place, reach)
-    else:
-        lo, hi = bounds(place)
-        close = within(xyz, lo - far, hi + far)
+    meeting = _may_meet(xyz, place, reach)
+    if meeting is None:
+        return Claim.nothing()
+    close, part = meeting
     indices, xyz = indices[close], xyz[close]
-    if not len(indices):
-        return Claim.nothing()
-    lo, hi = bounds(xyz)
-    part = np.flatnonzero(within(place, lo - far, hi + far))
-    if not len(part):
-        return Claim.nothing()
     k = min(NEIGHBOURS, len(part))
-    tree = cKDTree(place[part], balanced_tree=False)
+    # Boxes drawn close pay where many ask.
+    tree = cKDTree(place[part], balanced_tree=False, compact_nodes=len(xyz) > MANY)
     gap, near = tree.query(xyz, k=np.arange(1, k + 1), distance_upper_bound=reach)
     gap, near = np.asarray(gap), np.asarray(near)
     close = gap[:, 0] < reach
@@ -72,6 +66,21 @@ def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reac
     unlike = view.colour(indices)[:, None, :] - colour[near]
     cost = np.sqrt(gap**2 + weight**2 * np.einsum("ijk,ijk->ij", unlike, unlike))
     return Claim(indices, cost.min(axis=1).astype(np.float32), gap[:, 0], near[:, 0])
+
+
+def _may_meet(xyz: F32, place: F64, reach: float) -> tuple[Mask, I64] | None:
+    """Which points (N, 3) may lie within ``reach`` metres of some of a model (M, 3), and numbers of
+    the model's points there; None where none do."""
+    far = 1.001 * reach  # single precision must not decide what is at the border
+    lo, hi = bounds(place)
+    close = within(xyz, lo - far, hi + far)
+    if np.count_nonzero(close) > MANY:
+        close = perhaps_near(xyz, place, reach)
+    if not close.any():
+        return None
+    lo, hi = bounds(xyz[close])
+    part = np.flatnonzero(within(place, lo - far, hi + far))
+    return (close, part) if len(part) else None
 
 
 def together(one: I64, other: I64) -> I64:
