@@ -30,7 +30,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
         lambda _s, _v, i: (np.zeros(len(i), bool), np.zeros(len(i), bool)),
     ),
     "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
-    "other guesses": ("pointbrush.tracking.locate.proposals", lambda *_: []),
+    "other guesses": ("pointbrush.tracking.fit.proposals", lambda *_: []),
     "growing": ("pointbrush.tracking.auto.grow", _claimed_only),
     "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
     "rivals": (

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pointbrush.tracking.belong import own_points
+from pointbrush.tracking.fit import find
 from pointbrush.tracking.ground import on_ground
-from pointbrush.tracking.locate import among, find
+from pointbrush.tracking.locate import among
 from pointbrush.tracking.thing import Rivals, begin
 from pointbrush.tracking.view import View
 

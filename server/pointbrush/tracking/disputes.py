@@ -11,9 +11,10 @@ from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import own_points
 from pointbrush.tracking.crowd import reclaim, recognised
 from pointbrush.tracking.figures import undisputed
+from pointbrush.tracking.fit import find
 from pointbrush.tracking.interface import I64, Mask
 from pointbrush.tracking.judge import judge
-from pointbrush.tracking.locate import Search, crop, find
+from pointbrush.tracking.locate import Search, crop
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View

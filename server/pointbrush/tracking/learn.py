@@ -7,9 +7,10 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim, claim
 from pointbrush.tracking.confidence import Evidence
+from pointbrush.tracking.fit import bent
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
-from pointbrush.tracking.locate import bent, target_of
+from pointbrush.tracking.locate import target_of
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform

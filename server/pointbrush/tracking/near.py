@@ -61,8 +61,9 @@ def bounds(xyz: NDArray[np.number]) -> tuple[F64, F64]:
 
 
 def middle(points: NDArray[np.floating]) -> F64:
-    """(D,) mean of points (N, D), as a product, which is faster than NumPy's mean of short rows."""
-    return np.asarray(np.full(len(points), 1.0 / len(points)) @ points, np.float64)
+    """(D,) mean of points (N, D): NumPy's own is slow over short rows, a product not the same with
+    any number of BLAS's threads."""
+    return np.asarray(np.einsum("ij->j", points, dtype=np.float64) / len(points))
 
 
 def gaps(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> F64:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pointbrush.tracking.fit import DOUBT, DOUBT_LARGE
 from pointbrush.tracking.interface import F64, I64
-from pointbrush.tracking.locate import DOUBT, DOUBT_LARGE, FEWEST, Search
+from pointbrush.tracking.locate import FEWEST, Search
 from pointbrush.tracking.near import Plain, bounds, within
 from pointbrush.tracking.registration import Target, transform
 

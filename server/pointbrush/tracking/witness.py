@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.assign import claim
+from pointbrush.tracking.fit import find
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.locate import among, find
+from pointbrush.tracking.locate import among
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place

@@ -1,0 +1,199 @@
+"""Register a thing: robust fits from the likeliest guesses, the best by what the sensor saw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pointbrush.tracking.explain import costs_of, look
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.locate import Search
+from pointbrush.tracking.nonrigid import warp
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.recovery import nudges, proposals
+from pointbrush.tracking.registration import (
+    Fits,
+    Target,
+    excess,
+    robust_fits,
+    transform,
+    transform_each,
+)
+from pointbrush.tracking.thing import Thing
+
+LEAST = 20
+"""Points of the model that should be seen, from which the others are left out of a fit."""
+NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
+LAST = (2.5, 2.0, 2.0)
+"""Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
+TRIES = 6
+STILL, AS_WELL = 1.0, 0.03
+"""Units by which a thing at rest seems to move at most, and what it may cost more to leave it."""
+SAME = 1.0
+"""Units by which no point of the model moves between two guesses that are one when judged."""
+DOUBT, DOUBT_LARGE = 0.27, 0.6
+"""Cost of the best prediction above which other places are tried; what bends never fits well."""
+AVERTED = 0.3
+"""What a pose costs that turns all of the model away from the side it was seen from, or, where
+there is no depth image, that hides it."""
+CLEAR, GOOD, HARDLY_WORSE = 0.12, 0.2, 1.25
+"""Costs of a fit at which nothing else is tried though the motion is unknown, and not the next
+guess; and how many times the cost of the best guess the next may have to be tried."""
+SELDOM = 4
+"""Frames in one of which other places are tried again where they were no better before."""
+SURPRISE, TURNED = 0.6, 0.6
+"""What a pose far from any prediction costs, and one turned half round against them."""
+
+
+def find(search: Search) -> Place:
+    """Register a thing, and bend it where it bends."""
+    thing = search.thing
+    pose, cost = register(search)
+    world = transform(pose, thing.model.xyz)
+    if thing.bends or thing.soft:
+        world = bent(thing, world, thing.model.colour, search.target)
+    place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
+    place.vain = search.vain
+    if search.view.roams:
+        place.beside = search.near
+    return place
+
+
+def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
+    """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
+    apart = max(thing.model.radius / (8 if thing.soft else 5), 3 * thing.unit)
+    return np.asarray(world + warp(world, colour, target, apart, 4 * thing.unit))
+
+
+def register(search: Search) -> tuple[F64, float]:
+    """Pose and cost of the best of the robust fits from the likeliest guesses."""
+    motion, model = search.thing.motion, search.thing.model
+    poses, scores = _repeated(search)
+    doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
+    doubtful = min(scores) > doubt and _asked(search)
+    unknown = motion.gap > 1 or (motion.fresh and min(scores) > CLEAR)
+    if unknown or doubtful:
+        before = min(scores)
+        others = [*proposals(model, search.target, search.guesses[0]), *search.guesses]
+        poses, scores = _try(search, others, TRIES, poses, scores)
+        if motion.fresh or min(scores) > doubt:
+            others = nudges(model, poses[np.argmin(scores)])
+            poses, scores = _try(search, others, TRIES // 2, poses, scores)
+        search.vain = min(scores) > before - AS_WELL
+    elif min(scores) > doubt:
+        search.vain = search.thing.vain
+    best = poses[np.argmin(scores)]
+    if search.view.lens is None and _rests(search, best, float(np.min(scores))):
+        best = motion.poses[-1]
+        return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
+    # What no point can be paired with is left out.
+    world = transform(best, model.xyz)
+    near = search.target.around(world, 4 * LAST[0] * search.thing.unit)
+    fit = _fits(search, search.many, best[None], LAST, target=near)
+    return fit.T[0], float(fit.cost[0])
+
+
+def _rests(search: Search, pose: F64, score: float) -> bool:
+    """Whether a thing found at ``pose`` may as well have stayed where it was.
+
+    What half hides it would push it away bit by bit.
+    """
+    last, some = search.thing.motion.poses[-1], search.thing.model.xyz[search.few]
+    moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
+    if moved > STILL * search.thing.unit or search.thing.bends:
+        return False
+    return float(_scores(search, last[None])[0]) < score + AS_WELL
+
+
+def _asked(search: Search) -> bool:
+    """Whether other places are tried in this frame: seldom where they were no better before."""
+    turn = (search.view.number + search.thing.label) % SELDOM == 0
+    return turn or not search.thing.vain
+
+
+def _repeated(search: Search) -> tuple[F64, F64]:
+    """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
+    poses, scores = np.empty((0, 4, 4)), np.empty(0)
+    for guess in _likeliest(search).tolist():
+        # Without a depth image a wrong turn may fit as well.
+        if not len(scores) or scores[0] > GOOD or search.view.lens is None:
+            seen = search.at.seen[guess : guess + 1]
+            new = _fits(search, search.few, search.guesses[guess][None], NARROW, seen=seen).T
+            poses = np.concatenate([poses, new])
+            scores = np.concatenate([scores, _scores(search, new)])
+    return poses, scores
+
+
+def _likeliest(search: Search) -> I64:
+    """Number of the best of the guesses, and of the next that is another and hardly worse."""
+    costs = search.costs
+    order = np.argsort(costs, kind="stable")
+    likely = order[costs[order] < HARDLY_WORSE * costs[order[0]] + 1e-9]
+    away = search.at.world[likely] - search.at.world[order[0]]
+    apart = np.sqrt(np.einsum("kmi,kmi->km", away, away).max(axis=1))
+    others = likely[apart > SAME * search.thing.unit]
+    return np.array([order[0], *others[:1]])
+
+
+def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
+    """Fit the likeliest of the guesses, and add them with their scores."""
+    thing, some, tried = search.thing, search.few, np.stack(guesses)
+    at = look(thing, search.view, some, tried)
+    costs = costs_of(thing, search.target, some, at, 6 * thing.unit) + _surprise(search, tried)
+    likely = tried[np.argsort(costs, kind="stable")[:most]]
+    new = _fits(search, some, likely, WIDE).T
+    return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
+
+
+def _scores(search: Search, poses: F64) -> F64:
+    """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
+    thing = search.thing
+    at = look(thing, search.view, search.few, poses)
+    beside = [excess(world, search.target, thing.unit) for world in at.world]
+    away = search.at.facing[0] - at.facing
+    if search.view.lens is None:
+        away = search.at.seen[0].mean() - at.seen.mean(axis=1)
+    return np.asarray(
+        costs_of(thing, search.target, search.few, at, 3 * thing.unit)
+        + _surprise(search, poses)
+        + beside
+        + AVERTED * np.maximum(0.0, away)
+    )
+
+
+def _fits(
+    search: Search,
+    sample: I64,
+    poses: F64,
+    scales: Sequence[float],
+    *,
+    seen: Mask | None = None,
+    target: Target | None = None,
+) -> Fits:
+    """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units.
+
+    ``seen`` (K, M): which of the sample that is, where it is known; ``target`` in place of the
+    search's.
+    """
+    model = search.thing.model
+    if seen is None:
+        seen = look(search.thing, search.view, sample, poses).seen
+    seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
+    steps = [s * search.thing.unit for s in scales]
+    return robust_fits(
+        model.xyz[sample], model.colour[sample], seen, target or search.target, poses, steps
+    )
+
+
+def _surprise(search: Search, poses: F64) -> F64:
+    """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
+    motion, model, guesses = search.thing.motion, search.thing.model, search.guesses
+    at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
+    reach = 3 * max(model.radius, search.thing.unit) * motion.gap
+    off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
+    if motion.fresh:
+        return np.asarray(0.5 * SURPRISE * np.minimum(1.0, off))
+    turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
+    turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
+    return np.asarray(SURPRISE * np.minimum(1.0, off) + TURNED * turned)
