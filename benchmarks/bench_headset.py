@@ -108,7 +108,7 @@ def inside(workspace: Path, *flags: str) -> Iterator[Tab]:
 PARTIES = {"ours": "ours", "three": "three.js", "libraries": "signals", "emulator": "emulator"}
 TRACK = """(() => {
   __pointbrush.engine.playback.pause();
-  __pointbrush.engine.track({ labels: [1], start: 0, stop: 60, method: 'auto',
+  __pointbrush.engine.track({ labels: [1], start: 0, stop: 40, method: 'auto',
     overwrite: 'tracked', stop_unsure: false });
 })()"""
 RUNNING = "__pointbrush.state.jobs.value.some((job) => job.state === 'running')"
