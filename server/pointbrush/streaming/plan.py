@@ -133,6 +133,9 @@ class Plan:
     def piece(self, step: int, frame: int, table: FrameTable, now: float) -> Piece | None:
         """What to send of a candidate now, or None: complete, or as fine as it may be."""
         first = self.held.get(frame, 0)
+        if first >= table.chunks:
+            self.passed(step)
+            return None
         if self.clock is not None and step <= self._step:
             # Of this round already: only what its message could not hold is still to come.
             stop = self._goal if step == self._step else 0
