@@ -14,7 +14,7 @@ from pointbrush.formats import read
 from pointbrush.sequences import import_frames
 from tests.e2e.chromium import EXECUTABLE, FLAGS
 from tests.e2e.desk import Desk, launch
-from tests.e2e.headset import Headset, wear
+from tests.e2e.headset import QUEST, Headset, Wear, wear
 from tests.e2e.recording import SEQUENCE, Truth
 from tests.e2e.server import LiveServer
 
@@ -110,6 +110,24 @@ def headset(browser: Browser, server: LiveServer, palette: dict[str, str]) -> It
     yield worn
     worn.context.close()
     assert worn.complaints == []
+
+
+@pytest.fixture
+def put_on(browser: Browser, server: LiveServer) -> Iterator[Wear]:
+    worn: list[Headset] = []
+
+    def one(device: str = QUEST) -> Headset:
+        headset = wear(browser, server.page_url, device)
+        worn.append(headset)
+        headset.ready()
+        headset.enter()
+        return headset
+
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    yield one
+    for headset in worn:
+        headset.context.close()
+        assert headset.complaints == []
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -216,6 +217,9 @@ class Headset(Desk):
         felt: list[dict[str, Any]] = self.ask("window.pulses.splice(0)")
         return felt
 
+
+Wear = Callable[..., Headset]
+"""Puts a device on, one that is given or a Quest 3, and enters the recording."""
 
 # Pictures are prepared whole, and nothing is drawn: this machine's GPU is a program.
 UNDRAWN = """
