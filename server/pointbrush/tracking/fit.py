@@ -107,9 +107,14 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
 
 def _asked(search: Search) -> bool:
-    """Whether other places are tried in this frame: seldom where they were no better before."""
+    """Whether other places are tried in this frame.
+
+    Seldom where a thing that hardly moves was found in none of them before; what moves may be
+    anywhere in every frame.
+    """
     turn = (search.view.number + search.thing.label) % SELDOM == 0
-    return turn or not search.thing.vain
+    thing = search.thing
+    return turn or not thing.vain or not thing.motion.slow(thing.unit)
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:

@@ -1,0 +1,34 @@
+"""Where a thing in doubt is looked for: what moves in every frame, what rests now and then."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.tracking import fit
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.locate import among
+from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.view import View
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_what_moves_is_looked_for_elsewhere_in_every_frame(
+    tabletop: list[scenes.Frame], moves: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frame = tabletop[0]
+    view = View(1, frame, find_lens(frame))
+    points = np.flatnonzero(frame.truth == 1)
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    thing = begin(view, 2, points, 0.002, none)
+    thing.vain = True
+    for _ in range(4):
+        pose = thing.motion.poses[-1].copy()
+        pose[0, 3] += 0.1 if moves else 0.0
+        thing.motion.add(pose)
+    asked = []
+    monkeypatch.setattr(fit, "proposals", lambda *_: asked.append(1) or [])
+    monkeypatch.setattr(fit, "DOUBT", -1.0)
+    fit.register(among(thing, view, points))
+    assert bool(asked) == moves
