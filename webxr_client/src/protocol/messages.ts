@@ -189,7 +189,8 @@ export interface Annotation {
  *
  * Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
  * Where bit 0 of the first vertex's flags is set, all of r and b are less g (modulo 256).
- * Bits 1 and 2 say how many low bits r, g and b have lost: value = v << n | v >> (8 - 2n).
+ * Bits 1 and 2 say how many low bits r, g and b have lost: value = v << n | v >> (8 - 2n); with
+ * n = 3 the bytes of r and g are a little-endian word of r (lowest), g and b in 5, 6 and 5 bits.
  * Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
  */
 export interface Chunk {
