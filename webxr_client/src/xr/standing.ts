@@ -48,10 +48,10 @@ export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig
   return true;
 }
 
-const LENGTH = 0.68;
-const BELOW = 0.58;
+const LENGTH = 0.66;
+const BELOW = 0.64;
 const LOWEST = 0.55;
-const LEAN = -0.65;
+const LEAN = -0.75;
 
 /** Lay a panel before the person, at arm's length and low, leaning back. */
 export function layLow(panel: Object3D, rig: Rig): void {
