@@ -76,7 +76,8 @@ class Runs:
         def finish(job: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled and job.id not in self._kept:
                 return dict(tracking.NOTHING)
-            summary = f"tracked {len(ids)} labels, frames {start} to {stop}, {method}"
+            labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
+            summary = f"tracked {labelled}, frames {start} to {stop}, {method}"
             return findings.commit(edit, author, summary)
 
         def done(job: Job) -> None:
