@@ -177,7 +177,7 @@ export class Cockpit {
     if (!this.rig.update(this.poses)) return;
     if (!this.standing) this.stand();
     const { controllers } = this;
-    controllers.update(frame, space);
+    controllers.update(frame, space, seconds);
     this.rig.group.updateMatrixWorld(true);
     this.holdPalette();
     this.moveWorld();

@@ -8,9 +8,9 @@ const SQUEEZE = 'generic-trigger-squeeze-touchpad';
 const GRIPLESS = 'generic-trigger-touchpad';
 
 /** Both hands hold a controller of a profile; nothing is pressed. */
-function holding(profile: string): Controllers {
+function holding(profile: string, say: (text: string) => void = () => undefined): Controllers {
   const session = { addEventListener: () => undefined } as unknown as XRSession;
-  const changes = { brushGone: () => undefined, say: () => undefined };
+  const changes = { brushGone: () => undefined, say };
   const controllers = new Controllers(
     session,
     new Poses({} as unknown as XRSpace),
@@ -45,4 +45,20 @@ describe('taking hold of the room', () => {
     controllers.bodyOf(controllers.other).on = {} as never;
     expect(controllers.holds(controllers.other, false)).toBe(false);
   });
+});
+
+it('misses a controller once that the headset has not seen for a second', () => {
+  const said: string[] = [];
+  const controllers = holding(SQUEEZE, (text) => said.push(text));
+  const { right, left } = controllers.hands;
+  left.detach();
+  const go = (seconds: number): void => {
+    const none = {} as never;
+    controllers.update(none, none, Float64Array.of(seconds));
+  };
+  right.trigger = 1;
+  go(0.4);
+  expect([right.tracked, right.trigger, said]).toEqual([false, 0, []]);
+  for (let i = 0; i < 5; i++) go(0.4);
+  expect(said).toEqual(['The headset does not see the right controller']);
 });

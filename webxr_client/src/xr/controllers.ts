@@ -8,6 +8,9 @@ import type { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
 import type { Lessons } from './lessons';
 
+/** Seconds after which a controller out of the headset's sight is missed. */
+const MISSED = 1;
+
 export interface Changes {
   /** The hand that paints is not there any more. */
   brushGone(): void;
@@ -19,6 +22,8 @@ export class Controllers {
   readonly hands: Record<Side, Hand> = { left: new Hand('left'), right: new Hand('right') };
   readonly both: readonly Hand[] = [this.hands.left, this.hands.right];
   readonly bodies: readonly Body[];
+  /** Seconds for which each has been out of sight. */
+  private readonly unseen = new Float64Array(2);
   private readonly undo: (() => void)[] = [];
 
   constructor(
@@ -89,10 +94,28 @@ export class Controllers {
     for (const body of this.bodies) body.explain(body.hand === this.brush);
   }
 
-  update(frame: XRFrame, space: XRReferenceSpace): void {
+  update(frame: XRFrame, space: XRReferenceSpace, seconds: Float64Array): void {
     const { matrixWorld } = this.rig.group;
-    for (let i = 0; i < this.both.length; i++) this.both[i]!.update(this.poses, matrixWorld);
+    for (let i = 0; i < this.both.length; i++) {
+      this.both[i]!.update(this.poses, matrixWorld);
+      this.miss(i, seconds);
+    }
     for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.follow(frame, space, matrixWorld);
+  }
+
+  /** Say once that a controller is out of sight; bare hands come and go. */
+  private miss(i: number, seconds: Float64Array): void {
+    const { unseen } = this;
+    const hand = this.both[i]!;
+    if (!hand.source || hand.tracked || hand.isHand) {
+      unseen[i] = 0;
+      return;
+    }
+    const missed = unseen[i]! >= MISSED;
+    unseen[i]! += seconds[0]!;
+    if (!missed && unseen[i]! >= MISSED) {
+      this.changes.say(`The headset does not see the ${hand.side} controller`);
+    }
   }
 
   /** Show what the buttons do, as far as it is not learnt; a hand that points at a panel needs none. */
