@@ -143,11 +143,24 @@ class Headset(Desk):
         self.ask(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
         self.frames()
 
-    def flick(self, x: float, y: float, hand: str = "right") -> None:
-        pad = "thumbstick"
-        self.ask(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
-        self.frames(1)
-        self.lean(0, 0, hand, pad)
+    def flick(self, x: float, y: float, hand: str = "right", pad: str = "thumbstick") -> None:
+        """Push for a single picture: held longer, as by a slow machine, it would run."""
+        self.for_a_picture(
+            f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})",
+            f"device.controllers.{hand}.updateAxes('{pad}', 0, 0)",
+        )
+
+    def for_a_picture(self, begin: str, end: str) -> None:
+        """Evaluate ``begin``, and ``end`` right behind the next picture."""
+        self.page.evaluate(
+            f"""async () => {{
+              const hs = window.__pointbrushHeadset, seen = hs.frames();
+              {begin};
+              while (hs.frames() === seen) await new Promise((done) => setTimeout(done));
+              {end};
+            }}"""
+        )
+        self.frames()
 
     def hand_to(self, hand: str, point: list[float]) -> None:
         """Bring the place where a bare hand pinches to a point of the headset's space."""

@@ -62,7 +62,9 @@ class LiveServer:
         deadline = time.monotonic() + START_SECONDS
         while not self._answers():
             assert self._process.poll() is None, self.log.read_text()
-            assert time.monotonic() < deadline, "the server did not start"
+            if time.monotonic() > deadline:
+                self.kill()
+                raise AssertionError("the server did not start")
             time.sleep(0.05)
 
     def _answers(self) -> bool:

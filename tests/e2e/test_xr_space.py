@@ -143,10 +143,8 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     def quadrant(x: float, y: float, hand: str = "right") -> None:
         headset.ask(f"device.controllers.{hand}.updateAxes('touchpad', {x}, {y})")
         headset.frames()
-        headset.ask(f"device.controllers.{hand}.updateButtonValue('touchpad', 1)")
-        headset.frames(1)
-        headset.ask(f"device.controllers.{hand}.updateButtonValue('touchpad', 0)")
-        headset.frames()
+        press = f"device.controllers.{hand}.updateButtonValue('touchpad', %d)"
+        headset.for_a_picture(press % 1, press % 0)
 
     quadrant(0.8, 0)
     headset.until("pb.state.frame.value === 1")
