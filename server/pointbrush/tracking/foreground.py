@@ -17,7 +17,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
@@ -66,17 +66,12 @@ class Foreground:
         xyz = view.xyz[indices].astype(np.float64)
         cell = cells_of(xyz, size)
         count = np.bincount(cell)
-        mean = [
-            np.stack([np.bincount(cell, weights=v[:, a]) for a in range(3)], axis=1)
-            / count[:, None]
-            for v in (xyz, view.colour(indices))
-        ]
         return Foreground(
             indices,
             cell,
             count,
-            mean[0],
-            mean[1].astype(np.float32),
+            means_of(xyz, cell),
+            means_of(view.colour(indices), cell).astype(np.float32),
             size,
             np.bincount(cell[firm], minlength=len(count)),
         )

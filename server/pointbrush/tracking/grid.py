@@ -29,6 +29,12 @@ def cells_of(xyz: F64, size: float) -> I64:
     return np.asarray((np.cumsum(occupied) - 1)[flat], np.int64)
 
 
+def means_of(values: NDArray[np.floating], cell: I64) -> F64:
+    """(K, D) means of the values (N, D) of each cell, numbered (N,) as by ``cells_of``."""
+    sums = [np.bincount(cell, weights=column) for column in values.T]
+    return np.stack(sums, axis=1) / np.bincount(cell)[:, None]
+
+
 def perhaps_near(xyz: NDArray[np.floating], some: NDArray[np.floating], reach: float) -> Mask:
     """Which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do are."""
     least, most = bounds(some)

@@ -139,12 +139,16 @@ def _axis(local: F64) -> tuple[int, float] | None:
 
 
 def _facing(local: F64) -> F64:
-    """(3, 3) rows: an image's axes, the third along the mean ray of the points (N, 3)."""
+    """``axes_along`` the mean ray of the points (N, 3)."""
     rays = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
     forward = rays.mean(axis=0)
     forward /= max(float(np.linalg.norm(forward)), 1e-9)
-    side = np.eye(3)[np.argmin(np.abs(forward))]
-    right = np.cross(side, forward)
+    return axes_along(forward)
+
+
+def axes_along(forward: F64) -> F64:
+    """(3, 3) rows: right, down and ahead in an image that looks along a unit vector (3,)."""
+    right = np.cross(np.eye(3)[np.argmin(np.abs(forward))], forward)
     right /= max(float(np.linalg.norm(right)), 1e-9)
     return np.stack([right, np.cross(forward, right), forward])
 

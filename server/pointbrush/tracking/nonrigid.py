@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.registration import Target
 
@@ -15,10 +15,7 @@ ROUNDS = 3
 
 def nodes_of(xyz: F64, apart: float) -> F64:
     """(K, 3) means of the points (M, 3) of each cell of ``apart`` metres."""
-    cell = cells_of(xyz, apart)
-    count = np.bincount(cell)
-    sums = [np.bincount(cell, weights=xyz[:, a]) for a in range(3)]
-    return np.stack(sums, axis=1) / count[:, None]
+    return means_of(xyz, cells_of(xyz, apart))
 
 
 def warp(place: F64, colour: F32, target: Target, apart: float, scale: float) -> F64:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import ENOUGH, carved
-from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.near import gaps, within
 from pointbrush.tracking.place import Place
@@ -54,10 +54,9 @@ def lost_pieces(
         return none
     xyz = view.xyz[rest].astype(np.float64)
     cell = cells_of(xyz, CELL * thing.unit)
-    count = np.bincount(cell)
-    middle = np.stack([np.bincount(cell, weights=v) for v in xyz.T], axis=1) / count[:, None]
+    middle = means_of(xyz, cell)
     pairs = cKDTree(middle).query_pairs(TOUCH * CELL * thing.unit, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(count),) * 2)
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(middle),) * 2)
     number, part = connected_components(links, directed=False)
     piece = part[cell]
     size = np.bincount(piece, minlength=number)

@@ -12,8 +12,8 @@ import numpy as np
 from pointbrush.tracking.background import Background, ImageBackground, Waver, measure_waver
 from pointbrush.tracking.earlier import TreeBackground
 from pointbrush.tracking.ego import sensor_poses
-from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames
-from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
+from pointbrush.tracking.lens import Lens, find_lens
 from pointbrush.tracking.shade import find_eye
 from pointbrush.tracking.view import View
 from pointbrush.tracking.whence import find_camera
@@ -41,12 +41,7 @@ class Scene:
         self._ready: tuple[int, Future[View]] | None = None
         self._pose_of = sensor_poses(frames, order)
         first = frames(order[0])
-        self.lens = find_lens(first, moves=self._pose_of is not None)
-        self._about: F64 | None = None
-        if self.lens is None and first.viewpoint is None:
-            self._about = find_eye(np.asarray(first.xyz))
-            if self._about is None and self._pose_of is None:
-                self.lens = find_lens(first, place=find_camera(np.asarray(first.xyz)))
+        self.lens, self._about = _sensor(first, moves=self._pose_of is not None)
         self.first = self._look(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
@@ -119,3 +114,14 @@ class Scene:
 
     def _views(self, numbers: Sequence[int]) -> list[View]:
         return [self._look(number) for number in numbers]
+
+
+def _sensor(first: TrackFrame, *, moves: bool) -> tuple[Lens | None, F64 | None]:
+    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it."""
+    lens = find_lens(first, moves=moves)
+    if lens is not None or first.viewpoint is not None:
+        return lens, None
+    xyz = np.asarray(first.xyz)
+    about = find_eye(xyz)
+    place = find_camera(xyz) if about is None and not moves else None
+    return None if place is None else find_lens(first, place=place), about

@@ -40,6 +40,7 @@ LEAST_NOISE = 0.03
 
 
 SIDES = np.vstack([np.eye(3), -np.eye(3)])
+"""(6, 3) unit vectors along the axes, both ways."""
 
 
 @dataclass(eq=False)

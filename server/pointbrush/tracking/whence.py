@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64
+from pointbrush.tracking.lens import SPREAD, axes_along
 
 FEWEST = 2000
 """Points from which a place can be told."""
@@ -25,8 +26,6 @@ HIDDEN = 0.05
 """Sizes of the scene behind another point from which a point would be hidden."""
 AHEAD, NARROW, STRAY = 0.6, 0.45, 0.002
 """Length of the mean ray of an image at least, cosine from it at most, and the share beyond."""
-SPREAD = 1.5
-"""Pixels, in spacings of the points."""
 
 
 def find_camera(xyz: F32) -> F64 | None:
@@ -90,12 +89,12 @@ def _hidden(xyz: F64, place: F64, gap: float) -> float:
     if straight < AHEAD:
         return 1.0
     forward /= straight
-    if (rays @ forward < NARROW).mean() > STRAY:
+    ahead = rays @ forward
+    if (ahead < NARROW).mean() > STRAY:
         return 1.0
-    right = np.cross(np.eye(3)[np.argmin(np.abs(forward))], forward)
-    right /= np.linalg.norm(right)
-    depth = np.maximum(rays @ forward, NARROW)
-    across, down = rays @ right / depth, rays @ np.cross(forward, right) / depth
+    to_right, to_bottom, _ = axes_along(forward)
+    depth = np.maximum(ahead, NARROW)
+    across, down = rays @ to_right / depth, rays @ to_bottom / depth
     pitch = SPREAD * float(np.sqrt(np.ptp(across) * np.ptp(down) / len(xyz))) + 1e-9
     column, row = ((t - t.min()) / pitch for t in (across, down))
     cell = row.astype(np.int64) * (int(column.max()) + 1) + column.astype(np.int64)
