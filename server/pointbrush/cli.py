@@ -14,7 +14,7 @@ from typing import Any
 from pointbrush import __version__
 from pointbrush import commands as do
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.settings import Settings, options, parse
+from pointbrush.settings import UNBOUNDED, Settings, options, parse
 
 Command = Callable[[argparse.Namespace, Settings], None]
 SEQUENCE = "a recording's id, as `pointbrush info` lists it"
@@ -45,7 +45,12 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     demo_ = _command(commands, "demo", do.demo, "make the sample recording and serve it")
-    demo_.add_argument("--sample-frames", type=_count, default=90, help="frames of the sample")
+    demo_.add_argument(
+        "--sample-frames",
+        type=_whole("an integer from 1", 1),
+        default=90,
+        help="frames of the sample",
+    )
     _settings(demo_, *SERVE)
 
     import__ = _command(commands, "import", do.import_, "import files as one recording")
@@ -64,11 +69,12 @@ def parser() -> argparse.ArgumentParser:
 
     track_ = _command(commands, "track", do.track, "carry labels through the following frames")
     track_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    frame = _whole("a frame number from 0", 0)
     track_.add_argument(
-        "--from", dest="start", type=_frame, required=True, metavar="I", help="a painted frame"
+        "--from", dest="start", type=frame, required=True, metavar="I", help="a painted frame"
     )
     track_.add_argument(
-        "--to", dest="stop", type=_frame, required=True, metavar="J",
+        "--to", dest="stop", type=frame, required=True, metavar="J",
         help="the last frame; before I tracks backward",
     )  # fmt: skip
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
@@ -110,7 +116,12 @@ def parser() -> argparse.ArgumentParser:
 
     review_ = _command(commands, "review", do.review, "step through labels and doubts in viser")
     review_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
-    review_.add_argument("--port", type=_port, default=8081, help="port to listen on")
+    review_.add_argument(
+        "--port",
+        type=_whole("a port from 1 to 65535", 1, 65_535),
+        default=8081,
+        help="port to listen on",
+    )
     _settings(review_, "workspace", "database")
 
     check_ = _command(commands, "check", do.check, "verify recordings, journal and annotations")
@@ -177,22 +188,15 @@ def _positive(text: str) -> float:
     return value
 
 
-def _port(text: str) -> int:
-    if not text.isdecimal() or not 0 < int(text) < 65_536:
-        raise argparse.ArgumentTypeError(f"expected a port from 1 to 65535, got {text!r}")
-    return int(text)
+def _whole(wanted: str, least: int, most: int = UNBOUNDED) -> Callable[[str], int]:
+    """What reads an integer from ``least`` to ``most``, ``wanted`` in words."""
 
+    def read(text: str) -> int:
+        if not text.isdecimal() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"expected {wanted}, got {text!r}")
+        return int(text)
 
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected an integer from 1, got {text!r}")
-    return int(text)
-
-
-def _frame(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"expected a frame number from 0, got {text!r}")
-    return int(text)
+    return read
 
 
 if __name__ == "__main__":

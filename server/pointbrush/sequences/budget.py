@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from pointbrush.sequences.codec import Bytes
 from pointbrush.sequences.path import short_path
 from pointbrush.sequences.quantise import Quantised, quantise
-from pointbrush.sequences.vertices import MOST_DROPPED, PACKED, are_related, encode
+from pointbrush.sequences.vertices import MOST_DROPPED, PACKED, are_related, encode, runs_of
 
 BUDGET = 6.0
 """Bytes a point that a chunk does not exceed."""
@@ -39,8 +39,6 @@ FEW = 64
 _GAIN, _MOST_GAIN = 3 / 8, 1 / 2
 """Bytes a point that a grid of twice the step saves: one bit for each coordinate, and at most."""
 _MANY = 16384
-_SAMPLE, _RUN = 32, 64
-"""So many runs of so many points stand for a larger chunk."""
 _MARGIN = 0.15
 _SMALL_STEP = 1 / 32
 """A grid's step that is not seen, as a share of the distance between neighbours."""
@@ -174,7 +172,6 @@ def _spacing(xyz: NDArray[np.float32]) -> float:
 
 def _forecast(xyz: NDArray[np.float32], colors: Bytes, step: float, *, related: bool) -> float:
     """About the bytes a point that a chunk will take, or a little less, from some of its runs."""
-    starts = np.arange(_SAMPLE) * (len(xyz) - _RUN) // _SAMPLE
-    sample = (starts[:, None] + np.arange(_RUN)).ravel()
+    sample = runs_of(len(xyz)).ravel()
     data = encode(quantise(xyz[sample], step), colors[sample], related=related)
     return len(data) / len(sample) - _MARGIN

@@ -24,6 +24,7 @@ _FLAGS = 10
 _WORDS = 1
 """Four bytes of x and y are encoded as words; z shares its four with colours."""
 _SAMPLE, _RUN = 32, 64
+"""So many runs of so many points stand for a larger chunk."""
 
 
 def encode(
@@ -88,12 +89,17 @@ def are_related(colors: Bytes) -> bool:
     """
     if len(colors) == 0:
         return False
-    starts = np.arange(_SAMPLE) * max(len(colors) - _RUN, 0) // _SAMPLE
-    at = np.minimum(starts[:, None] + np.arange(_RUN), len(colors) - 1)
-    steps = np.diff(colors[at, :3], axis=1)  # modulo 256
+    steps = np.diff(colors[runs_of(len(colors)), :3], axis=1)  # modulo 256
     alone, green = steps[..., ::2], steps[..., 1:2]
     return _bits(alone - green) < _bits(alone)
 
 
 def _bits(steps: Bytes) -> float:
     return float(np.log2(1.0 + np.abs(steps.view(np.int8).astype(np.float64))).sum())
+
+
+def runs_of(count: int) -> NDArray[np.int64]:
+    """(runs, points) numbers of points of runs all over a chunk of ``count``."""
+    starts = np.arange(_SAMPLE) * max(count - _RUN, 0) // _SAMPLE
+    numbers: NDArray[np.int64] = np.minimum(starts[:, None] + np.arange(_RUN), count - 1)
+    return numbers
