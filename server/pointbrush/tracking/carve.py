@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter
 
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.lens import Lens
+from pointbrush.tracking.lens import Lens, Pixels, pixel
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.view import View
 
@@ -46,16 +47,28 @@ class Glimpse:
 
     def through(self, xyz: F64, beyond: float) -> Mask:
         """Whether points (M, 3) of the thing's own coordinates were looked through."""
-        world = transform(self.pose, xyz)
-        T = self.T_world_frame
-        local = world if T is None else (world - T[:3, 3]) @ T[:3, :3]
-        cell, depth = self.lens.cells(local.astype(np.float32))
-        row, column = np.divmod(cell, self.lens.shape[1])
-        row, column = row - self.corner[0], column - self.corner[1]
-        height, width = self.depth.shape
-        inside = (cell >= 0) & (row >= 0) & (row < height) & (column >= 0) & (column < width)
-        seen = self.depth[np.where(inside, row, 0), np.where(inside, column, 0)]
-        return np.asarray(inside & (seen > depth + beyond))
+        T = self.pose if self.T_world_frame is None else inverse(self.T_world_frame) @ self.pose
+        return _through(self.lens.pixels, T, self.corner, self.depth, xyz, beyond)
+
+
+@compiled
+def _through(
+    lens: Pixels, T: F64, corner: tuple[int, int], image: F32, xyz: F64, beyond: float
+) -> Mask:
+    result = np.zeros(len(xyz), np.bool_)
+    height, width = image.shape
+    for i in range(len(xyz)):
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        cell, depth = pixel(
+            lens,
+            T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+            T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+            T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+        )
+        row, column = cell // lens.width - corner[0], cell % lens.width - corner[1]
+        if cell >= 0 and 0 <= row < height and 0 <= column < width:
+            result[i] = image[row, column] > depth + beyond
+    return result
 
 
 def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:

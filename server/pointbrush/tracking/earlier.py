@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import gaps, within
 from pointbrush.tracking.view import View
@@ -56,7 +55,6 @@ class TreeBackground:
         rest = np.flatnonzero(
             ~labelled & within(view.xyz, some.min(0) - reach, some.max(0) + reach)
         )
-        rest = rest[perhaps_near(view.xyz[rest], some, reach)] if len(rest) else rest
         labelled[rest[gaps(view.xyz[rest], some, reach) < reach]] = True
 
     def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002

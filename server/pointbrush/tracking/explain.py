@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.columns import Columns, nearest_one, spans
+from pointbrush.tracking.compiled import compiled
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.lens import Pixels, pixel
 from pointbrush.tracking.registration import Target, transform_each
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -36,11 +39,9 @@ def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
     facing = thing.model.facing(poses, view.eye, sample)
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
-        cell, depth = (each.reshape(facing.shape) for each in view.project(world.reshape(-1, 3)))
-        measured = view.depth[cell]
-        with np.errstate(invalid="ignore"):
-            seen = facing & ~(measured < depth - 4 * thing.unit) & (cell >= 0)
-            through = measured > depth + 4 * thing.unit
+        seen, through = _held_against(
+            view.lens.pixels, view.T_frame_world, view.depth, world, facing, 4 * thing.unit
+        )
     elif view.shade is not None:
         hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit)
         seen = facing & ~hidden.reshape(facing.shape)
@@ -53,14 +54,59 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
 
     A side that was never seen must at least not stand before what was measured.
     """
-    pose, point = np.nonzero(at.seen)
-    before, _ = np.nonzero(at.through & ~at.seen)
-    total = np.bincount(before, minlength=len(at.seen)).astype(np.float64)
-    count = total + np.bincount(pose, minlength=len(total))
-    if len(pose):
-        colour = thing.model.colour[sample[point]]
-        distance, _ = target.nearest(at.world[pose, point], colour, 3.0 * scale)
-        square = (distance / (3.0 * scale)) ** 2
-        total += np.bincount(pose, weights=square, minlength=len(total))
+    colour = thing.model.colour[sample]
+    total, count = _distances(
+        at.world, at.seen, at.through, colour, target.columns, target.weight, 3.0 * scale
+    )
     lean = LEAN * len(sample)
     return np.asarray((total + lean * NEUTRAL) / (count + lean))
+
+
+@compiled
+def _held_against(
+    lens: Pixels, T_frame_world: F64, image: F32, world: F64, facing: Mask, by: float
+) -> tuple[Mask, Mask]:
+    """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
+
+    By ``by`` metres more or less than the depth ``image``.
+    """
+    seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
+    T = T_frame_world
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            x, y, z = world[k, i, 0], world[k, i, 1], world[k, i, 2]
+            cell, depth = pixel(
+                lens,
+                T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+                T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+                T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+            )
+            if cell >= 0:
+                seen[k, i] = facing[k, i] and not image[cell] < depth - by
+                through[k, i] = image[cell] > depth + by
+    return seen, through
+
+
+@compiled
+def _distances(
+    world: F64, seen: Mask, through: Mask, colour: F32, grid: Columns, weight: float, most: float
+) -> tuple[F64, F64]:
+    """Sum of squares of the distances from what is ``seen``, in ``most`` metres, and how many.
+
+    What is not to be seen, but was looked through, is as far off as it can be.
+    """
+    total, count = np.zeros(len(world)), np.zeros(len(world))
+    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            if seen[k, i]:
+                if len(grid.tint):
+                    tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
+                place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
+                square, at = nearest_one(grid, place, tint, most, room)
+                total[k] += square / (most * most) if at >= 0 else 1.0
+                count[k] += 1.0
+            elif through[k, i]:
+                total[k] += 1.0
+                count[k] += 1.0
+    return total, count

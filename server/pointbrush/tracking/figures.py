@@ -11,14 +11,13 @@ from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import step_of
 from pointbrush.tracking.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.grid import perhaps_near
-from pointbrush.tracking.interface import I64, Mask
+from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.near import gaps
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
@@ -89,7 +88,7 @@ def hang_together(
     other = np.zeros(len(view.xyz), np.bool_)
     rest = np.flatnonzero(inside & ~taken)
     scenery = ground[background.static(view, ground)[0]]
-    scene = cKDTree(view.xyz[scenery], balanced_tree=False, compact_nodes=False)
+    scene = view.xyz[scenery]
     for label in cores:
         moved = _movers(things[label].rivals, scene, 1.5 * size)
         other[rest[_was_there(things[label], moved, view, places[label], rest)]] = True
@@ -162,19 +161,15 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
     some = moving[:: max(1, len(moving) // 4000)]
     if not len(some) or not len(still):
         return still[:0]
-    still = still[perhaps_near(view.xyz[still], view.xyz[some], 2 * size)]
-    tree = cKDTree(view.xyz[some], balanced_tree=False)
-    distance, _ = tree.query(view.xyz[still], distance_upper_bound=2 * size)
-    beside: I64 = still[np.isfinite(np.asarray(distance))]
+    front = view.xyz[some]
+    still = still[perhaps_near(view.xyz[still], front, 2 * size)]
+    beside: I64 = still[np.isfinite(gaps(view.xyz[still], front, 2 * size))]
     return beside
 
 
-def _movers(rivals: Rivals, scene: cKDTree, apart: float) -> Rivals:
+def _movers(rivals: Rivals, scene: F32, apart: float) -> Rivals:
     """Those of the unlabelled points that are not part of the scene that stands still."""
-    if not len(rivals.xyz) or not scene.n:
-        return rivals
-    distance, _ = scene.query(rivals.xyz, distance_upper_bound=apart)
-    away = ~np.isfinite(np.asarray(distance))
+    away = ~np.isfinite(gaps(rivals.xyz, scene, apart))
     return Rivals(rivals.xyz[away], rivals.colour[away], rivals.weight)
 
 

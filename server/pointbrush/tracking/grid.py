@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.compiled import compiled
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds
 
 MOST = 4_000_000
 """Cells of a grid that is kept whole; a larger one is sorted instead."""
-MOST_NEAR = 100_000
+MOST_NEAR = 200_000
 """Cells, about, of the grid in which points near some others are looked for."""
 
 
@@ -35,22 +34,28 @@ def means_of(values: NDArray[np.floating], cell: I64) -> F64:
     return np.stack(sums, axis=1) / np.bincount(cell)[:, None]
 
 
-def perhaps_near(xyz: NDArray[np.floating], some: NDArray[np.floating], reach: float) -> Mask:
+def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
     """Which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do are."""
-    least, most = bounds(some)
-    # A cell is twice the reach wide, so that each of the few meets eight at most.
-    reach = 1.001 * reach + 1e-6
-    volume = float(np.prod(most - least + 4 * reach))
-    size = max(2 * reach, float(np.cbrt(volume / MOST_NEAR)))
-    lo = least - reach - size
-    extent = ((most + reach - lo) / size).astype(np.int64) + 2
-    steps = np.array([extent[1] * extent[2], extent[2], 1])
-    taken = np.zeros(int(np.prod(extent)), np.bool_)
-    ends = [((some + way - lo) / size).astype(np.int64) * steps for way in (-reach, reach)]
-    for x, y, z in product(ends, ends, ends):
-        taken[x[:, 0] + y[:, 1] + z[:, 2]] = True
-    flat = np.zeros(len(xyz), np.int64)
-    for axis in range(3):
-        key = ((xyz[:, axis] - lo[axis]) / size).clip(0, extent[axis] - 1)
-        flat += key.astype(np.int64) * steps[axis]
-    return np.asarray(taken[flat])
+    lo, hi = bounds(some)
+    # Coarse enough for a grid that is kept whole; single precision must not decide at the border.
+    size = max(1.001 * reach + 1e-6, float(np.cbrt(np.prod(hi - lo + 2 * reach) / MOST_NEAR)))
+    return _in_marked(xyz, some, size, lo - size, ((hi - lo) / size).astype(np.int64) + 3)
+
+
+@compiled
+def _in_marked(xyz: F32, some: F32, size: float, low: F64, extent: I64) -> Mask:
+    """Which points (N, 3) lie in a cell of ``size`` metres beside one that holds some (M, 3)."""
+    marked = np.zeros((extent[0], extent[1], extent[2]), np.bool_)
+    for i in range(len(some)):
+        x = int((some[i, 0] - low[0]) / size)
+        y = int((some[i, 1] - low[1]) / size)
+        z = int((some[i, 2] - low[2]) / size)
+        marked[x - 1 : x + 2, y - 1 : y + 2, z - 1 : z + 2] = True
+    near = np.zeros(len(xyz), np.bool_)
+    for i in range(len(xyz)):
+        x = (xyz[i, 0] - low[0]) / size
+        y = (xyz[i, 1] - low[1]) / size
+        z = (xyz[i, 2] - low[2]) / size
+        if 0 <= x < extent[0] and 0 <= y < extent[1] and 0 <= z < extent[2]:
+            near[i] = marked[int(x), int(y), int(z)]
+    return near

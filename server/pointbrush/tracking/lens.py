@@ -8,10 +8,13 @@ turned upright or noisy in all directions, have a depth image by that.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, TrackFrame
 
 I32 = NDArray[np.int32]
@@ -34,7 +37,7 @@ WIDEST = 1.6
 MOST_CELLS = 4_000_000
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Lens:
     """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
 
@@ -51,30 +54,57 @@ class Lens:
 
     def cells(self, xyz: F32) -> tuple[I32, F32]:
         """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
-        local = xyz - self.eye if self.eye.any() else xyz
-        if self.turn is not None:
-            local = local @ self.turn.T
-        depth = np.float32(self.sign) * local[:, self.axis]
-        inverse = np.float32(1.0) / np.maximum(depth, np.float32(1e-3))
+        return _cells(self.pixels, np.asarray(xyz, np.float32))
+
+    @cached_property
+    def pixels(self) -> Pixels:
+        """The same for compiled loops."""
         across, down = (a for a in range(3) if a != self.axis)
-        offset = [np.float32(-low / p + 0.5) for low, p in zip(self.least, self.pitch, strict=True)]
-        u, v = local[:, across] * inverse, local[:, down] * inverse
-        for along, pitch, start in ((u, self.pitch[0], offset[0]), (v, self.pitch[1], offset[1])):
-            along *= np.float32(1 / pitch)
-            along += start
-        height, width = self.shape
-        if len(u) and not (u.min() >= 0 and u.max() < width and v.min() >= 0 and v.max() < height):
-            inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
-            cell = np.where(inside, v, 0).astype(np.int32) * np.int32(width)
-            cell += np.where(inside, u, 0).astype(np.int32)
-            cell[~inside] = -1
-        else:
-            cell = v.astype(np.int32)
-            cell *= np.int32(width)
-            cell += u.astype(np.int32)
-        if len(depth) and depth.min() <= 1e-3:
-            cell[depth <= 1e-3] = -1
-        return cell, depth
+        turn = np.eye(3, dtype=np.float32) if self.turn is None else self.turn
+        x, y, z = self.eye.tolist()
+        axes = across, down, self.axis
+        return Pixels((x, y, z), turn, axes, self.sign, self.least, self.pitch, *self.shape)
+
+
+class Pixels(NamedTuple):
+    """A ``Lens`` as numbers and arrays: ``axes`` across, down and along in the image."""
+
+    eye: tuple[float, float, float]
+    turn: F32
+    axes: tuple[int, int, int]
+    sign: float
+    least: tuple[float, float]
+    pitch: tuple[float, float]
+    height: int
+    width: int
+
+
+@compiled
+def pixel(lens: Pixels, x: float, y: float, z: float) -> tuple[int, float]:
+    """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
+    x, y, z = x - lens.eye[0], y - lens.eye[1], z - lens.eye[2]
+    turn = lens.turn
+    local = (
+        turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z,
+        turn[1, 0] * x + turn[1, 1] * y + turn[1, 2] * z,
+        turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z,
+    )
+    depth = lens.sign * local[lens.axes[2]]
+    if not depth > 1e-3:
+        return -1, depth
+    u = (local[lens.axes[0]] / depth - lens.least[0]) / lens.pitch[0] + 0.5
+    v = (local[lens.axes[1]] / depth - lens.least[1]) / lens.pitch[1] + 0.5
+    if u >= 0 and u < lens.width and v >= 0 and v < lens.height:
+        return int(v) * lens.width + int(u), depth
+    return -1, depth
+
+
+@compiled
+def _cells(lens: Pixels, xyz: F32) -> tuple[I32, F32]:
+    cell, depth = np.empty(len(xyz), np.int32), np.empty(len(xyz), np.float32)
+    for i in range(len(xyz)):
+        cell[i], depth[i] = pixel(lens, xyz[i, 0], xyz[i, 1], xyz[i, 2])
+    return cell, depth
 
 
 def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = None) -> Lens | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, middle
 
@@ -68,15 +69,7 @@ class Model:
         xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
-        own_eye = np.einsum("kji,kj->ki", poses[:, :3, :3], eye - poses[:, :3, 3])
-        # (e - x)·s and |e - x|², with what concerns the points alone worked out once for all poses.
-        towards = own_eye @ seen.T - np.einsum("mi,mi->m", xyz, seen)
-        square = np.einsum("mi,mi->m", xyz, xyz) - 2 * (own_eye @ xyz.T)
-        square += np.einsum("ki,ki->k", own_eye, own_eye)[:, None]
-        faces = towards > FACING * np.sqrt(np.maximum(square, 0.0)) + 1e-9
-        if not seen[:, 0].all():
-            faces |= ~seen.any(axis=1)
-        return np.asarray(faces)
+        return _facing(xyz, seen, poses, np.asarray(eye, np.float64))
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool
@@ -147,6 +140,25 @@ class Model:
     def _thin(self) -> Model:
         self._keep(self._distinct())
         return self
+
+
+@compiled
+def _facing(xyz: F64, seen: F64, poses: F64, eye: F64) -> Mask:
+    faces = np.empty((len(poses), len(xyz)), np.bool_)
+    for k in range(len(poses)):
+        T, own = poses[k], np.zeros(3)
+        for a in range(3):
+            for c in range(3):
+                own[a] += T[c, a] * (eye[c] - T[c, 3])
+        for i in range(len(xyz)):
+            towards, square = 0.0, 0.0
+            for a in range(3):
+                way = own[a] - xyz[i, a]
+                towards += way * seen[i, a]
+                square += way * way
+            unknown = seen[i, 0] == 0.0 and seen[i, 1] == 0.0 and seen[i, 2] == 0.0
+            faces[k, i] = unknown or towards > FACING * np.sqrt(square) + 1e-9
+    return faces
 
 
 def _towards(xyz: F64, eye: F64 | None) -> F64:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.columns import Columns, nearest_one, spans
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.registration import Target
 
 LINKS = 4
 ROUNDS = 3
+LEAN = 0.5
+"""Weight with which a node stays where the round before left it."""
 
 
 def nodes_of(xyz: F64, apart: float) -> F64:
@@ -34,27 +38,55 @@ def warp(place: F64, colour: F32, target: Target, apart: float, scale: float) ->
     link = np.asarray(link, np.int64)
     _, around = tree.query(nodes, k=np.arange(1, min(6, len(nodes)) + 1))
     around = np.asarray(around, np.int64)
-    moved = np.zeros((len(nodes), 3))
-    offset = np.zeros_like(place)
+    grid, weight = target.columns, target.weight
+    return _pulled(place, colour, grid, weight, link, share, around, scale)
+
+
+@compiled
+def _pulled(
+    place: F64,
+    colour: F32,
+    grid: Columns,
+    weight: float,
+    link: I64,
+    share: F64,
+    around: I64,
+    scale: float,
+) -> F64:
+    """Displacements (M, 3) of points that are ``link``ed (M, LINKS) to nodes by a ``share``."""
+    moved, offset = np.zeros((len(around), 3)), np.zeros_like(place)
+    pulls, total = np.empty_like(moved), np.empty(len(around))
+    tint, room = (0.0, 0.0, 0.0), spans(grid)
     for turn in range(ROUNDS):
         s = scale / (1 + 0.5 * turn)
-        gap, index = target.nearest(place + offset, colour, 3.0 * s)
-        weight = np.where(gap < 3.0 * s, 1.0 / (1.0 + (gap / s) ** 2) ** 2, 0.0)
-        pull = target.xyz[index] - place
-        moved = _average(link, share * weight[:, None], pull, moved)
-        moved = 0.5 * moved + 0.5 * moved[around].mean(axis=1)
-        offset = np.einsum("ij,ijk->ik", share, moved[link])
+        pulls[:], total[:] = LEAN * moved, LEAN
+        for i in range(len(place)):
+            if len(grid.tint):
+                tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
+            x, y, z = place[i, 0], place[i, 1], place[i, 2]
+            at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
+            square, near = nearest_one(grid, at, tint, 3.0 * s, room)
+            if near < 0:
+                continue
+            w = 1.0 / (1.0 + square / (s * s)) ** 2
+            for k in range(link.shape[1]):
+                node = link[i, k]
+                part = w * share[i, k]
+                total[node] += part
+                for a in range(3):
+                    pulls[node, a] += part * (grid.xyz[near, a] - place[i, a])
+        for node in range(len(moved)):
+            for a in range(3):
+                pulls[node, a] /= total[node]
+        for node in range(len(moved)):
+            for a in range(3):
+                mean = 0.0
+                for other in around[node]:
+                    mean += pulls[other, a]
+                moved[node, a] = 0.5 * pulls[node, a] + 0.5 * mean / around.shape[1]
+        for i in range(len(place)):
+            for a in range(3):
+                offset[i, a] = 0.0
+                for k in range(link.shape[1]):
+                    offset[i, a] += share[i, k] * moved[link[i, k], a]
     return offset
-
-
-def _average(link: I64, weight: F64, pull: F64, before: F64) -> F64:
-    """Weighted mean of the points' pulls at each node, leaning on ``before`` where few pull."""
-    count = len(before)
-    flat, w = link.ravel(), weight.ravel()
-    total = np.bincount(flat, weights=w, minlength=count)
-    result = np.empty_like(before)
-    for axis in range(3):
-        each = w * np.repeat(pull[:, axis], link.shape[1])
-        result[:, axis] = np.bincount(flat, weights=each, minlength=count)
-    lean = 0.5
-    return np.asarray((result + lean * before) / (total + lean)[:, None])

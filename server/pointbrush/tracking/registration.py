@@ -9,8 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.tracking.columns import NONE, Columns, columns, nearest, nearest_one, spans
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import Plain, bounds, within
+from pointbrush.tracking.near import bounds, within
 
 MOSTLY = 0.8
 """Share of a target from which it does not pay to cut it."""
@@ -53,37 +55,11 @@ def transform_each(T: F64, xyz: F64) -> F64:
 def best_rigid_motion(source: F64, target: F64, weight: F64 | None = None) -> F64:
     """The (4, 4) motion that brings ``source`` (M, 3) nearest to ``target`` in least squares.
 
-    ``weight`` (M,) non-negative.  Identity rotation where fewer than three pairs carry weight.
-    """
-    w = np.full(len(source), 1.0) if weight is None else weight
-    return np.asarray(best_rigid_motions(source[None], target[None], w[None])[0])
-
-
-def best_rigid_motions(source: F64, target: F64, weight: F64, fewest: int = 3) -> F64:
-    """K such motions (K, 4, 4) at once, of (K, M, 3) onto (K, M, 3) by (K, M) weights.
-
-    Identity rotation where fewer than ``fewest`` pairs carry weight, identity where none does.
+    ``weight`` (M,) non-negative.  Identity rotation where fewer than three pairs carry weight,
+    identity where none does.
     Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
     """
-    total = np.add.reduce(weight, axis=1)
-    share = weight[:, None] / np.where(total > 0.0, total, 1.0)[:, None, None]
-    centre_s, centre_t = share @ source, share @ target
-    # What one side is away from its centre is enough for both: the other side's centre drops out.
-    H = (weight[:, :, None] * (source - centre_s)).transpose(0, 2, 1) @ target
-    U, _, Vt = np.linalg.svd(H)
-    R = U @ Vt
-    mirrored = np.linalg.det(R) < 0.0
-    if mirrored.any():
-        Vt[mirrored, 2] *= -1.0
-        R = U @ Vt
-    few = np.add.reduce(weight != 0.0, axis=1) < fewest
-    if few.any():
-        R[few] = np.eye(3)
-    T = np.zeros((len(weight), 4, 4))
-    T[:, 3, 3] = 1.0
-    T[:, :3, :3] = R.transpose(0, 2, 1)
-    T[:, :3, 3] = (centre_t - centre_s @ R)[:, 0]
-    return T
+    return _motion(source, target, np.ones(len(source)) if weight is None else weight, 3)
 
 
 def icp(
@@ -131,18 +107,13 @@ class Target:
         return Target(self.xyz[part], self.colour[part], self.weight)
 
     @cached_property
-    def _plain(self) -> Plain:
-        if self.weight == 0.0:
-            return Plain(self.xyz)
-        return Plain(np.hstack([self.xyz, self.colour * np.float32(self.weight)]))
+    def columns(self) -> Columns:
+        """The points, sorted for searching."""
+        return columns(self.xyz, self.colour, self.weight)
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
-        """Distances (M,), at most ``most``, and indices, of any point where nothing is nearer."""
-        if self.weight == 0.0:
-            distance, index = self._plain.nearest(xyz)
-        else:
-            distance, index = self._plain.nearest(xyz, colour * np.float32(self.weight))
-        return np.minimum(distance, most, out=distance), index
+        """Distances (M,), at most ``most``, and indices; -1 where nothing is nearer."""
+        return nearest(self.columns, xyz, colour, self.weight, most)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,20 +134,79 @@ def robust_fits(
     ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the scale,
     which shrinks (Geman and McClure 1985).
     """
-    pose, point = np.nonzero(seen)
-    colours = colour[point]
-    near, weight = np.zeros((*seen.shape, 3)), np.zeros(seen.shape)
-    count = np.maximum(np.bincount(pose, minlength=len(T)), 1)
-    cost = np.ones(len(T))
-    for scale in scales:
-        moved = transform_each(T, source)
-        distance, index = target.nearest(moved[seen], colours, 3.0 * scale)
-        near[seen] = target.xyz.take(index, axis=0)
-        square = (distance / scale) ** 2
-        weight[seen] = np.where(square < 9.0, 1.0 / (1.0 + square) ** 2, 0.0)
-        cost = np.bincount(pose, weights=square, minlength=len(T)) / (9.0 * count)
-        T = best_rigid_motions(moved, near, weight, fewest=6) @ T
-    return Fits(T, cost)
+    steps = np.array(scales, np.float64)
+    return Fits(*_robust_fits(source, colour, seen, target.columns, target.weight, T, steps))
+
+
+@compiled
+def _robust_fits(
+    source: F64, colour: F32, seen: Mask, grid: Columns, weight: float, start: F64, scales: F64
+) -> tuple[F64, F64]:
+    motions, costs = start.copy(), np.ones(len(start))
+    count = len(source)
+    moved, near, share = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
+    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    for k in range(len(start)):
+        T = motions[k]
+        for scale in scales:
+            pairs, total, which = 0, 0.0, 0
+            for i in range(count):
+                if not seen[k, i]:
+                    continue
+                x, y, z = source[i, 0], source[i, 1], source[i, 2]
+                for a in range(3):
+                    moved[pairs, a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
+                if len(grid.tint):
+                    tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
+                place = (moved[pairs, 0], moved[pairs, 1], moved[pairs, 2])
+                square, at = nearest_one(grid, place, tint, 3.0 * scale, room)
+                which += 1
+                if at < 0:
+                    total += 9.0
+                    continue
+                square /= scale * scale
+                total += square
+                share[pairs] = 1.0 / (1.0 + square) ** 2
+                near[pairs] = grid.xyz[at]
+                pairs += 1
+            costs[k] = total / (9.0 * max(which, 1))
+            T = _motion(moved[:pairs], near[:pairs], share[:pairs], 6) @ T
+        motions[k] = T
+    return motions, costs
+
+
+@compiled
+def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
+    """See ``best_rigid_motion``."""
+    count = len(source)
+    total, used = 0.0, 0
+    middle_s, middle_t = np.zeros(3), np.zeros(3)
+    for i in range(count):
+        total += weight[i]
+        used += weight[i] != 0.0
+        for a in range(3):
+            middle_s[a] += weight[i] * source[i, a]
+            middle_t[a] += weight[i] * target[i, a]
+    if total > 0.0:
+        middle_s /= total
+        middle_t /= total
+    R = np.eye(3)
+    if used >= fewest:
+        H = np.zeros((3, 3))
+        for i in range(count):
+            for a in range(3):
+                away = weight[i] * (source[i, a] - middle_s[a])
+                for c in range(3):
+                    H[a, c] += away * (target[i, c] - middle_t[c])
+        U, _, Vt = np.linalg.svd(H)
+        R = np.ascontiguousarray((U @ Vt).T)
+        if np.linalg.det(R) < 0.0:
+            Vt[2] *= -1.0
+            R = np.ascontiguousarray((U @ Vt).T)
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = middle_t - R @ middle_s
+    return T
 
 
 def excess(moved: F64, target: Target, unit: float) -> float:
@@ -184,9 +214,18 @@ def excess(moved: F64, target: Target, unit: float) -> float:
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    lo, hi = bounds(moved)
-    around = target.xyz[within(target.xyz, lo - 6 * unit, hi + 6 * unit)]
-    gap, _ = Plain(moved).nearest(around)
-    on = int(np.count_nonzero(gap < 3 * unit))
-    beside = int(np.count_nonzero(gap < 6 * unit)) - on
-    return 0.3 * min(1.0, float(beside) / float(max(on, 1)))
+    return 0.3 * min(1.0, _beside(columns(moved, NONE, 0.0), target.xyz, unit))
+
+
+@compiled
+def _beside(surface: Columns, xyz: F64, unit: float) -> float:
+    """Points (N, 3) three to six units from the surface, for each that is nearer."""
+    on, beside, room = 0, 0, spans(surface)
+    for i in range(len(xyz)):
+        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        square, at = nearest_one(surface, place, (0.0, 0.0, 0.0), 6.0 * unit, room)
+        if at >= 0:
+            near = square < 9.0 * unit * unit
+            on += near
+            beside += not near
+    return beside / max(on, 1)

@@ -10,7 +10,7 @@ import numpy as np
 from pointbrush.tracking.fit import DOUBT, DOUBT_LARGE
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.locate import FEWEST, Search
-from pointbrush.tracking.near import Plain, bounds, within
+from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.registration import Target, transform
 
 
@@ -34,11 +34,11 @@ def share_out(searches: Iterable[Search]) -> None:
             near = np.flatnonzero(within(left.xyz, ghost.lo - reach, ghost.hi + reach))
             if not len(near):
                 continue
-            theirs = ghost.gap(left, near)
+            theirs = ghost.gap(left, near, reach)
             near, theirs = near[theirs < reach], theirs[theirs < reach]
             if not len(near):
                 continue
-            drop[near] |= theirs < 0.5 * ghosts[id(search)].gap(left, near)
+            drop[near] |= theirs < 0.5 * ghosts[id(search)].gap(left, near, 2 * reach)
         if drop.any() and (~drop).sum() >= FEWEST:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
@@ -49,7 +49,7 @@ def share_out(searches: Iterable[Search]) -> None:
 class _Ghost:
     """A thing where it is predicted, in place and colour; ``lo`` and ``hi`` bound its place."""
 
-    surface: Plain
+    surface: Target
     centre: F64
     radius: float
     lo: F64
@@ -60,15 +60,14 @@ class _Ghost:
         away = float(np.linalg.norm(self.centre - other.centre))
         return away < 1.5 * (self.radius + other.radius)
 
-    def gap(self, target: Target, points: I64) -> F64:
-        """Distances in place and colour from some of the target."""
-        own = target.xyz[points], target.colour[points] * np.float32(target.weight)
-        return self.surface.nearest(*own)[0]
+    def gap(self, target: Target, points: I64, most: float) -> F64:
+        """Distances in place and colour, at most ``most``, from some of the target."""
+        return self.surface.nearest(target.xyz[points], target.colour[points], most)[0]
 
 
 def _ghost(search: Search) -> _Ghost:
     model, many = search.thing.model, search.many
     world = transform(search.best, model.xyz[many])
-    surface = Plain(np.hstack([world, model.colour[many] * search.target.weight]))
+    surface = Target(world, model.colour[many], search.target.weight)
     centre = transform(search.best, search.thing.motion.centre[None])[0]
     return _Ghost(surface, centre, model.radius, *bounds(world))

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.carve import Glimpse
-from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
@@ -18,8 +17,6 @@ from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
 MOST_RIVALS = 1000
-MANY = 600_000
-"""Pairs of points from which it pays to leave out those that are near to none of the rivals."""
 BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
 TALL, COARSE = 0.4, 12.0
@@ -70,9 +67,6 @@ class Rivals:
                 break
             at = xyz[rest] if back is None else transform(back, xyz[rest])
             most = float(within[rest].max())
-            if len(rest) * len(self.xyz) > MANY:
-                near = perhaps_near(at, self.xyz, most)
-                rest, at = rest[near], at[near]
             distance, _ = self.target.nearest(at, colour[rest], most)
             explained[rest] = distance < within[rest]
         return explained

@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.ranges import ranges
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.ground import on_ground
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.lens import I32, Lens
-from pointbrush.tracking.near import within
+from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.shade import Shade, shade_of
 
 
@@ -34,11 +34,11 @@ class View:
 
     @cached_property
     def xyz(self) -> F32:
-        """(N, 3) float32 in the world."""
-        local = np.asarray(self.frame.xyz, np.float32)
-        if self.T_world_frame is None:
-            return local
+        """(N, 3) float32 in the world, in this process's memory."""
         T = self.T_world_frame
+        if T is None:
+            return np.array(self.frame.xyz, np.float32)
+        local = np.asarray(self.frame.xyz, np.float32)
         return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
 
     def prepare(self) -> None:
@@ -58,42 +58,29 @@ class View:
         T = self.T_world_frame
         return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
 
-    @cached_property
-    def columns(self) -> list[F32]:
-        """x, y and z, each contiguous: culling reads them whole."""
-        return [np.ascontiguousarray(self.xyz[:, a]) for a in range(3)]
-
     def box(self, lo: F64, hi: F64) -> I64:
         """Sorted indices of the points inside a box of the world."""
         blocks = getattr(self.frame, "blocks", None)
-        if blocks is not None and self.T_world_frame is None:
-            runs = blocks.overlapping(lo, hi)
-            first = blocks.first
-            some: I64 = ranges(first[runs], first[runs + 1])
-            at = self.xyz[some]
-            return some[np.flatnonzero(within(at, lo, hi))]
-        inside: Mask = np.ones(len(self.xyz), np.bool_)
-        for column, low, high in zip(self.columns, lo, hi, strict=True):
-            inside &= (column >= np.float32(low)) & (column <= np.float32(high))
-        return np.flatnonzero(inside)
+        if blocks is None or self.T_world_frame is not None:
+            return _inside(self.xyz, np.array([0]), np.array([len(self.xyz)]), lo, hi)
+        runs, first = blocks.overlapping(lo, hi), np.asarray(blocks.first)
+        return _inside(self.xyz, first[runs], first[runs + 1], lo, hi)
 
     def colour(self, indices: I64) -> F32:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
-        red, green, blue = (band.take(indices).astype(np.float32) for band in self._bands)
-        total = red + green + blue
-        scale = 1.0 / (total + 60.0)
-        result = np.empty((len(red), 3), np.float32)
-        np.multiply(1.7 * (red - green), scale, out=result[:, 0])
-        np.multiply(2.0 * blue - red - green, scale, out=result[:, 1])
-        np.multiply(total, np.float32(0.3 / 765), out=result[:, 2])
-        return result
+        return _tints(self._rgb, indices)
 
     @cached_property
-    def _bands(self) -> NDArray[np.uint8]:
-        """(3, N) red, green and blue, each contiguous: some of them are taken all the time."""
-        return np.ascontiguousarray(np.asarray(self.frame.rgb).T)
+    def _rgb(self) -> NDArray[np.uint8]:
+        """(N, 3); some of them are taken all the time."""
+        return np.array(self.frame.rgb)
+
+    @cached_property
+    def T_frame_world(self) -> F64:  # noqa: N802  (named for its direction)
+        """(4, 4) from the world to the frame's coordinates."""
+        return np.eye(4) if self.T_world_frame is None else inverse(self.T_world_frame)
 
     def labelled(self) -> Mask:
         """(N,) points of any of the labels, a new array."""
@@ -154,6 +141,30 @@ class View:
     def project(self, world: F64) -> tuple[I32, F32]:
         """Cell (-1 outside) and depth of any points of the world; needs a lens."""
         assert self.lens is not None  # noqa: S101
-        T = self.T_world_frame
-        local = world if T is None else (world - T[:3, 3]) @ T[:3, :3]
+        local = world if self.T_world_frame is None else transform(self.T_frame_world, world)
         return self.lens.cells(local.astype(np.float32))
+
+
+@compiled
+def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
+    result = np.empty((len(indices), 3), np.float32)
+    for i in range(len(indices)):
+        at = indices[i]
+        red, green, blue = float(rgb[at, 0]), float(rgb[at, 1]), float(rgb[at, 2])
+        total = red + green + blue
+        result[i, 0] = 1.7 * (red - green) / (total + 60.0)
+        result[i, 1] = (2.0 * blue - red - green) / (total + 60.0)
+        result[i, 2] = total * (0.3 / 765)
+    return result
+
+
+@compiled
+def _inside(xyz: F32, first: I64, last: I64, lo: F64, hi: F64) -> I64:
+    """Which of the points from each ``first`` up to its ``last`` lie in a box."""
+    found, count = np.empty(np.sum(last - first), np.int64), 0
+    for run in range(len(first)):
+        for i in range(first[run], last[run]):
+            found[count] = i
+            inside = lo[0] <= xyz[i, 0] <= hi[0] and lo[1] <= xyz[i, 1] <= hi[1]
+            count += inside and lo[2] <= xyz[i, 2] <= hi[2]
+    return found[:count]

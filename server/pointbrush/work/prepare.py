@@ -1,0 +1,68 @@
+"""Compile what tracking runs, once on a machine, so that nobody's first run waits for it.
+
+python -m pointbrush.work.prepare
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.frame import PointFrame
+from pointbrush.samples import Recording, generate
+from pointbrush.tracking import METHODS, Seed, TrackOptions
+
+FRAMES = 5
+"""Frames of a juggler and his pins: seconds of work in which every loop has its turn."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """A ``TrackFrame`` in memory."""
+
+    made: PointFrame
+    pose: None = None
+    intensity: None = None
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        return self.made.rgb
+
+    @property
+    def viewpoint(self) -> NDArray[np.float64] | None:
+        return self.made.viewpoint
+
+    @cached_property
+    def xyz(self) -> NDArray[np.float32]:
+        return self.made.xyz.astype(np.float32)
+
+    @cached_property
+    def kdtree(self) -> cKDTree:
+        return cKDTree(self.xyz)
+
+
+def prepare() -> None:
+    """Track small samples by every method; by the paper's, whose loops are few, a step."""
+    track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
+    for method in METHODS.keys() - {"auto"}:
+        track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
+
+
+def track(recording: Recording, method: str) -> None:
+    """Track all that is labelled in the first frame of a recording to its end."""
+    frames = [_Frame(made) for made in recording.frames]
+    first = recording.truth[0]
+    seeds = [Seed(n, np.flatnonzero(first == n)) for n in np.unique(first).tolist() if n]
+    run = METHODS[method]().track(
+        frames.__getitem__, range(len(frames)), seeds, lambda _: None, TrackOptions()
+    )
+    for _ in run:
+        pass
+
+
+if __name__ == "__main__":
+    prepare()

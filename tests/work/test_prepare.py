@@ -1,0 +1,23 @@
+"""What is compiled, and when."""
+
+from __future__ import annotations
+
+from numba.core import event
+
+from pointbrush.samples import generate
+from pointbrush.tracking.compiled import compiled
+from pointbrush.work.prepare import prepare, track
+
+
+def test_after_preparing_no_run_waits_for_a_loop_to_be_compiled() -> None:
+    prepare()
+    with event.install_recorder("numba:compile") as compiled_now:
+        track(generate("tabletop", 2, 3), "auto")
+        track(generate("walking", 2, 3), "auto")
+    assert compiled_now.buffer == []
+
+
+def test_where_nothing_can_be_kept_loops_are_compiled_all_the_same() -> None:
+    space: dict[str, object] = {"compiled": compiled, "__name__": "nowhere"}
+    exec("@compiled\ndef twice(x):\n    return 2 * x\n", space)
+    assert space["twice"](21) == 42  # type: ignore[operator]
