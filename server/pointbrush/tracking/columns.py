@@ -216,3 +216,33 @@ def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
             if at >= 0:
                 distance[i, k], index[i, k] = np.sqrt(square), grid.order[at]
     return distance, index
+
+
+@compiled
+def pairs(xyz: F64, most: float) -> I64:
+    """(P, 2) all pairs of points (N, 3) at most ``most`` metres apart, the lesser number first."""
+    grid = columns(xyz, np.empty((0, 3), np.float32), 0.0)
+    found, count = np.empty((8 * len(xyz) + 8, 2), np.int64), 0
+    steps = int(most / grid.size) + 1
+    for row in range(grid.along):
+        for column in range(grid.across):
+            here = row * grid.across + column
+            low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
+            for one in range(grid.start[here], grid.start[here + 1]):
+                # Each pair is met once: from the point that is sorted first.
+                for other_row in range(row, min(row + steps, grid.along - 1) + 1):
+                    first = max(grid.start[other_row * grid.across + low], one + 1)
+                    for other in range(first, grid.start[other_row * grid.across + high + 1]):
+                        square = 0.0
+                        for a in range(3):
+                            square += (grid.xyz[one, a] - grid.xyz[other, a]) ** 2
+                        if square > most * most:
+                            continue
+                        if count == len(found):
+                            more = np.empty((2 * count, 2), np.int64)
+                            more[:count] = found
+                            found = more
+                        i, j = grid.order[one], grid.order[other]
+                        found[count, 0], found[count, 1] = min(i, j), max(i, j)
+                        count += 1
+    return found[:count]

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
 
+from pointbrush.tracking.columns import pairs
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.near import gaps
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
@@ -83,11 +84,10 @@ class Foreground:
 
     def bodies(self, least: int) -> list[I64]:
         """The cells of each part that hangs together, of ``least`` solid cells or more."""
-        pairs = cKDTree(self.middle).query_pairs(TOUCH * self.size, output_type="ndarray")
-        solid = self.solid
-        pairs = pairs[solid[pairs].any(axis=1)]
+        touching, solid = pairs(self.middle, TOUCH * self.size), self.solid
+        touching = touching[solid[touching].any(axis=1)]
         total = len(self.count)
-        edges = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(total, total))
+        edges = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(total, total))
         count, part = connected_components(edges, directed=False)
         cells = np.bincount(part, weights=solid, minlength=count)
         return [np.flatnonzero(part == n) for n in np.flatnonzero(cells >= least).tolist()]
@@ -150,10 +150,7 @@ class Foreground:
         """(cells,) those that touch the cells of a figure; all where it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
-        gap, _ = cKDTree(self.middle[own]).query(
-            self.middle, distance_upper_bound=TOUCH * self.size
-        )
-        return np.asarray(np.isfinite(np.asarray(gap)), np.bool_)
+        return np.isfinite(gaps(self.middle, self.middle[own], TOUCH * self.size))
 
     def _whole_bodies(
         self,
@@ -207,21 +204,18 @@ class Foreground:
         count, part = connected_components(ways[apart][:, apart], directed=False)
         for label in np.unique(owner[owner > 0]).tolist():
             own = np.flatnonzero(owner == label)
-            gap, _ = cKDTree(self.middle[own]).query(
-                self.middle[apart], distance_upper_bound=most[label]
-            )
+            gap = gaps(self.middle[apart], self.middle[own], most[label])
             beside = np.bincount(part[np.isfinite(gap)], minlength=count) > 0
             if not beside.any():
                 continue
-            tone, _ = cKDTree(self.colour[own]).query(self.colour[apart])
-            alike = np.bincount(part, weights=tone < UNLIKE / 2, minlength=count)
+            tone = gaps(self.colour[apart], self.colour[own], UNLIKE / 2)
+            alike = np.bincount(part, weights=np.isfinite(tone), minlength=count)
             whole = np.bincount(part, minlength=count)
             beside &= (alike > 0.6 * whole) & (whole >= SMALLEST) & (whole < len(own))
             owner[apart[beside[part]]] = label
 
     def _ways(self, size: float, solid: Mask) -> csr_matrix:
-        pairs = cKDTree(self.middle).query_pairs(TOUCH * size, output_type="ndarray")
-        a, b = pairs.T
+        a, b = pairs(self.middle, TOUCH * size).T
         length = _between(self.middle, a, b) + 1e-6
         length *= 1 + _between(self.colour, a, b) / UNLIKE
         start, end, way = (np.concatenate(each) for each in ((a, b), (b, a), (length, length)))

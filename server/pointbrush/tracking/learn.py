@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.assign import Claim, claim
+from pointbrush.tracking.columns import NONE, columns, nearest
 from pointbrush.tracking.confidence import Evidence
 from pointbrush.tracking.fit import bent
 from pointbrush.tracking.interface import F64, I64
@@ -172,6 +172,5 @@ def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F6
     if not len(points):
         return
     xyz = transform(back, view.xyz[points].astype(np.float64))
-    distance, index = cKDTree(thing.model.xyz).query(xyz)
-    gap, nearest = np.asarray(distance, np.float64), np.asarray(index, np.int64)
-    thing.model.gather(xyz, view.colour(points), gap, nearest, eye, sure=True)
+    gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, 0.0, np.inf)
+    thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=True)

@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import ENOUGH, carved
+from pointbrush.tracking.columns import pairs
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.near import gaps, within
@@ -55,8 +55,8 @@ def lost_pieces(
     xyz = view.xyz[rest].astype(np.float64)
     cell = cells_of(xyz, CELL * thing.unit)
     middle = means_of(xyz, cell)
-    pairs = cKDTree(middle).query_pairs(TOUCH * CELL * thing.unit, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(middle),) * 2)
+    touching = pairs(middle, TOUCH * CELL * thing.unit)
+    links = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(len(middle),) * 2)
     number, part = connected_components(links, directed=False)
     piece = part[cell]
     size = np.bincount(piece, minlength=number)

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import IO, Any, NamedTuple
 
+from pointbrush.tracking.carve import MOST
 from pointbrush.tracking.interface import F64, Frames
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -26,6 +27,8 @@ PIPE = 1 << 20
 OURS, BOTH = ("around",), ("near", "moving")
 """Parts of what is given that the second process does without, and that pass only once."""
 BACKGROUND = "background"
+KEPT = MOST + 1
+"""Glimpses of a thing that have a name: the oldest has left by the time that its name is given."""
 GONE = (EOFError, OSError, pickle.UnpicklingError)
 """What shows that the other process has ended."""
 
@@ -129,7 +132,7 @@ class Second:
         self._line = _Line(self._process.stdout, self._process.stdin)
         self._asked: deque[int] = deque()
         self._things: set[int] = set()
-        self._worn = 0
+        self._glimpses: dict[int, int] = {}
         self._line.send(frames)
 
     def know(self, name: object, value: object) -> None:
@@ -155,8 +158,12 @@ class Second:
         names = self._line.names
         for thing, given in tasks:
             if names.name(thing.worn) is None:
-                self._worn += 1
-                self.know(self._worn, thing.worn)
+                self.know(("worn", thing.label), thing.worn)
+            for glimpse in thing.glimpses:
+                if names.name(glimpse) is None:
+                    number = self._glimpses.get(thing.label, 0)
+                    self._glimpses[thing.label] = number + 1
+                    self.know(("glimpse", thing.label, number % KEPT), glimpse)
             _name_parts(names, thing.label, given, OURS)
         self._line.send(("do", (do, list(tasks), changes)))
         for thing, given in tasks:
