@@ -42,14 +42,24 @@ class Columns(NamedTuple):
 
 
 @compiled
+def _slot(at: float, count: int) -> int:
+    """Which of ``count`` slots holds ``at``; the first or the last for what lies outside.
+
+    Compiled loops do not check what they index with: what is no number goes to the first.
+    """
+    return int(min(at, count - 1.0)) if at > 0.0 else 0
+
+
+@compiled
 def columns(xyz: F64, tint: F32, weight: float) -> Columns:
     """Sort points (N, 3) with ``tint`` (N, 3), times ``weight``, where that is not zero."""
     count = len(xyz)
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for i in range(count):
         for a in range(3):
-            low[a], high[a] = min(low[a], xyz[i, a]), max(high[a], xyz[i, a])
-    extent = high - low if count else np.zeros(3)
+            if abs(xyz[i, a]) < np.inf:
+                low[a], high[a] = min(low[a], xyz[i, a]), max(high[a], xyz[i, a])
+    extent = np.maximum(high - low, 0.0)
     thin = 0
     for a in range(1, 3):
         if extent[a] <= extent[thin]:
@@ -65,8 +75,8 @@ def columns(xyz: F64, tint: F32, weight: float) -> Columns:
     cell = np.empty(count, np.int64)
     start = np.zeros(along * across + 1, np.int64)
     for i in range(count):
-        row = min(int((xyz[i, one] - low[one]) / size), along - 1)
-        cell[i] = row * across + min(int((xyz[i, other] - low[other]) / size), across - 1)
+        row = _slot((xyz[i, one] - low[one]) / size, along)
+        cell[i] = row * across + _slot((xyz[i, other] - low[other]) / size, across)
         start[cell[i] + 1] += 1
     for c in range(along * across):
         start[c + 1] += start[c]
@@ -100,8 +110,7 @@ def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) 
     they all are, and so are those of larger rings.
     """
     size, along, across = grid.size, grid.along, grid.across
-    row = int(min(max(u / size, 0.0), along - 1.0))
-    column = int(min(max(v / size, 0.0), across - 1.0))
+    row, column = _slot(u / size, along), _slot(v / size, across)
     if ring == 0:
         room[0, 0] = grid.start[row * across + column]
         room[0, 1] = grid.start[row * across + column + 1]
@@ -236,7 +245,7 @@ def pairs(xyz: F64, most: float) -> I64:
                         square = 0.0
                         for a in range(3):
                             square += (grid.xyz[one, a] - grid.xyz[other, a]) ** 2
-                        if square > most * most:
+                        if not square <= most * most:
                             continue
                         if count == len(found):
                             more = np.empty((2 * count, 2), np.int64)

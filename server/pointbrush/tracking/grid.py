@@ -39,7 +39,8 @@ def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
     lo, hi = bounds(some)
     # Coarse enough for a grid that is kept whole; single precision must not decide at the border.
     size = max(1.001 * reach + 1e-6, float(np.cbrt(np.prod(hi - lo + 2 * reach) / MOST_NEAR)))
-    return _in_marked(xyz, some, size, lo - size, ((hi - lo) / size).astype(np.int64) + 3)
+    # Two cells more on every side: rounding must not mark what lies outside.
+    return _in_marked(xyz, some, size, lo - 2 * size, ((hi - lo) / size).astype(np.int64) + 5)
 
 
 @compiled

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.ground import on_ground
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
@@ -34,11 +35,18 @@ class View:
 
     @cached_property
     def xyz(self) -> F32:
-        """(N, 3) float32 in the world, in this process's memory."""
+        """(N, 3) float32 in the world, in this process's memory.
+
+        Raises BadInputError where a position is no number: compiled loops rely on it.
+        """
         T = self.T_world_frame
+        local = np.array(self.frame.xyz, np.float32)
+        if not np.isfinite(local).all():
+            raise BadInputError(
+                f"frame {self.number}: expected finite positions, got some that are not"
+            )
         if T is None:
-            return np.array(self.frame.xyz, np.float32)
-        local = np.asarray(self.frame.xyz, np.float32)
+            return local
         return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
 
     def prepare(self) -> None:
