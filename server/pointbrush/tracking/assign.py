@@ -12,7 +12,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, gaps, within
 from pointbrush.tracking.view import View
 
-STEPS = 10
+STEPS = 20
 
 
 @dataclass(eq=False)

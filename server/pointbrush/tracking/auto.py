@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.tracking.assign import Claim, together
+from pointbrush.tracking.astray import find_astray
 from pointbrush.tracking.belong import grow
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.figures import hang_together
@@ -150,6 +151,7 @@ class Run:
         absent = [thing for thing in sought if thing.absent]
         places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
+        find_astray(sought, self.background, view, free, places, claims)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)
         view.labels = dict(fixed)

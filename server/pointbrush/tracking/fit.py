@@ -142,11 +142,17 @@ def _likeliest(search: Search) -> I64:
 
 
 def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
-    """Fit the likeliest of the guesses, and add them with their scores."""
+    """Fit the likeliest of the guesses, and add them with their scores.
+
+    Half of them are chosen by what is seen alone: what is thrown or knocked goes on elsewhere than
+    any prediction.
+    """
     thing, some, tried = search.thing, search.few, np.stack(guesses)
     at = look(thing, search.view, some, tried)
-    costs = costs_of(thing, search.target, some, at, 6 * thing.unit) + _surprise(search, tried)
-    likely = tried[np.argsort(costs, kind="stable")[:most]]
+    seen = costs_of(thing, search.target, some, at, 6 * thing.unit)
+    order = np.argsort(seen + _surprise(search, tried), kind="stable")
+    first, rest = np.split(order, [most - most // 2])
+    likely = tried[np.append(first, rest[np.argsort(seen[rest], kind="stable")[: most // 2]])]
     new = _fits(search, some, likely, WIDE).T
     return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
 

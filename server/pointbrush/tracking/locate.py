@@ -70,9 +70,15 @@ class Search:
         return np.asarray(self.guesses[np.argmin(self.costs)])
 
 
-def crop(thing: Thing, view: View, background: Background, free: Mask) -> Search | None:
-    """Cut out what may be the thing, without what stood still; None where nothing is."""
-    guesses = _distinct(thing, thing.motion.predictions())
+def crop(
+    thing: Thing, view: View, background: Background, free: Mask, guesses: F64 | None = None
+) -> Search | None:
+    """Cut out what may be the thing, without what stood still; None where nothing is.
+
+    ``guesses`` (K, 4, 4) where it may be, if not where it is predicted.
+    """
+    if guesses is None:
+        guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
     margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)

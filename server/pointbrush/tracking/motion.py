@@ -41,6 +41,10 @@ class Motion:
         self.poses = [*self.poses[-(MEMORY - 1) :], pose]
         self.gap = 1
 
+    def begin(self, pose: F64) -> None:
+        """The object was found where no motion led: what it was doing is unknown."""
+        self.poses, self.gap = [pose], 1
+
     @property
     def fresh(self) -> bool:
         """Whether its motion is not known yet."""

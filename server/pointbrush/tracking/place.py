@@ -24,6 +24,8 @@ class Place:
     """The moving points that hang together there are the thing and nothing else."""
     vain: bool = False
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
+    anew: bool = False
+    """It was found far from where it was predicted: its motion begins here."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))

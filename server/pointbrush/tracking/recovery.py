@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.interface import F64
+from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model import Model
 from pointbrush.tracking.registration import Target, transform
 
@@ -17,6 +17,8 @@ TURNS = [
     for axis in np.eye(3)
     for sign in (1.0, -1.0)
 ]
+ALL_WAYS = Rotation.create_group("O").as_matrix()
+"""Rotations (24, 3, 3) of which one is within 63 degrees of any."""
 SLIDES = (-0.6, -0.3, 0.3, 0.6)
 """Steps along the longest direction, in radii."""
 LIKE = 0.12
@@ -55,13 +57,23 @@ def nudges(model: Model, pose: F64) -> list[F64]:
     return result + [_move(pose, middle, there, np.eye(3)) for there in away]
 
 
+def turned_at(model: Model, pose: F64, middle: F64) -> F64:
+    """Poses (24, 4, 4) with the model's middle at ``middle``, turned all ways against ``pose``."""
+    at = transform(pose, model.xyz).mean(axis=0)
+    return np.stack([_move(pose, at, middle, R) for R in ALL_WAYS])
+
+
+def alike(model: Model, colour: F32) -> Mask:
+    """Which of the colours (M, 3) the model has about."""
+    palette = cKDTree(model.colour[:: max(1, len(model.colour) // 200)])
+    distance, _ = palette.query(colour, distance_upper_bound=LIKE)
+    return np.asarray(np.isfinite(np.asarray(distance)))
+
+
 def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:
-    alike = np.ones(len(target.xyz), np.bool_)
+    points = target.xyz
     if target.weight > 0:
-        palette = cKDTree(model.colour[:: max(1, len(model.colour) // 200)])
-        distance, _ = palette.query(target.colour, distance_upper_bound=LIKE)
-        alike = np.isfinite(np.asarray(distance))
-    points = target.xyz[alike]
+        points = points[alike(model, target.colour)]
     found: list[tuple[F64, F64]] = []
     radius = max(model.radius, 1e-3)
     while len(points) >= 8 and len(found) < CLUSTERS:

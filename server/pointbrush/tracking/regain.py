@@ -53,13 +53,9 @@ def lost_pieces(
     if len(rest) < least:
         return none
     xyz = view.xyz[rest].astype(np.float64)
-    cell = cells_of(xyz, CELL * thing.unit)
-    middle = means_of(xyz, cell)
-    touching = pairs(middle, TOUCH * CELL * thing.unit)
-    links = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(len(middle),) * 2)
-    number, part = connected_components(links, directed=False)
-    piece = part[cell]
-    size = np.bincount(piece, minlength=number)
+    piece = pieces(xyz, thing.unit)
+    size = np.bincount(piece)
+    number = len(size)
     lo, hi = place.box
     edge = BESIDE * thing.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
@@ -71,6 +67,15 @@ def lost_pieces(
             found.append(points)
             left -= len(points)
     return np.sort(np.concatenate(found))
+
+
+def pieces(xyz: F64, unit: float) -> I64:
+    """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
+    cell = cells_of(xyz, CELL * unit)
+    middle = means_of(xyz, cell)
+    touching = pairs(middle, TOUCH * CELL * unit)
+    links = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(len(middle),) * 2)
+    return np.asarray(connected_components(links, directed=False)[1][cell], np.int64)
 
 
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:

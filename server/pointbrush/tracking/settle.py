@@ -55,7 +55,10 @@ def settle(
     here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
     trust = min(here, thing.trust + REGAIN)
     thing.trust, thing.last = trust, len(points)
-    thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
+    if place.anew:
+        thing.motion.begin(place.pose)
+    else:
+        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
     if place.cost < SOUND or thing.bends or thing.large:
         learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
     if place.cost < SOUND and not (thing.bends or thing.large):

@@ -83,6 +83,7 @@ class Thing:
     ``still`` whether the sensor is at rest and sees depth images;
     ``worn`` the colours it showed where it was painted.
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
+    ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``away`` metres from a sensor that moves.
     """
@@ -104,6 +105,7 @@ class Thing:
     still: bool = False
     strain: float = 0.0
     vain: bool = False
+    astray: int = 0
     flat: bool = False
     stands: bool = True
     away: float = 0.0

@@ -1,0 +1,109 @@
+"""Small things that are nowhere near where they should be: thrown, knocked, or lost for a while.
+
+What is not found around its predictions is looked for in the whole frame: among the moving points
+that nobody has, those of its colours, where they hang together to about its size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pointbrush.tracking.assign import Claim
+from pointbrush.tracking.background import Background
+from pointbrush.tracking.disputes import placed
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.judge import judge
+from pointbrush.tracking.locate import crop
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.recovery import alike, turned_at
+from pointbrush.tracking.regain import pieces
+from pointbrush.tracking.registration import excess
+from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.view import View
+
+DOUBT = 0.25
+"""Cost of a fit above which a thing is looked for in the whole frame."""
+CLEAR, BETTER, MATCHED = 0.3, 0.7, 0.6
+"""Cost up to which it is found there, share of the cost it had before, and share of the visible
+model that has to be matched."""
+LEAST, MOST = 0.25, 3.0
+"""Shares of its size that a cluster may have."""
+CLUSTERS, TRIES = 4, 2
+"""Clusters that are looked at, and those of them that the thing is fitted to."""
+PATIENT, SELDOM = 6, 4
+"""Frames for which it is looked for in each, and then in one of how many."""
+
+
+def find_astray(
+    things: Iterable[Thing],
+    background: Background,
+    view: View,
+    free: Mask,
+    places: dict[int, Place],
+    claims: dict[int, Claim],
+) -> None:
+    """Look for ``things`` that fit badly or not at all; ``places`` and ``claims`` take them in."""
+    some = [thing for thing in things if _is_astray(thing, view, places.get(thing.label))]
+    if not some:
+        return
+    left = free.copy()
+    for label, claim in claims.items():
+        if not any(thing.label == label for thing in some):
+            left[claim.indices] = False
+    points = np.flatnonzero(left)
+    far, still = background.static(view, points)
+    points = points[~(far | still)]
+    for thing in some:
+        before = places.get(thing.label)
+        most = CLEAR if before is None else min(CLEAR, BETTER * before.cost)
+        found = _best(thing, background, view, left, points[left[points]], most)
+        if found is not None:
+            places[thing.label], claims[thing.label] = found
+            left[found[1].indices] = False
+            thing.astray = 0
+
+
+def _is_astray(thing: Thing, view: View, place: Place | None) -> bool:
+    """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
+    if view.lens is None or thing.large or thing.bends or thing.stopped:
+        return False
+    if place is not None and place.cost < DOUBT:
+        thing.astray = 0
+        return False
+    thing.astray += 1
+    return thing.astray <= PATIENT or (view.number + thing.label) % SELDOM == 0
+
+
+def _best(
+    thing: Thing, background: Background, view: View, left: Mask, points: I64, most: float
+) -> tuple[Place, Claim] | None:
+    """Where a thing fits best, at a cost up to ``most``, among the ``points`` (M,)."""
+    best = None
+    last = thing.motion.poses[-1]
+    guesses = [turned_at(thing.model, last, at) for at in _clusters(thing, view, points)]
+    searches = [crop(thing, view, background, left, some) for some in guesses]
+    likely = [search for search in searches if search is not None]
+    for search in sorted(likely, key=lambda search: float(search.costs.min()))[:TRIES]:
+        place, claim = placed(thing, view, search)
+        cost = place.cost + excess(place.world, search.target, thing.unit)
+        verdict = judge(thing, view, place.pose, place.world, claim)
+        if cost < most and verdict.found and verdict.inliers > MATCHED:
+            place.anew = True
+            best, most = (place, claim), cost
+    return best
+
+
+def _clusters(thing: Thing, view: View, points: I64) -> list[F64]:
+    """Middles (3,) of what hangs together in the thing's colours, the likeliest sizes first."""
+    if thing.weight > 0.0:
+        points = points[alike(thing.model, view.colour(points))]
+    if not len(points):
+        return []
+    xyz = view.xyz[points].astype(np.float64)
+    piece = pieces(xyz, thing.unit)
+    size = np.bincount(piece)
+    fitting = np.flatnonzero((size >= LEAST * thing.size) & (size <= MOST * thing.size))
+    order = np.argsort(np.abs(np.log(size[fitting] / thing.size)), kind="stable")
+    return [xyz[piece == one].mean(axis=0) for one in fitting[order][:CLUSTERS].tolist()]
