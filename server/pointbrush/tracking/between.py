@@ -123,6 +123,7 @@ def check(frames: Frames, order: Sequence[int], seeds: Sequence[Seed]) -> None:
         raise BadInputError("seeds: expected at least one label, got none")
     if len({seed.label for seed in seeds}) < len(seeds):
         raise BadInputError("seeds: expected each label once")
+    _require(frames, order)
     count = len(frames(order[0]).xyz)
     for seed in seeds:
         if len(seed.indices) == 0:
@@ -134,6 +135,17 @@ def check(frames: Frames, order: Sequence[int], seeds: Sequence[Seed]) -> None:
                 f"label {seed.label}: expected point numbers 0 to {count - 1}, "
                 f"got {seed.indices.min()} to {seed.indices.max()}"
             )
+
+
+def _require(frames: Frames, order: Sequence[int]) -> None:
+    """Raise BadInputError unless the recording has the frames at both ends of ``order``."""
+    for number in (order[0], order[-1]):
+        try:
+            missing = number < 0 or frames(number) is None
+        except LookupError:
+            missing = True
+        if missing:
+            raise BadInputError(f"order: expected frames of the recording, got {number}")
 
 
 def _closing(painted: dict[int, list[int]], at: int) -> dict[int, list[int]]:

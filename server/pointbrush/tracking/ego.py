@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.interface import F64, Frames
+from pointbrush.tracking.interface import F64, Frames, TrackFrame
 from pointbrush.tracking.nonrigid import nodes_of
 from pointbrush.tracking.registration import transform
 
@@ -37,6 +37,8 @@ MOVED = 0.25
 """Cells by which the scene has to be displaced, at the median, for a sensor to have moved."""
 AT_REST = 1e-4
 """Metres, and radians, between the poses of a sensor that is told to be at rest."""
+SKEW = 0.1
+"""Determinant off 1 from which what a recording tells is no pose."""
 NARROW = 0.2
 """Cells off its plane up to which something lies on it."""
 STANDS, AGREE, LEFT = 0.95, 0.5, 0.7
@@ -144,18 +146,26 @@ def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] |
 
     As the recording tells it, else as the scenery shows it; None where the sensor is at rest.
     """
-    first, *others = (frames(order[at]).pose for at in (0, len(order) // 2, -1))
+    first, *others = (_told(frames(order[at])) for at in (0, len(order) // 2, -1))
     back = None if first is None else np.linalg.inv(first)
     if back is not None and any(
         pose is not None and np.abs(back @ pose - np.eye(4)).max() > AT_REST for pose in others
     ):
 
         def pose_of(number: int) -> F64:
-            pose = frames(number).pose
+            pose = _told(frames(number))
             return np.eye(4) if pose is None else np.asarray(back @ pose, np.float64)
 
         return pose_of
     return None if stands(frames, order) else Ego(frames, order).pose
+
+
+def _told(frame: TrackFrame) -> F64 | None:
+    """The pose of a frame as the recording tells it, None where that is no motion of space."""
+    pose = frame.pose
+    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:
+        return None
+    return pose
 
 
 def _share(fit: tuple[F64, float]) -> float:

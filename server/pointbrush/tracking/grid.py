@@ -11,6 +11,8 @@ from pointbrush.tracking.near import bounds
 
 MOST = 4_000_000
 """Cells of a grid that is kept whole; a larger one is sorted instead."""
+MOST_ACROSS = 2**20
+"""Cells along an axis; what lies beyond shares the last."""
 MOST_NEAR = 200_000
 """Cells, about, of the grid in which points near some others are looked for."""
 
@@ -18,6 +20,11 @@ MOST_NEAR = 200_000
 def cells_of(xyz: F64, size: float) -> I64:
     """(N,) number of each point's cell, ``size`` metres wide; occupied cells count from 0."""
     lo, hi = bounds(xyz)
+    if float((hi - lo).max()) > MOST_ACROSS * size:
+        # A point that flew off must not make the numbers of cells overflow.
+        middle, half = np.median(xyz, axis=0), 0.4 * MOST_ACROSS * size
+        xyz = np.clip(xyz, middle - half, middle + half)
+        lo, hi = bounds(xyz)
     key = np.floor((xyz - lo) / size).astype(np.int64)
     extent = np.floor((hi - lo) / size).astype(np.int64) + 1
     flat = (key[:, 0] * extent[1] + key[:, 1]) * extent[2] + key[:, 2]

@@ -12,6 +12,7 @@ from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.locate import target_of
 from pointbrush.tracking.model import SURE, Model
+from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import SOFT, Thing
@@ -30,6 +31,8 @@ OFF, ON = 1.5, 1.0
 """Units from the model at which a point is off its place, and on it."""
 SNAP = 0.7
 """Share of its way to the points measured there that a soft thing's surface goes."""
+BESIDE = 8.0
+"""Units around a thing within which what is left over may be its."""
 SAMPLE = 1000
 """Points whose colours are compared with those worn."""
 
@@ -55,9 +58,23 @@ def evidence(
         worn=thing.worn.likeness(view.colour(some)) - thing.worn.usual if thing.body else 0.0,
         points=count,
         pixels=view.lens is not None,
-        roams=view.roams,
+        scans=thing.scanned,
         soft=thing.soft,
+        left=(_beside(thing, view, place, points) + 1) / (len(points) + 1),
+        bend=thing.bend,
+        coarse=thing.unit / max(thing.model.radius, thing.unit),
     )
+
+
+def _beside(thing: Thing, view: View, place: Place, points: I64) -> int:
+    """Moving points around a thing's ``points`` (M,) that are not its; asked of lidars alone."""
+    if not (thing.scanned and len(points)):
+        return 0
+    own = np.zeros(len(view.xyz), np.bool_)
+    own[points] = True
+    lo, hi = bounds(view.xyz[points])
+    margin = BESIDE * thing.unit
+    return int(within(view.xyz[place.moving[~own[place.moving]]], lo - margin, hi + margin).sum())
 
 
 def learn(

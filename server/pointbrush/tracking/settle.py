@@ -7,7 +7,7 @@ import numpy as np
 from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.belong import unexplained
 from pointbrush.tracking.carve import remember
-from pointbrush.tracking.confidence import REGAIN, likelihood
+from pointbrush.tracking.confidence import REGAIN, REGAIN_SCANNED, likelihood
 from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn
@@ -48,12 +48,13 @@ def settle(
         state: State = "lost" if lost else "occluded"
         return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
     thing.missing, thing.vain = 0, place.vain
-    if view.roams and view.eye is not None:
+    if thing.scanned and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     points = together(found.indices, grown)
     here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
-    trust = min(here, thing.trust + REGAIN)
+    regain = REGAIN_SCANNED if thing.scanned else REGAIN
+    trust = min(here, thing.trust + regain)
     thing.trust, thing.last = trust, len(points)
     if place.anew:
         thing.motion.begin(place.pose)

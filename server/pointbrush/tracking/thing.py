@@ -85,7 +85,8 @@ class Thing:
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
-    ground, ``stands`` whether it was painted without it; ``away`` metres from a sensor that moves.
+    ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it, ``away``
+    metres from that.
     """
 
     label: int
@@ -109,6 +110,7 @@ class Thing:
     flat: bool = False
     stands: bool = True
     away: float = 0.0
+    scanned: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -117,9 +119,12 @@ class Thing:
         return self.bend > (BENT_LARGE if self.large else BENT)
 
     def come_to(self, away: float) -> None:
-        """Be ``away`` metres from the sensor: what is nearer shows more points."""
+        """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
         if self.away > 0.0 and away > 0.0:
-            self.size *= float(np.clip((self.away / away) ** 2, 0.25, 4.0))
+            closer = float(np.clip(self.away / away, 0.5, 2.0))
+            self.size *= closer**2
+            self.unit /= closer
+            self.weight /= closer
         self.away = away
 
     @property
@@ -129,9 +134,11 @@ class Thing:
 
     @property
     def large(self) -> bool:
-        """Whether it is many points across, as people are."""
+        """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
         if self.still:
             return self.span > max(TALL, COARSE * self.unit)
+        if self.scanned:
+            return True
         return self.span > LARGE * self.unit
 
     @property
@@ -188,6 +195,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         worn=Wardrobe.of(colour),
         flat=low > FLAT,
         stands=low < STANDS,
+        scanned=view.scans,
     )
 
 

@@ -130,6 +130,11 @@ class View:
         """Whether a sensor without a pixel grid moves, as a lidar on a car does."""
         return self.lens is None and self.T_world_frame is not None
 
+    @property
+    def scans(self) -> bool:
+        """Whether the frame is a lidar's, that moves or looks all round from one place."""
+        return self.roams or (self.lens is None and self.shade is not None)
+
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
 
