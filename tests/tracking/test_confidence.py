@@ -34,7 +34,9 @@ def test_what_bends_and_shrinks_is_not_trusted() -> None:
     assert likelihood(replace(half, soft=True)) < 0.5 < likelihood(half)
 
 
-def test_a_crowded_street_is_trusted_less_than_an_empty_one() -> None:
-    alone = replace(GOOD, pixels=False, roams=True, share=0.95, whole=True)
+def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
+    """Half a car, and a car whose neighbour was taken for it, leave points unclaimed beside it."""
+    alone = replace(GOOD, pixels=False, scans=True, sure=1.0, left=0.01)
     assert likelihood(alone) > 0.9
-    assert likelihood(replace(alone, share=0.1, whole=False)) < 0.5
+    assert likelihood(replace(alone, left=1.0)) < 0.5
+    assert likelihood(replace(alone, left=0.1, bend=0.2)) < likelihood(alone)

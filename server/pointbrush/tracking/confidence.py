@@ -22,9 +22,9 @@ on walking people at 30 and at 5 frames a second, with and without what keeps th
 changes of size were too rare to fit, and their weight is set."""
 SCAN_WEIGHTS = np.array([-1.02, -1.42, -5.54, -0.57, 1.39])
 SCAN_OFFSET, SCAN_MIDDLE = -2.06, 1.2
-"""The same for lidars: what is left beside a thing of what moves, its size, how much it bends, how
-coarse it is seen, and the share on well confirmed surface.  Fitted on generated streets of 32 and 64
-beams, at rest and on the move; what is left unclaimed beside a thing says more than all the rest."""
+"""The same for lidars: what is left beside a thing of what moves, its size, how much it bends,
+how coarse it is seen, and the share on well confirmed surface.  Fitted on generated streets of 32
+and 64 beams, at rest and on the move; what is left beside a thing says more than all the rest."""
 MANY, FEW = 300, 1.0
 """Points from which a fit before a pixel grid is told apart well, and the weight of the logarithm
 of the share of them that there are: small things are taken for each other."""
@@ -45,10 +45,10 @@ class Evidence:
     the most and over the last; ``grown`` share of points that the model does not explain;
     ``whole`` whether the thing moves alone; ``share`` of the moving points around;
     ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
-    ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is a
-    lidar; ``soft`` whether the thing bends; ``left`` points that move beside it and are not its,
-    over its own; ``bend`` share that one motion does not explain; ``coarse`` units in its radius,
-    inverse.
+    ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
+    a lidar; ``soft`` whether the thing bends; ``left`` points that move beside it and are not its,
+    over its own; ``bend`` share that one motion does not explain; ``coarse`` its unit, over its
+    radius.
     """
 
     inliers: float

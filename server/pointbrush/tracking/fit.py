@@ -28,8 +28,9 @@ NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 LAST = (2.5, 2.0, 2.0)
 """Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
 TRIES = 6
-STILL, AS_WELL = 1.0, 0.03
-"""Units by which a thing at rest seems to move at most, and what it may cost more to leave it."""
+STILL, STILL_FIRST, AS_WELL = 1.0, 3.0, 0.03
+"""Units by which a thing at rest seems to move at most, more before a lidar in the first frames,
+since it slips along its rings; and what it may cost more to leave it."""
 SAME = 1.0
 """Units by which no point of the model moves between two guesses that are one when judged."""
 DOUBT, DOUBT_LARGE = 0.27, 0.6
@@ -101,7 +102,8 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     """
     last, some = search.thing.motion.poses[-1], search.thing.model.xyz[search.few]
     moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
-    if moved > STILL * search.thing.unit or search.thing.bends:
+    still = STILL_FIRST if search.thing.scanned and search.thing.motion.fresh else STILL
+    if moved > still * search.thing.unit or search.thing.bends:
         return False
     return float(_scores(search, last[None])[0]) < score + AS_WELL
 

@@ -85,8 +85,8 @@ class Thing:
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
-    ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it, ``away``
-    metres from that.
+    ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
+    ``away`` metres from that.
     """
 
     label: int
@@ -116,7 +116,7 @@ class Thing:
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
-        return self.bend > (BENT_LARGE if self.large else BENT)
+        return self.bend > (BENT_LARGE if self.large and not self.scanned else BENT)
 
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""

@@ -1,0 +1,67 @@
+"""What a lidar sees: coarser the farther it is, never in a hand, at rest or on the move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from conftest import follow
+
+from pointbrush.errors import BadInputError
+from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.ego import sensor_poses
+from pointbrush.tracking.grid import cells_of
+
+
+@pytest.fixture(scope="module")
+def resting() -> list[scenes.Frame]:
+    return scenes.street(seed=7, frames=8, ego=False)
+
+
+def iou(frame: scenes.Frame, points: np.ndarray, label: int) -> float:
+    assert frame.truth is not None
+    both = np.count_nonzero(frame.truth[points] == label)
+    return both / (np.count_nonzero(frame.truth == label) + len(points) - both)
+
+
+def test_what_passes_a_lidar_at_rest_is_kept_whole(resting: list[scenes.Frame]) -> None:
+    """Cars come as near as a few metres and go: their points get closer, and farther apart."""
+    found = follow(resting)
+    good = total = 0
+    for result in found[1:]:
+        frame = resting[result.frame]
+        assert frame.truth is not None
+        for label, track in result.tracks.items():
+            if min(np.count_nonzero(f.truth == label) for f in (frame, resting[0])) < 40:
+                continue
+            overlap = iou(frame, result.assignments.get(label, np.empty(0, np.int64)), label)
+            total += 1
+            good += overlap > 0.8
+            # What is said to be sure is right.
+            assert track.confidence <= 0.9 or overlap > 0.7
+    assert good > 0.93 * total
+
+
+def test_a_point_that_flew_off_leaves_the_others_in_their_cells() -> None:
+    xyz = np.array([[0.0, 0, 0], [0.05, 0, 0], [1.0, 0, 0], [3e38, -3e38, 0]])
+    cell = cells_of(xyz, 0.1)
+    assert cell[0] == cell[1]
+    assert len(set(cell[1:].tolist())) == 3
+
+
+@pytest.mark.parametrize("method", ["auto", "icp"])
+@pytest.mark.parametrize("order", [range(9), range(7, -2, -1)])
+def test_frames_that_the_recording_has_not_are_refused(
+    resting: list[scenes.Frame], order: range, method: str
+) -> None:
+    seeds = [Seed(1, np.arange(50))]
+    run = METHODS[method]().track(resting.__getitem__, order, seeds, lambda _: None, TrackOptions())
+    with pytest.raises(BadInputError, match="frames of the recording, got"):
+        next(run)
+
+
+def test_poses_that_are_none_count_as_unknown(resting: list[scenes.Frame]) -> None:
+    flat = [replace(frame, pose=np.zeros((4, 4))) for frame in resting[:2]]
+    assert sensor_poses(flat.__getitem__, range(2)) is None
