@@ -6,8 +6,18 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background import measure_waver
-from pointbrush.tracking.scenery import BLOCK, LEAST, MOST, drawn_on, farthest, wavering
+from pointbrush.tracking.background import ImageBackground, Waver, measure_waver
+from pointbrush.tracking.lens import Lens
+from pointbrush.tracking.scenery import (
+    BLOCK,
+    LEAST,
+    MOST,
+    continued,
+    drawn_on,
+    farthest,
+    wavering,
+)
+from pointbrush.tracking.view import View
 
 SHAPE = (96, 128)
 
@@ -97,3 +107,36 @@ def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:
     np.testing.assert_array_equal(count[:6], [3, 3, 3, 3, 4, 4])
     assert count[6] == 1
     assert count[7] == 0
+
+
+def test_furniture_goes_on_beside_whom_it_is_hidden_by_and_people_end() -> None:
+    depth = room_corner()
+    hidden = np.zeros(SHAPE, np.bool_)
+    hidden[20:80, 30:70] = True
+    depth[50:70, 60:100] = 3.0  # a sofa, half of it hidden
+    depth[25:75, 40:50] = 2.5  # somebody else, who stands where the first one hid him
+    found = continued(depth.ravel(), ~hidden.ravel(), SHAPE).reshape(SHAPE)
+    assert found[52:68, 60:70].all()
+    assert not found[30:70, 40:50].any()
+    assert found[25:45, 52:70].all()
+
+
+def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
+    lens = Lens(np.zeros(3, np.float32), None, 2, 1.0, (-0.32, -0.24), (0.01, 0.01), (48, 64))
+
+    def walker(number: int, left: int) -> View:
+        v, u = np.mgrid[0:48, 0:64]
+        depth = np.where((u >= left) & (u < left + 12), 2.0, 4.0)
+        xyz = np.stack([(0.01 * u - 0.32) * depth, (0.01 * v - 0.24) * depth, depth], axis=-1)
+        view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens)
+        view.labels[1] = np.flatnonzero(((u > left) & (u < left + 11)).ravel())
+        return view
+
+    first, second = walker(0, 20), walker(1, 22)
+    nothing = np.full(48 * 64 + 1, np.nan, np.float32)
+    scene = ImageBackground(Waver(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
+    scene.learn(first, first=True)
+    scene.survey(first, [second])
+    moved_on = np.flatnonzero(second.cells[0] % 64 > 32)
+    before = second.xyz[moved_on, 2] < 3
+    np.testing.assert_array_equal(scene.certain(second, moved_on), before)

@@ -17,7 +17,7 @@ from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.lens import I32
 from pointbrush.tracking.pixels import least_around, widened
-from pointbrush.tracking.scenery import NEAR, drawn_on, farthest, wavering
+from pointbrush.tracking.scenery import NEAR, continued, drawn_on, farthest, wavering
 from pointbrush.tracking.view import View
 
 HIDDEN = 0.985
@@ -166,19 +166,27 @@ class ImageBackground:
 
         ``first`` has labels and has been learnt.  What took the place of something labelled may
         be another side of it, or somebody else: it is scenery where the scene around goes on, or
-        where it lies well behind and stays.
+        where it lies well behind, stays, and goes on beside what is labelled.
         """
         scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
         scene[count < max(2.0, RARELY * (1 + len(others)))] = np.nan
+        shape = first.lens.shape if first.lens else (1, len(scene))
+        known = np.isfinite(scene)
+        for points in first.labels.values():
+            known[first.cells[0][points]] = False
+        joined = continued(scene, known, shape)
         for points in first.labels.values():
             cell, depth = first.cells[0][points], first.cells[1][points]
             apart = ROOM * float(np.ptp(first.xyz[points], axis=0).max())
             behind = scene[cell] > depth + NEAR * self.waver(depth)
             behind &= scene[cell] > ROUGHLY * self.hidden[cell]
             stays = count[cell] > MOSTLY * (1 + len(others))
-            scene[cell[~(behind | (stays & (scene[cell] > depth + apart)))]] = np.nan
+            stays &= joined[cell] & (scene[cell] > depth + apart)
+            scene[cell[~(behind | stays)]] = np.nan
         self.scene[:-1] = scene
-        self.nearest = None
+        # At an outline pixels lie between the thing and the scene, and are neither's.
+        self.depth[self.depth < ROUGHLY * self.hidden] = np.nan
+        self.nearest = self._whole = None
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""

@@ -27,6 +27,9 @@ BLOCK = 16
 """Pixels of a block that shares one deviation."""
 USUAL = 1.15
 """Deviation over that of the calmest pair of frames."""
+JUMP, ENOUGH = 0.01, 3
+"""Share of its depth within which a surface goes on from pixel to pixel, and known pixels beside
+what is in doubt."""
 LEAST, MOST = 0.6, 2.5
 """Deviations of a block stay between these shares of what their depth makes expected."""
 
@@ -111,6 +114,21 @@ def farthest(images: Iterable[F32], deviation: Callable[[F32], F32]) -> tuple[F3
     if best is None or count is None:
         return np.empty(0, np.float32), np.empty(0, np.float32)
     return best, count
+
+
+def continued(depth: F32, known: Mask, shape: tuple[int, int]) -> Mask:
+    """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
+
+    Furniture goes on beside whom it is hidden by; somebody who stands there ends all round but
+    for the floor beneath him.
+    """
+    image = depth.reshape(shape)
+    start = np.ones(shape, np.bool_)
+    with np.errstate(invalid="ignore"):
+        start[:, 1:] = ~(np.abs(np.diff(image, axis=1)) < JUMP * image[:, 1:])
+    surface = np.cumsum(start.ravel()) - 1
+    enough = np.bincount(surface, weights=known) >= ENOUGH
+    return np.asarray(enough[surface], np.bool_)
 
 
 def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F32:
