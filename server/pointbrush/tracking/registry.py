@@ -11,22 +11,36 @@ from functools import cache, partial
 from importlib.metadata import entry_points
 
 from pointbrush.errors import BadInputError
-from pointbrush.tracking.auto import AutoTracker
 from pointbrush.tracking.between import BothSides
 from pointbrush.tracking.interface import Method
-from pointbrush.tracking.paper import PaperTracker
 
 GROUP = "pointbrush.tracking"
 COLOUR_NEIGHBOURS = 12
 
 
+# Imported when they are wanted: the server's own process tracks nothing, and starts without what
+# only trackers need.
+def _auto() -> Method:
+    from pointbrush.tracking.auto import AutoTracker
+
+    return AutoTracker()
+
+
+def _icp() -> Method:
+    from pointbrush.tracking.paper import PaperTracker
+
+    return PaperTracker()
+
+
 def _colour_icp() -> Method:
+    from pointbrush.tracking.paper import PaperTracker
+
     return PaperTracker(k=COLOUR_NEIGHBOURS)
 
 
 _BUILT_IN: dict[str, Callable[[], Method]] = {
-    "auto": AutoTracker,
-    "icp": PaperTracker,
+    "auto": _auto,
+    "icp": _icp,
     "color-icp": _colour_icp,
 }
 
