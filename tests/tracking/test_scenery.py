@@ -121,22 +121,49 @@ def test_furniture_goes_on_beside_whom_it_is_hidden_by_and_people_end() -> None:
     assert found[25:45, 52:70].all()
 
 
-def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
+def filmed(number: int, depth: np.ndarray, thing: np.ndarray) -> View:
+    """A view of (48, 64) depths in which label 1 has the pixels ``thing``."""
     lens = Lens(np.zeros(3, np.float32), None, 2, 1.0, (-0.32, -0.24), (0.01, 0.01), (48, 64))
+    v, u = np.mgrid[0:48, 0:64]
+    xyz = np.stack([(0.01 * u - 0.32) * depth, (0.01 * v - 0.24) * depth, depth], axis=-1)
+    view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens)
+    view.labels[1] = np.flatnonzero(thing.ravel())
+    return view
+
+
+def unknown_scene() -> ImageBackground:
+    nothing = np.full(48 * 64 + 1, np.nan, np.float32)
+    return ImageBackground(Waver(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
+
+
+def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
+    u = np.mgrid[0:48, 0:64][1]
 
     def walker(number: int, left: int) -> View:
-        v, u = np.mgrid[0:48, 0:64]
         depth = np.where((u >= left) & (u < left + 12), 2.0, 4.0)
-        xyz = np.stack([(0.01 * u - 0.32) * depth, (0.01 * v - 0.24) * depth, depth], axis=-1)
-        view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens)
-        view.labels[1] = np.flatnonzero(((u > left) & (u < left + 11)).ravel())
-        return view
+        return filmed(number, depth, (u > left) & (u < left + 11))
 
     first, second = walker(0, 20), walker(1, 22)
-    nothing = np.full(48 * 64 + 1, np.nan, np.float32)
-    scene = ImageBackground(Waver(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
+    scene = unknown_scene()
     scene.learn(first, first=True)
     scene.survey(first, [second])
     moved_on = np.flatnonzero(second.cells[0] % 64 > 32)
     before = second.xyz[moved_on, 2] < 3
     np.testing.assert_array_equal(scene.certain(second, moved_on), before)
+
+
+def test_a_hand_that_passed_before_a_thing_leaves_no_scenery_there() -> None:
+    u = np.mgrid[0:48, 0:64][1]
+    thing, hand = (u >= 20) & (u < 40), (u >= 28) & (u < 40)
+    depth = np.where(thing, 2.0, 4.0)
+    before = np.where(hand, 1.8, depth)
+    scene = unknown_scene()
+    scene.learn(filmed(0, depth, thing), first=True)
+    for number in (1, 2):
+        scene.learn(filmed(number, before, thing & ~hand))
+    gone = filmed(3, depth, thing)
+    scene.learn(gone)
+    again = filmed(4, depth, thing)
+    points = again.labels[1]
+    assert not scene.static(again, points)[0].any()
+    assert scene.static(again, np.flatnonzero(~thing.ravel()))[0].all()

@@ -226,6 +226,8 @@ class ImageBackground:
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
         labelled = self.owner != 0
+        # What shows behind a depth, and is a thing's, shows that something had only passed there.
+        self.depth[labelled & (seen > self.depth + NEAR * self.waver(seen))] = np.nan
         if keep is not None and len(keep):
             labelled[view.project(keep)[0]] = True
             labelled[-1] = False
