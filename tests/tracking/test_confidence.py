@@ -40,3 +40,9 @@ def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     assert likelihood(alone) > 0.9
     assert likelihood(replace(alone, left=1.0)) < 0.5
     assert likelihood(replace(alone, left=0.1, bend=0.2)) < likelihood(alone)
+
+
+def test_what_is_all_in_one_place_is_not_trusted() -> None:
+    """Points that are the same are told from nothing else that is there."""
+    for seen in (GOOD, replace(GOOD, pixels=False, scans=True)):
+        assert likelihood(replace(seen, coarse=1.0)) == 0.0

@@ -28,9 +28,11 @@ and 64 beams, at rest and on the move; what is left beside a thing says more tha
 MANY, FEW = 300, 1.0
 """Points from which a fit before a pixel grid is told apart well, and the weight of the logarithm
 of the share of them that there are: small things are taken for each other."""
+POINTLIKE = 1.0
+"""Units over radius from which a thing is one place, that anything may be at."""
 SHRUNK = 2.0
 """Weight of a changed size of what bends: its model follows whatever is taken for it."""
-REGAIN, REGAIN_SCANNED = 0.15, 0.05
+REGAIN, REGAIN_SCANNED = 0.15, 0.03
 """Trust that a frame can give back: what has been in doubt may have become another's, and what a
 lidar shows of the two hardly differs."""
 
@@ -73,6 +75,8 @@ class Evidence:
 
 def likelihood(evidence: Evidence, body: bool = False) -> float:
     """0..1, of this frame by itself; ``body``: of a large thing before a known scene."""
+    if evidence.coarse >= POINTLIKE:
+        return 0.0
     if evidence.scans:
         return _squashed(_scanned(evidence) - SCAN_MIDDLE)
     features = np.array(

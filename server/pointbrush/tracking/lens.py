@@ -191,7 +191,7 @@ def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
     cell, depth = lens.cells(np.asarray(xyz, np.float32))
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
     np.minimum.at(nearest, cell, depth)
-    behind = float((depth > BEHIND * nearest[cell]).mean())
+    behind = float((depth / np.float32(BEHIND) > nearest[cell]).mean())
     height, width = (size - 2 * MARGIN for size in lens.shape)
     filled = np.isfinite(nearest).sum() > FILLED * height * width
     return behind < MIXED if told else behind < SEES and bool(filled)
