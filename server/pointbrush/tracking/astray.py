@@ -32,7 +32,7 @@ LEAST, MOST = 0.25, 3.0
 """Shares of its size that a cluster may have."""
 CLUSTERS, TRIES = 4, 2
 """Clusters that are looked at, and those of them that the thing is fitted to."""
-PATIENT, SELDOM = 6, 4
+PATIENT, SELDOM = 2, 3
 """Frames for which it is looked for in each, and then in one of how many."""
 
 
