@@ -1,4 +1,4 @@
-"""What is thrown out of a hand, or comes back elsewhere, is found at once."""
+"""Things in hands: thrown, hidden and back elsewhere, or of other colours than who holds them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.wardrobe import Wardrobe
 
 SKIN, BLUE, GREEN = (210, 160, 130), (40, 90, 200), (60, 160, 70)
 TURN = 0.5
@@ -72,3 +73,19 @@ def test_what_was_hidden_is_found_far_from_where_it_was() -> None:
     assert min(found[:3]) > 0.8
     assert max(found[3:7]) == 0.0  # a hand is no bat
     assert min(found[8:]) > 0.8
+
+
+def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
+    rng = np.random.default_rng(5)
+    blue, skin = np.array([-0.3, 0.5, 0.1]), np.array([0.3, -0.3, 0.2])
+
+    def some(colour: np.ndarray, count: int) -> np.ndarray:
+        return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
+
+    worn = Wardrobe.of(some(blue, 400))
+    beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
+    rather = worn.rather(beside)
+    assert rather[:20].mean() > 0.8
+    assert not rather[20:].any()
+    # Who holds it wears the same: nothing is told by colour.
+    assert worn.rather(some(blue, 300)).mean() < 0.1

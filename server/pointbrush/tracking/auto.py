@@ -124,7 +124,11 @@ class Run:
 
     def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
         some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
-        thing.rivals = Rivals(view.xyz[some].astype(np.float64), view.colour(some), thing.weight)
+        colour = view.colour(some)
+        if thing.weight > 0.0 and not thing.large and len(some):
+            others = ~thing.worn.rather(colour)  # what of the thing was missed is no rival
+            some, colour = some[others], colour[others]
+        thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""

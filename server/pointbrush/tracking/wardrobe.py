@@ -7,11 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter
 
-from pointbrush.tracking.interface import F32, I64
+from pointbrush.tracking.interface import F32, I64, Mask
 
 BIN = 0.028
 """Width of a bin, in the units of ``View.colour``; a colour has its like three bins wide."""
 LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+RATHER = 10.0
+"""How many times as common among those worn a colour is that is rather theirs."""
+COARSE = 3
+"""Bins, each way, of the cells in which it is told how common a colour is among few."""
 RARE = 0.002
 """Share of colours that are nowhere among those worn."""
 
@@ -43,11 +47,21 @@ class Wardrobe:
         """Mean logarithm of how common the colours (M, 3) are."""
         return float(self.each(colour).mean()) if len(colour) else -np.inf
 
+    def rather(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
+        place = np.ravel_multi_index(tuple((_at(colour) // COARSE).T), SHAPE)
+        _, number, count = np.unique(place, return_inverse=True, return_counts=True)
+        return np.asarray(self.common[_bins(colour)] > RATHER * count[number] / len(colour))
+
     def share(self, colour: F32) -> float:
         """Share of the colours (M, 3) that have their like."""
         return float((self.common[_bins(colour)] > RARE).mean()) if len(colour) else 0.0
 
 
+def _at(colour: F32) -> I64:
+    return np.asarray(np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1))
+
+
 def _bins(colour: F32) -> I64:
-    at = np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1)
+    at = _at(colour)
     return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)
