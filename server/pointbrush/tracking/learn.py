@@ -18,8 +18,6 @@ from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import SOFT, Thing
 from pointbrush.tracking.view import View
 
-SOUND = 0.25
-"""Cost under which a fit tells whether a thing bends."""
 KNOWN, FEW = 100, 0.005
 """Known points that have to be in sight, and share of them off their place, to ask for it."""
 SELDOM, HINT = 4, 0.25
@@ -90,9 +88,6 @@ def learn(
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     was_rigid = not thing.bends
-    stiff = not (thing.bends or thing.soft or thing.large)
-    if stiff and place.cost < SOUND and view.lens is not None and _asked(thing, view):
-        thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
     thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
     if thing.bends:
         points = np.concatenate([found.indices, grown])
@@ -129,6 +124,13 @@ def learn(
             sure=place.whole or view.roams,
         )
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
+    """Take note of how much of a small thing bending alone explains."""
+    stiff = not (thing.bends or thing.soft or thing.large)
+    if stiff and view.lens is not None and _asked(thing, view):
+        thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
 
 
 def _settled_on(world: F64, view: View, found: Claim) -> F64:

@@ -10,7 +10,7 @@ from pointbrush.tracking.carve import remember
 from pointbrush.tracking.confidence import REGAIN, REGAIN_SCANNED, likelihood
 from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
-from pointbrush.tracking.learn import evidence, learn
+from pointbrush.tracking.learn import evidence, learn, stretch
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
@@ -60,7 +60,11 @@ def settle(
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
-    if place.cost < SOUND or thing.bends or thing.large:
+    if place.cost < DOUBTFUL:
+        stretch(thing, view, place, verdict)
+    # What bends fits badly as a whole, and well where it was bent.
+    followed = thing.soft and place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    if place.cost < SOUND or thing.bends or thing.large or followed:
         learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
     if place.cost < SOUND and not (thing.bends or thing.large):
         remember(thing.glimpses, view, place.pose, place.world)
