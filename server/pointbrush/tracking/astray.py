@@ -12,14 +12,15 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.background import Background
-from pointbrush.tracking.disputes import placed
+from pointbrush.tracking.belong import own_points
+from pointbrush.tracking.fit import find
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.judge import judge
 from pointbrush.tracking.locate import crop
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.recovery import alike, turned_at
 from pointbrush.tracking.regain import pieces
-from pointbrush.tracking.registration import excess
+from pointbrush.tracking.registration import excess, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -57,8 +58,7 @@ def find_astray(
     points = points[~(far | still)]
     for thing in some:
         before = places.get(thing.label)
-        most = CLEAR if before is None else min(CLEAR, BETTER * before.cost)
-        found = _best(thing, background, view, left, points[left[points]], most)
+        found = _best(thing, background, view, left, points[left[points]], before)
         if found is not None:
             places[thing.label], claims[thing.label] = found
             left[found[1].indices] = False
@@ -77,22 +77,33 @@ def _is_astray(thing: Thing, view: View, place: Place | None) -> bool:
 
 
 def _best(
-    thing: Thing, background: Background, view: View, left: Mask, points: I64, most: float
+    thing: Thing, background: Background, view: View, left: Mask, points: I64, before: Place | None
 ) -> tuple[Place, Claim] | None:
-    """Where a thing fits best, at a cost up to ``most``, among the ``points`` (M,)."""
-    best = None
+    """Where a thing fits best among the ``points`` (M,): well, and far better than ``before``."""
+    best, most = None, CLEAR if before is None else min(CLEAR, BETTER * before.cost)
     last = thing.motion.poses[-1]
     guesses = [turned_at(thing.model, last, at) for at in _clusters(thing, view, points)]
     searches = [crop(thing, view, background, left, some) for some in guesses]
     likely = [search for search in searches if search is not None]
     for search in sorted(likely, key=lambda search: float(search.costs.min()))[:TRIES]:
-        place, claim = placed(thing, view, search)
+        place = find(search)
         cost = place.cost + excess(place.world, search.target, thing.unit)
+        if cost >= most:
+            continue
+        claim = own_points(thing, view, place)
         verdict = judge(thing, view, place.pose, place.world, claim)
-        if cost < most and verdict.found and verdict.inliers > MATCHED:
-            place.anew = True
+        if verdict.found and verdict.inliers > MATCHED:
+            place.anew = _is_elsewhere(thing, place, before)
             best, most = (place, claim), cost
     return best
+
+
+def _is_elsewhere(thing: Thing, place: Place, before: Place | None) -> bool:
+    """Whether a thing is not where it was found ``before``, and only turned another way."""
+    if before is None:
+        return True
+    here, there = (transform(at.pose, thing.model.centre[None]) for at in (place, before))
+    return float(np.linalg.norm(here - there)) > thing.model.radius
 
 
 def _clusters(thing: Thing, view: View, points: I64) -> list[F64]:

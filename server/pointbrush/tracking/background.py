@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.lens import I32
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, continued, drawn_on, farthest, wavering
+from pointbrush.tracking.standing import HIDDEN, Images, before, scenery, stood
 from pointbrush.tracking.view import View
 
-HIDDEN = 0.985
-"""Share of its depth at which the scene drawn on behind an object begins."""
 ROUGHLY = 0.93
 """Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
 RARELY, MOSTLY = 0.25, 0.5
@@ -130,7 +127,7 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        return _stood(*view.cells, indices, self.depth, self.last, *self._waver)
+        return stood(*view.cells, indices, self.depth, self.last, *self._waver)
 
     @property
     def _waver(self) -> tuple[float, float]:
@@ -143,8 +140,8 @@ class ImageBackground:
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        before = self._before(view)
-        return _scenery(*view.cells, indices, frames, before, *self._waver, self._images)
+        least = self._before(view)
+        return scenery(*view.cells, indices, frames, least, *self._waver, self._images)
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
@@ -190,8 +187,8 @@ class ImageBackground:
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        before = self._before(view)
-        return _before(*view.cells, indices, before, self.scale, *self._waver)
+        least = self._before(view)
+        return before(*view.cells, indices, least, self.scale, *self._waver)
 
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""
@@ -266,70 +263,3 @@ def _least(known: F32, shape: tuple[int, int]) -> F32:
     least[:-1] = least_around(depth).ravel()
     least[np.isnan(known)] = np.nan
     return least
-
-
-class Images(NamedTuple):
-    """What ``ImageBackground`` knows of each cell, for compiled loops; ``known`` scene first."""
-
-    known: F32
-    hidden: F32
-    previous: F32
-    anchor: F32
-    age: NDArray[np.int32]
-    scale: F32
-
-
-@compiled
-def _stood(
-    cells: I32, depths: F32, indices: I64, known: F32, last: F32, still: float, growing: float
-) -> tuple[Mask, Mask]:
-    """See ``Background.static``."""
-    count = len(indices)
-    far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
-    for i in range(count):
-        cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth)
-        # Comparing with NaN is false: neither holds where nothing is known.
-        far[i] = depth - known[cell] > -limit
-        rest[i] = abs(depth - last[cell]) < limit
-    return far, rest
-
-
-@compiled
-def _before(
-    cells: I32, depths: F32, indices: I64, least: F32, scale: F32, still: float, growing: float
-) -> Mask:
-    """See ``Background.certain``."""
-    result = np.empty(len(indices), np.bool_)
-    for i in range(len(indices)):
-        cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth) * scale[cell]
-        result[i] = depth < least[cell] - limit
-    return result
-
-
-@compiled
-def _scenery(
-    cells: I32,
-    depths: F32,
-    indices: I64,
-    frames: int,
-    least: F32,
-    still: float,
-    growing: float,
-    images: Images,
-) -> Mask:
-    """See ``Background.scenery``."""
-    result = np.empty(len(indices), np.bool_)
-    for i in range(len(indices)):
-        cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth) * images.scale[cell]
-        if not np.isnan(images.known[cell]):
-            result[i] = not depth < least[cell] - limit
-            continue
-        # Uncovered just now, where the scene around goes on: no object came there.
-        new = not abs(depth - images.previous[cell]) < limit
-        goes_on = new and depth > HIDDEN * images.hidden[cell] - limit
-        stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
-        result[i] = goes_on or stuck
-    return result

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model import Model
+from pointbrush.tracking.near import gaps
 from pointbrush.tracking.registration import Target, transform
 
 CLUSTERS = 4
@@ -65,9 +66,8 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 def alike(model: Model, colour: F32) -> Mask:
     """Which of the colours (M, 3) the model has about."""
-    palette = cKDTree(model.colour[:: max(1, len(model.colour) // 200)])
-    distance, _ = palette.query(colour, distance_upper_bound=LIKE)
-    return np.asarray(np.isfinite(np.asarray(distance)))
+    palette = model.colour[:: max(1, len(model.colour) // 200)]
+    return np.isfinite(gaps(colour, palette, LIKE))
 
 
 def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:

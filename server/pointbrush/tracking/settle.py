@@ -56,7 +56,8 @@ def settle(
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
     trust = min(here, thing.trust + regain)
     thing.trust, thing.last = trust, len(points)
-    if place.anew:
+    # What was found so in the frame before too has moved from there to here.
+    if place.anew and not thing.motion.fresh:
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
