@@ -15,7 +15,7 @@ from scipy.ndimage import minimum_filter
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.lens import Lens, Pixels, pixel
-from pointbrush.tracking.registration import inverse, transform
+from pointbrush.tracking.registration import carried, inverse, transform
 from pointbrush.tracking.view import View
 
 MOST = 10
@@ -58,13 +58,7 @@ def _through(
     result = np.zeros(len(xyz), np.bool_)
     height, width = image.shape
     for i in range(len(xyz)):
-        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-        cell, depth = pixel(
-            lens,
-            T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
-            T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
-            T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
-        )
+        cell, depth = pixel(lens, carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2]))
         row, column = cell // lens.width - corner[0], cell % lens.width - corner[1]
         if cell >= 0 and 0 <= row < height and 0 <= column < width:
             result[i] = image[row, column] > depth + beyond

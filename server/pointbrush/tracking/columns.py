@@ -15,6 +15,7 @@ import numpy as np
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64
 
+Triple = tuple[float, float, float]
 PER_COLUMN = 3.0
 """Points of a column, if they were spread evenly over the whole width."""
 
@@ -140,8 +141,8 @@ def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) 
 @compiled
 def nearest_one(
     grid: Columns,
-    place: tuple[float, float, float],
-    tint: tuple[float, float, float],
+    place: Triple,
+    tint: Triple,
     most: float,
     room: I64,
 ) -> tuple[float, int]:
@@ -171,6 +172,12 @@ def nearest_one(
 
 
 @compiled
+def toned(colour: F32, i: int, weight: float) -> Triple:
+    """One of the colours (M, 3), in metres."""
+    return weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2]
+
+
+@compiled
 def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> tuple[F64, I64]:
     """Distances (M,) below ``most`` metres, and indices (M,), of the nearest to points (M, 3).
 
@@ -182,7 +189,7 @@ def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> t
     colour, room = (0.0, 0.0, 0.0), spans(grid)
     for i in range(count):
         if len(grid.tint):
-            colour = (weight * tint[i, 0], weight * tint[i, 1], weight * tint[i, 2])
+            colour = toned(tint, i, weight)
         place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
         square, at = nearest_one(grid, place, colour, most, room)
         if at >= 0:

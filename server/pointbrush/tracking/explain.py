@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.columns import Columns, nearest_one, spans
+from pointbrush.tracking.columns import Columns, nearest_one, spans, toned
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.lens import Pixels, pixel
-from pointbrush.tracking.registration import Target, transform_each
+from pointbrush.tracking.registration import Target, carried, transform_each
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -71,16 +71,10 @@ def _held_against(
     By ``by`` metres more or less than the depth ``image``.
     """
     seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
-    T = T_frame_world
     for k in range(len(world)):
         for i in range(world.shape[1]):
-            x, y, z = world[k, i, 0], world[k, i, 1], world[k, i, 2]
-            cell, depth = pixel(
-                lens,
-                T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
-                T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
-                T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
-            )
+            at = carried(T_frame_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
+            cell, depth = pixel(lens, at)
             if cell >= 0:
                 seen[k, i] = facing[k, i] and not image[cell] < depth - by
                 through[k, i] = image[cell] > depth + by
@@ -101,7 +95,7 @@ def _distances(
         for i in range(world.shape[1]):
             if seen[k, i]:
                 if len(grid.tint):
-                    tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
+                    tint = toned(colour, i, weight)
                 place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
                 square, at = nearest_one(grid, place, tint, most, room)
                 total[k] += square / (most * most) if at >= 0 else 1.0

@@ -80,9 +80,9 @@ class Pixels(NamedTuple):
 
 
 @compiled
-def pixel(lens: Pixels, x: float, y: float, z: float) -> tuple[int, float]:
+def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
     """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
-    x, y, z = x - lens.eye[0], y - lens.eye[1], z - lens.eye[2]
+    x, y, z = at[0] - lens.eye[0], at[1] - lens.eye[1], at[2] - lens.eye[2]
     turn = lens.turn
     local = (
         turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z,
@@ -103,7 +103,7 @@ def pixel(lens: Pixels, x: float, y: float, z: float) -> tuple[int, float]:
 def _cells(lens: Pixels, xyz: F32) -> tuple[I32, F32]:
     cell, depth = np.empty(len(xyz), np.int32), np.empty(len(xyz), np.float32)
     for i in range(len(xyz)):
-        cell[i], depth[i] = pixel(lens, xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        cell[i], depth[i] = pixel(lens, (xyz[i, 0], xyz[i, 1], xyz[i, 2]))
     return cell, depth
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.columns import Columns, nearest_one, spans
+from pointbrush.tracking.columns import Columns, nearest_one, spans, toned
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64
@@ -62,7 +62,7 @@ def _pulled(
         pulls[:], total[:] = LEAN * moved, LEAN
         for i in range(len(place)):
             if len(grid.tint):
-                tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
+                tint = toned(colour, i, weight)
             x, y, z = place[i, 0], place[i, 1], place[i, 2]
             at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
             square, near = nearest_one(grid, at, tint, 3.0 * s, room)

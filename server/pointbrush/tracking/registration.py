@@ -9,7 +9,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.columns import NONE, Columns, columns, nearest, nearest_one, spans
+from pointbrush.tracking.columns import (
+    NONE,
+    Columns,
+    Triple,
+    columns,
+    nearest,
+    nearest_one,
+    spans,
+    toned,
+)
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, within
@@ -139,6 +148,16 @@ def robust_fits(
 
 
 @compiled
+def carried(T: F64, x: float, y: float, z: float) -> Triple:
+    """The point that a motion (4, 4) takes (x, y, z) to."""
+    return (
+        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+    )
+
+
+@compiled
 def _robust_fits(
     source: F64, colour: F32, seen: Mask, grid: Columns, weight: float, start: F64, scales: F64
 ) -> tuple[F64, F64]:
@@ -153,12 +172,10 @@ def _robust_fits(
             for i in range(count):
                 if not seen[k, i]:
                     continue
-                x, y, z = source[i, 0], source[i, 1], source[i, 2]
-                for a in range(3):
-                    moved[pairs, a] = T[a, 0] * x + T[a, 1] * y + T[a, 2] * z + T[a, 3]
+                place = carried(T, source[i, 0], source[i, 1], source[i, 2])
+                moved[pairs] = place
                 if len(grid.tint):
-                    tint = (weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2])
-                place = (moved[pairs, 0], moved[pairs, 1], moved[pairs, 2])
+                    tint = toned(colour, i, weight)
                 square, at = nearest_one(grid, place, tint, 3.0 * scale, room)
                 which += 1
                 if at < 0:
