@@ -183,7 +183,7 @@ class ImageBackground:
         self.scene[:-1] = scene
         # At an outline pixels lie between the thing and the scene, and are neither's.
         self.depth[self.depth < ROUGHLY * self.hidden] = np.nan
-        self.nearest = self._whole = None
+        self.nearest = None
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
@@ -200,7 +200,9 @@ class ImageBackground:
 
     @property
     def _images(self) -> Images:
-        return Images(self._known, self.hidden, self.previous, self.anchor, self.age, self.scale)
+        return Images(
+            self.scene, self.depth, self.hidden, self.previous, self.anchor, self.age, self.scale
+        )
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""

@@ -21,9 +21,10 @@ HIDDEN = 0.985
 
 
 class Images(NamedTuple):
-    """What ``ImageBackground`` knows of each cell, for compiled loops; ``known`` scene first."""
+    """What ``ImageBackground`` knows of each cell, for compiled loops."""
 
-    known: F32
+    scene: F32
+    depth: F32
     hidden: F32
     previous: F32
     anchor: F32
@@ -76,7 +77,7 @@ def scenery(
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
         limit = NEAR * (still + growing * depth * depth) * images.scale[cell]
-        if not np.isnan(images.known[cell]):
+        if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
             result[i] = not depth < least[cell] - limit
             continue
         # Uncovered just now, where the scene around goes on: no object came there.

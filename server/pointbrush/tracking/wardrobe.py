@@ -49,9 +49,10 @@ class Wardrobe:
 
     def rather(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
-        place = np.ravel_multi_index(tuple((_at(colour) // COARSE).T), SHAPE)
+        at = _at(colour)
+        place = _flat(at // COARSE)
         _, number, count = np.unique(place, return_inverse=True, return_counts=True)
-        return np.asarray(self.common[_bins(colour)] > RATHER * count[number] / len(colour))
+        return np.asarray(self.common[_flat(at)] > RATHER * count[number] / len(colour))
 
     def share(self, colour: F32) -> float:
         """Share of the colours (M, 3) that have their like."""
@@ -63,5 +64,8 @@ def _at(colour: F32) -> I64:
 
 
 def _bins(colour: F32) -> I64:
-    at = _at(colour)
+    return _flat(_at(colour))
+
+
+def _flat(at: I64) -> I64:
     return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)
