@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
 from pointbrush.tracking.nonrigid import nodes_of
 from pointbrush.tracking.registration import transform
+from pointbrush.tracking.shifts import likely_shifts
 
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its
@@ -44,8 +45,11 @@ NARROW = 0.2
 STANDS, AGREE, LEFT = 0.95, 0.5, 0.7
 """Share of the planes still in place above which the sensor stands; share that has to be in
 place after it was moved, and share of those that were not in place before that may still not be."""
-AGREED = 0.7
-"""Share in place up to which a frame is registered from another start as well."""
+AGREED = 0.8
+"""Share in place up to which a frame is registered from other starts as well: along a street the
+ground and the walls are in place however far a frame slips."""
+SHIFTS, APART = 2, 3.0
+"""Shifts that are tried, and cells from what was found at which they are another start."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +111,32 @@ def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:
     return T, in_place(planes, target, T)
 
 
+def register_anywhere(planes: Planes, target: Planes, starts: Sequence[F64]) -> tuple[F64, float]:
+    """As ``register``, from the first of ``starts`` (4, 4), and from the others, and where the
+    scenery seems to have been shifted to, while that leaves much out of place; the best."""
+    best = register(planes, target.tree, starts[0])
+    if best[1] >= AGREED:
+        return best
+    moved = transform(starts[0], np.asarray(planes.tree.data))
+    shifts = likely_shifts(moved, np.asarray(target.tree.data), planes.cell, SHIFTS)
+    others = [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]
+    middle = planes.at.mean(axis=0)[None]
+    tried = [starts[0]]
+    for start in others:
+        at = transform(start, middle)
+        away = min(float(np.linalg.norm(at - transform(T, middle))) for T in [*tried, best[0]])
+        if away > APART * planes.cell:
+            tried.append(start)
+            best = max(best, register(planes, target.tree, start), key=_share)
+    return best
+
+
+def _shifted(T: F64, shift: F64) -> F64:
+    moved = T.copy()
+    moved[:3, 3] += shift
+    return moved
+
+
 def in_place(planes: Planes, target: cKDTree, T: F64) -> float:
     """The share of the planes, moved by ``T``, on which something of the target lies."""
     moved = transform(T, planes.at)
@@ -133,7 +163,7 @@ def stands(frames: Frames, order: Sequence[int]) -> bool:
         before = in_place(first, other.tree, np.eye(4))
         if before > STANDS:
             continue
-        T, share = register(first, other.tree, np.eye(4))
+        T, share = register_anywhere(first, other, [np.eye(4)])
         shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
         moved = share > AGREE and 1.0 - share < LEFT * (1.0 - before)
         if moved and float(np.median(shift)) > MOVED * first.cell:
@@ -193,8 +223,7 @@ class Ego:
         step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
         if self._last is None or here is None:
             return np.asarray(before @ step)
-        T, share = register(self._last, here.tree, np.asarray(np.linalg.inv(step)))
-        if share < AGREED:
-            T = max((T, share), register(self._last, here.tree, np.eye(4)), key=_share)[0]
+        starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
+        T, _ = register_anywhere(self._last, here, starts)
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))

@@ -32,6 +32,9 @@ BEHIND, SEES, MIXED = 1.25, 0.02, 0.1
 points up to which the sensor is there, and up to which it may be where it is told to be."""
 FILLED = 0.5
 """Share of the pixels that a depth image fills at least, outlines and all."""
+STEP, TORN = 0.03, 0.15
+"""Share of its depth by which a pixel is off the next where no surface goes on between them, and
+the share of such pairs from which an image is none: rings of a lidar lie far apart on a street."""
 WIDEST = 1.6
 """Tangent of half the widest field of view that a pinhole image is made for."""
 MOST_CELLS = 4_000_000
@@ -184,7 +187,7 @@ def axes_along(forward: F64) -> F64:
 
 
 def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
-    """Whether the points (N, 3) show one surface in each direction.
+    """Whether the points (N, 3) show one surface in each direction, that goes on beside it.
 
     Where nobody ``told`` that the sensor was there, they also have to fill the image.
     """
@@ -194,7 +197,20 @@ def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
     behind = float((depth / np.float32(BEHIND) > nearest[cell]).mean())
     height, width = (size - 2 * MARGIN for size in lens.shape)
     filled = np.isfinite(nearest).sum() > FILLED * height * width
+    if _torn(nearest[:-1].reshape(lens.shape)) > TORN:
+        return False
     return behind < MIXED if told else behind < SEES and bool(filled)
+
+
+def _torn(image: F32) -> float:
+    """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
+    pairs = torn = 0
+    for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
+        near, far = np.minimum(one, other), np.maximum(one, other)
+        known = np.isfinite(far)
+        pairs += np.count_nonzero(known)
+        torn += np.count_nonzero(far[known] > (1.0 + STEP) * near[known])
+    return torn / max(pairs, 1)
 
 
 def _lattice(tangent: F64) -> float | None:

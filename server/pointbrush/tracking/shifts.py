@@ -1,0 +1,62 @@
+"""By how far a scene may have been shifted between two frames, wherever it was.
+
+What stands up is seen as a picture from above, along the direction in which the scene is the
+narrowest; the correlation of two such pictures is high where walls' ends, poles and parked cars
+lie on each other.  The ground and long walls, which look the same after any shift, count little.
+Source: phase correlation, Kuglin and Hines 1975, here with half the whitening.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.interface import F64
+
+WIDTH = 256
+"""Pixels of a picture, along each side."""
+PIXEL = 3.0
+"""Size of a pixel, in cells that the frames were thinned to."""
+STEEP = 1.0
+"""Pixels between the highest and the lowest point of one that shows what stands up."""
+FAR = 64
+"""Pixels of the longest shift."""
+WHITE = 0.5
+"""How far the correlation is whitened: 0 not at all, 1 to the phases alone."""
+BESIDE = 2
+"""Pixels around a shift that are no other shift."""
+
+
+def likely_shifts(before: F64, here: F64, cell: float, count: int) -> F64:
+    """(count, 3) metres, the likeliest first, that bring points (N, 3) near to points (M, 3).
+
+    Both thinned to cells of ``cell`` metres; ``before`` turned as ``here`` is.
+    """
+    pixel = PIXEL * cell
+    middle = np.median(before, axis=0)
+    _, axes = np.linalg.eigh(np.cov((before - middle).T))
+    wide = axes[:, :0:-1]
+    pictures = [_upright((xyz - middle) @ axes[:, ::-1], pixel) for xyz in (before, here)]
+    one, other = (np.fft.rfft2(picture) for picture in pictures)
+    product = other * np.conj(one)
+    product /= np.abs(product) ** WHITE + 1e-9
+    middle_part = slice(WIDTH // 2 - FAR, WIDTH // 2 + FAR + 1)
+    likeness = np.fft.fftshift(np.fft.irfft2(product, s=(WIDTH, WIDTH)))[middle_part, middle_part]
+    shifts = np.empty((count, 3))
+    for number in range(count):
+        row, column = (int(i) for i in np.unravel_index(likeness.argmax(), likeness.shape))
+        shifts[number] = wide @ (np.array([row - FAR, column - FAR]) * pixel)
+        rows = slice(max(0, row - BESIDE), row + BESIDE + 1)
+        likeness[rows, max(0, column - BESIDE) : column + BESIDE + 1] = -np.inf
+    return shifts
+
+
+def _upright(xyz: F64, pixel: float) -> NDArray[np.float64]:
+    """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
+    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + WIDTH // 2
+    inside = ((at >= 0) & (at < WIDTH)).all(axis=1)
+    number, height = at[inside] @ [WIDTH, 1], xyz[inside, 2]
+    high, low = np.full(WIDTH**2, -np.inf), np.full(WIDTH**2, np.inf)
+    np.maximum.at(high, number, height)
+    np.minimum.at(low, number, height)
+    return np.asarray(high > low + STEEP * pixel).astype(np.float64).reshape(WIDTH, WIDTH)
