@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from pointbrush.tracking.interface import F32, F64, I64
 
@@ -20,12 +21,18 @@ HEIGHTS = (0.0, 1.0, 1.8, 2.6)
 BEHIND, SEES = 1.25, 0.02
 """Ranges beyond the nearest in its direction that no sensor at that place can see, and the share
 of such points up to which the sensor is there."""
+FINE, SOME = 0.1, 0.005
+"""Degrees within which a sensor sees one surface, even along the ground, and the share of a frame
+below which points that have others in their direction are too few to be told by."""
 WIDTH = int(360 / AZIMUTH) + 1
+ASIDE = 6
+"""Cells from the nearest direction in which anything was measured at which a sensor sees no more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shade:
-    """Ranges around ``eye`` (3,): the ``farthest`` of each cell, metres, inf where none.
+    """Ranges around ``eye`` (3,): the ``farthest`` of each cell, metres, inf where none, and 0
+    where the sensor does not look.
 
     ``up`` the axis that azimuths go round, ``step`` degrees of elevation of a cell.
     """
@@ -36,7 +43,8 @@ class Shade:
     step: float
 
     def hides(self, xyz: F64, by: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Which points (M, 3) lie ``by`` metres or more behind all that was measured there."""
+        """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
+        beyond the edges of what the sensor sees."""
         cell, away = _cells(xyz - self.eye, self.up, self.step)
         return np.asarray(self.farthest[cell] < away - np.maximum(by, DEEPER * away))
 
@@ -50,7 +58,7 @@ def shade_of(xyz: F32, eye: F64) -> Shade | None:
         return None
     local = xyz - eye
     up = axis_up(local)
-    if _behind(local, up) > SEES:
+    if _behind(local, up) > SEES and _confused(local, up) > SEES:
         return None
     for step in ELEVATIONS:
         cell, away = _cells(local, up, step)
@@ -61,8 +69,17 @@ def shade_of(xyz: F32, eye: F64) -> Shade | None:
         part = image[row[0] : row[1] + 1, image.any(axis=0)] > 0
         if part.mean() > FILLED:
             break
-    farthest[farthest == 0] = np.inf
+    farthest = np.where(farthest > 0, farthest, _open(image)).astype(np.float32)
     return Shade(np.asarray(eye, np.float64), farthest, up, step)
+
+
+def _open(image: F32) -> F32:
+    """Flat ranges where an ``image`` (R, WIDTH) is empty: inf inside of its edges, 0 beyond."""
+    across, down = image.any(axis=0), image.any(axis=1)
+    looks = maximum_filter1d(across, 2 * ASIDE + 1, mode="wrap")
+    rows = np.flatnonzero(down)
+    between = (np.arange(len(down)) >= rows[0]) & (np.arange(len(down)) <= rows[-1])
+    return np.where(between[:, None] & looks, np.float32(np.inf), np.float32(0)).ravel()
 
 
 def find_eye(xyz: F32) -> F64 | None:
@@ -74,8 +91,9 @@ def find_eye(xyz: F32) -> F64 | None:
         return None
     up = axis_up(xyz)
     above = np.eye(3)[up]
-    least, height = min((_behind(xyz - h * above, up), h) for h in HEIGHTS)
-    return np.asarray(height * above) if least < SEES else None
+    height = min(HEIGHTS, key=lambda h: _confused(xyz - h * above, up))
+    there = shade_of(xyz, height * above) is not None
+    return np.asarray(height * above) if there else None
 
 
 def axis_up(local: F32 | F64) -> int:
@@ -91,11 +109,25 @@ def _behind(local: F32 | F64, up: int) -> float:
     return float((away > BEHIND * nearest[cell]).mean())
 
 
-def _cells(local: F32 | F64, up: int, step: float) -> tuple[I64, F64]:
+def _confused(local: F32 | F64, up: int) -> float:
+    """Share of the points (N, 3), of those with others in the very same direction, that lie well
+    behind another: what several sensors saw, or one elsewhere, is confused so."""
+    cell, away = _cells(local, up, FINE, FINE)
+    _, cell, count = np.unique(cell, return_inverse=True, return_counts=True)
+    nearest = np.full(len(count), np.inf)
+    np.minimum.at(nearest, cell, away)
+    behind = np.count_nonzero(away > BEHIND * nearest[cell])
+    return float(behind / max(count[count > 1].sum(), SOME * len(local)))
+
+
+def _cells(
+    local: F32 | F64, up: int, step: float, azimuth: float = AZIMUTH
+) -> tuple[I64, F64]:
     """Flat cell and range of points (M, 3) around the sensor."""
     across, along = (a for a in range(3) if a != up)
     away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
-    azimuth = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
+    around = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
     elevation = np.degrees(np.arcsin(np.clip(local[:, up] / away, -1.0, 1.0))) + 90.0
-    cell = (elevation / step).astype(np.int64) * WIDTH + (azimuth / AZIMUTH).astype(np.int64)
+    width = int(360 / azimuth) + 1
+    cell = (elevation / step).astype(np.int64) * width + (around / azimuth).astype(np.int64)
     return cell, np.asarray(away, np.float64)
