@@ -33,8 +33,12 @@ class Look:
     facing: F64
 
 
-def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
-    """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame."""
+def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
+    """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
+
+    ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
+    which does not hide it.
+    """
     world = transform_each(poses, thing.model.xyz[sample])
     facing = thing.model.facing(poses, view.eye, sample)
     seen, through = facing, np.zeros(facing.shape, np.bool_)
@@ -43,7 +47,7 @@ def look(thing: Thing, view: View, sample: I64, poses: F64) -> Look:
             view.lens.pixels, view.T_frame_world, view.depth, world, facing, 4 * thing.unit
         )
     elif view.shade is not None:
-        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit)
+        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit, own)
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
     return Look(world, seen, through, share)

@@ -150,7 +150,7 @@ def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64)
     any prediction.
     """
     thing, some, tried = search.thing, search.few, np.stack(guesses)
-    at = look(thing, search.view, some, tried)
+    at = look(thing, search.view, some, tried, search.own)
     seen = costs_of(thing, search.target, some, at, 6 * thing.unit)
     order = np.argsort(seen + _surprise(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
@@ -162,7 +162,7 @@ def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64)
 def _scores(search: Search, poses: F64) -> F64:
     """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
     thing = search.thing
-    at = look(thing, search.view, search.few, poses)
+    at = look(thing, search.view, search.few, poses, search.own)
     beside = [excess(world, search.target, thing.unit) for world in at.world]
     away = search.at.facing[0] - at.facing
     if search.view.lens is None:
@@ -191,7 +191,7 @@ def _fits(
     """
     model = search.thing.model
     if seen is None:
-        seen = look(search.thing, search.view, sample, poses).seen
+        seen = look(search.thing, search.view, sample, poses, search.own).seen
     seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
     return robust_fits(

@@ -57,12 +57,21 @@ class Search:
     def aim(self, target: Target) -> None:
         """Look for it in another target."""
         self.target = target
-        del self.costs
+        for known in ("costs", "at", "own"):
+            self.__dict__.pop(known, None)
 
     @cached_property
     def at(self) -> Look:
         """The few at each of the guesses."""
-        return look(self.thing, self.view, self.few, self.guesses)
+        return look(self.thing, self.view, self.few, self.guesses, self.own)
+
+    @cached_property
+    def own(self) -> I64 | None:
+        """The directions in which what was measured may be the thing: it does not hide itself
+        where it has come nearer than a prediction."""
+        if self.view.lens is not None or self.view.shade is None:
+            return None
+        return self.view.shade.towards(self.target.xyz)
 
     @property
     def best(self) -> F64:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 AZIMUTH = 0.4
 ELEVATIONS = (0.4, 0.8, 1.6, 3.2)
@@ -25,6 +25,8 @@ FINE, SOME = 0.1, 0.005
 """Degrees within which a sensor sees one surface, even along the ground, and the share of a frame
 below which points that have others in their direction are too few to be told by."""
 WIDTH = int(360 / AZIMUTH) + 1
+AROUND = np.add.outer((-WIDTH, 0, WIDTH), (-1, 0, 1)).ravel()
+"""Flat steps to the cells around one, and to itself."""
 ASIDE = 6
 """Cells from the nearest direction in which anything was measured at which a sensor sees no more."""
 
@@ -42,11 +44,20 @@ class Shade:
     up: int
     step: float
 
-    def hides(self, xyz: F64, by: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def hides(self, xyz: F64, by: float, but: I64 | None = None) -> Mask:
         """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
-        beyond the edges of what the sensor sees."""
+        beyond the edges of what the sensor sees; none in the directions ``but``, and beside."""
         cell, away = _cells(xyz - self.eye, self.up, self.step)
-        return np.asarray(self.farthest[cell] < away - np.maximum(by, DEEPER * away))
+        hidden = self.farthest[cell] < away - np.maximum(by, DEEPER * away)
+        if but is not None:
+            there = np.zeros(len(self.farthest), np.bool_)
+            there[np.clip(but[:, None] + AROUND, 0, len(there) - 1)] = True
+            hidden &= ~there[cell]
+        return np.asarray(hidden)
+
+    def towards(self, xyz: F64) -> I64:
+        """The directions of points (M, 3), each once."""
+        return np.unique(_cells(xyz - self.eye, self.up, self.step)[0])
 
 
 def shade_of(xyz: F32, eye: F64) -> Shade | None:
