@@ -14,6 +14,8 @@ from pointbrush.tracking.registration import Target, carried, transform_each
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
+SIZE = 1.0
+"""Radii by which a thing may have come nearer; what is nearer still and hides it is another."""
 NEUTRAL, LEAN = 0.6, 0.1
 """What a pose costs that shows nothing of the model, and the weight of that, in models."""
 
@@ -47,7 +49,8 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
             view.lens.pixels, view.T_frame_world, view.depth, world, facing, 4 * thing.unit
         )
     elif view.shade is not None:
-        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit, own)
+        size = SIZE * thing.model.radius
+        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit, own, size)
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
     return Look(world, seen, through, share)

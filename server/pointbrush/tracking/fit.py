@@ -11,7 +11,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.locate import Search
 from pointbrush.tracking.nonrigid import warp
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.recovery import nudges, proposals
+from pointbrush.tracking.recovery import nudges, proposals, shifts
 from pointbrush.tracking.registration import (
     Fits,
     Target,
@@ -76,7 +76,7 @@ def register(search: Search) -> tuple[F64, float]:
     unknown = motion.gap > 1 or (motion.fresh and min(scores) > CLEAR)
     if unknown or doubtful:
         before = min(scores)
-        others = [*proposals(model, search.target, search.guesses[0]), *search.guesses]
+        others = [*_elsewhere(search), *search.guesses]
         poses, scores = _try(search, others, TRIES, poses, scores)
         if motion.fresh or min(scores) > doubt:
             others = nudges(model, poses[np.argmin(scores)])
@@ -93,6 +93,14 @@ def register(search: Search) -> tuple[F64, float]:
     near = search.target.around(world, 4 * LAST[0] * search.thing.unit)
     fit = _fits(search, search.many, best[None], LAST, target=near)
     return fit.T[0], float(fit.cost[0])
+
+
+def _elsewhere(search: Search) -> list[F64]:
+    """Other poses than the predicted ones; what a lidar sees stands upright."""
+    model, guess = search.thing.model, search.guesses[0]
+    if search.thing.scanned:
+        return shifts(model.xyz[search.few], search.target.xyz, guess, search.thing.unit)
+    return proposals(model, search.target, guess)
 
 
 def _rests(search: Search, pose: F64, score: float) -> bool:

@@ -22,6 +22,8 @@ ALL_WAYS = Rotation.create_group("O").as_matrix()
 """Rotations (24, 3, 3) of which one is within 63 degrees of any."""
 SLIDES = (-0.6, -0.3, 0.3, 0.6)
 """Steps along the longest direction, in radii."""
+GRAIN, SHIFTS = 4.0, 8
+"""Units of a step between the shifts that points vote for, and how many of them are tried."""
 LIKE = 0.12
 """Colour difference, in the units of ``View.colour``, up to which colours are alike."""
 
@@ -46,6 +48,24 @@ def proposals(model: Model, target: Target, pose: F64) -> list[F64]:
                 _move(pose, middle, centre, _turn(axis, sign * along)) for sign in (1.0, -1.0)
             ]
     return result
+
+
+def shifts(model: F64, target: F64, pose: F64, unit: float) -> list[F64]:
+    """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
+    find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
+    step = GRAIN * unit
+    cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
+    world = np.floor(transform(pose, model) / step).astype(np.int64)
+    votes = (cells[:, None] - world).reshape(-1, 3)
+    lo = votes.min(axis=0)
+    size = np.ptp(votes, axis=0) + 1
+    count = np.bincount((votes - lo) @ [size[1] * size[2], size[2], 1])
+    found: list[F64] = []
+    for number in np.argsort(-count, kind="stable")[:SHIFTS].tolist():
+        shifted = pose.copy()
+        shifted[:3, 3] += (np.array(np.unravel_index(number, size)) + lo) * step
+        found.append(shifted)
+    return found
 
 
 def nudges(model: Model, pose: F64) -> list[F64]:

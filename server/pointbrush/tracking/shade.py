@@ -44,15 +44,21 @@ class Shade:
     up: int
     step: float
 
-    def hides(self, xyz: F64, by: float, but: I64 | None = None) -> Mask:
+    def hides(
+        self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf
+    ) -> Mask:
         """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
-        beyond the edges of what the sensor sees; none in the directions ``but``, and beside."""
+        beyond the edges of what the sensor sees.
+
+        In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
+        """
         cell, away = _cells(xyz - self.eye, self.up, self.step)
-        hidden = self.farthest[cell] < away - np.maximum(by, DEEPER * away)
-        if but is not None:
+        far = self.farthest[cell]
+        hidden = far < away - np.maximum(by, DEEPER * away)
+        if own is not None:
             there = np.zeros(len(self.farthest), np.bool_)
-            there[np.clip(but[:, None] + AROUND, 0, len(there) - 1)] = True
-            hidden &= ~there[cell]
+            there[np.clip(own[:, None] + AROUND, 0, len(there) - 1)] = True
+            hidden &= ~there[cell] | (far < away - size)
         return np.asarray(hidden)
 
     def towards(self, xyz: F64) -> I64:
