@@ -10,6 +10,8 @@ import scenes
 from conftest import follow
 
 from pointbrush.tracking.ego import sensor_poses
+from pointbrush.tracking.recovery import shifts
+from pointbrush.tracking.registration import transform
 from pointbrush.tracking.shade import find_eye, shade_of
 
 
@@ -29,6 +31,15 @@ def test_the_way_of_a_lidar_is_found_in_its_frames(street: list[scenes.Frame]) -
     for number in range(4):
         true = np.linalg.inv(street[0].pose) @ street[number].pose
         assert np.abs(poses(number) - true).max() < 0.02
+
+
+def test_a_street_whose_ground_and_walls_would_fit_a_car_at_rest_as_well() -> None:
+    frames = scenes.street(seed=3, frames=2)
+    poses = sensor_poses(alone(frames).__getitem__, range(2))
+    assert poses is not None
+    true = np.linalg.inv(frames[0].pose) @ frames[1].pose
+    assert np.abs(true[:3, 3]).max() > 0.5
+    assert np.abs(poses(1) - true).max() < 0.02
 
 
 def test_poses_that_are_told_count_from_the_first_frame(street: list[scenes.Frame]) -> None:
@@ -73,3 +84,61 @@ def test_what_lies_behind_a_car_is_hidden(street: list[scenes.Frame]) -> None:
     inside = car[np.abs(car - np.median(car, axis=0)).max(axis=1) < 0.5]
     assert shade.hides(1.3 * inside, 0.1).mean() > 0.9
     assert not shade.hides(0.8 * inside, 0.1).any()
+
+
+def fine_lidar() -> np.ndarray:
+    """(N, 3) what 64 rings measure of a road between parked cars and houses, z up, from the
+    origin."""
+    azimuth, elevation = np.radians(np.arange(0.1, 360, 0.2)), np.radians(np.linspace(-25, 2, 64))
+    a, e = (angle.ravel() for angle in np.meshgrid(azimuth, elevation))
+    ray = np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)], axis=1)
+    with np.errstate(divide="ignore"):
+        road = np.where(ray[:, 2] < 0, -1.8 / ray[:, 2], np.inf)
+        wall, car = 8.0 / np.abs(ray[:, 1]), 3.0 / np.abs(ray[:, 1])
+    house = (np.abs(wall * ray[:, 0]) % 9.0 < 6.0) & (wall * ray[:, 2] < 4.0)
+    parked = (np.abs(car * ray[:, 0]) % 6.0 < 4.0) & (car * ray[:, 2] < -0.4)
+    away = np.minimum(road, np.where(parked, car, np.where(house, wall, np.inf)))
+    return (ray * away[:, None])[away < 60.0].astype(np.float32)
+
+
+@pytest.mark.parametrize("height", [0.0, 1.8])
+def test_the_height_of_a_fine_lidar_is_found(height: float) -> None:
+    eye = find_eye(fine_lidar() + np.array([0, 0, height], np.float32))
+    assert eye is not None
+    assert np.allclose(eye, [0, 0, height])
+
+
+def test_beyond_the_edges_of_what_a_lidar_sees_all_is_hidden() -> None:
+    xyz = fine_lidar()
+    ahead = np.abs(np.arctan2(xyz[:, 1], xyz[:, 0])) < np.pi / 4
+    shade = shade_of(xyz[ahead], np.zeros(3))
+    assert shade is not None
+    assert not shade.hides(0.8 * xyz[ahead].astype(np.float64), 0.1).any()
+    aside = np.abs(np.arctan2(xyz[:, 1], xyz[:, 0])) > np.radians(50)
+    assert shade.hides(0.8 * xyz[aside].astype(np.float64), 0.1).all()
+
+
+def test_a_thing_that_came_nearer_does_not_hide_itself(street: list[scenes.Frame]) -> None:
+    frame = street[0]
+    shade = shade_of(frame.xyz, np.zeros(3))
+    assert shade is not None
+    car = frame.xyz[frame.truth == 4].astype(np.float64)
+    behind = car + 1.5 * car / np.linalg.norm(car, axis=1, keepdims=True)
+    own = shade.towards(car)
+    assert shade.hides(behind, 0.1).mean() > 0.9
+    assert not shade.hides(behind, 0.1, own, 3.0).any()
+    assert shade.hides(behind, 0.1, own, 1.0).mean() > 0.9  # so far ahead it is another
+
+
+def test_what_drove_on_is_found_where_its_points_find_one() -> None:
+    rng = np.random.default_rng(0)
+    size = np.array([2.2, 0.9, 0.7])
+    car = rng.uniform(-1, 1, (400, 3)) * size
+    side = rng.integers(0, 2, 400)  # the back and the side that face the sensor
+    car[np.arange(400), side] = size[side]
+    wall = np.array([0.0, 4.0, 0.0]) + rng.uniform(-1, 1, (2000, 3)) * [6.0, 0.05, 1.5]
+    pose = np.eye(4)
+    moved = np.vstack([car + [1.7, 0.1, 0.0], wall])
+    found = shifts(car[::4], moved, pose, 0.08)
+    off = [np.abs(transform(T, car).mean(0) - car.mean(0) - [1.7, 0.1, 0.0]).max() for T in found]
+    assert min(off) < 0.32

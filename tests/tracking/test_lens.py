@@ -112,3 +112,10 @@ def test_what_two_cameras_saw_has_no_image() -> None:
     assert scene_of(np.concatenate([one, other + [2.0, -1.0, 3.5]])).lens is None
     assert scene_of(np.zeros((3000, 3))).lens is None
     assert scene_of(np.empty((0, 3))).lens is None
+
+
+def test_the_front_of_a_lidar_at_rest_is_no_depth_image() -> None:
+    """Its rings lie metres apart on the ground: what is beside a point is another surface."""
+    xyz = scenes.street(seed=3, frames=1, ego=False)[0].xyz
+    ahead = np.abs(np.arctan2(xyz[:, 0], xyz[:, 2])) < np.pi / 4
+    assert find_lens(frame(xyz[ahead], np.zeros(3))) is None

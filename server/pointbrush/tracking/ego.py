@@ -45,10 +45,10 @@ NARROW = 0.2
 STANDS, AGREE, LEFT = 0.95, 0.5, 0.7
 """Share of the planes still in place above which the sensor stands; share that has to be in
 place after it was moved, and share of those that were not in place before that may still not be."""
-AGREED = 0.8
-"""Share in place up to which a frame is registered from other starts as well: along a street the
-ground and the walls are in place however far a frame slips."""
-SHIFTS, APART = 2, 3.0
+AGREED, LESS = 0.95, 0.05
+"""Share in place from which no other start is tried; and how much less than between the frames
+before is no reason to: along a street the ground and the walls fit however far a frame slips."""
+SHIFTS, APART = 2, 1.0
 """Shifts that are tried, and cells from what was found at which they are another start."""
 
 
@@ -111,22 +111,20 @@ def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:
     return T, in_place(planes, target, T)
 
 
-def register_anywhere(planes: Planes, target: Planes, starts: Sequence[F64]) -> tuple[F64, float]:
-    """As ``register``, from the first of ``starts`` (4, 4), and from the others, and where the
-    scenery seems to have been shifted to, while that leaves much out of place; the best."""
+def register_anywhere(
+    planes: Planes, target: Planes, starts: Sequence[F64], enough: float = AGREED
+) -> tuple[F64, float]:
+    """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
+    of place than ``enough``, from the others and from where the scenery seems to have gone."""
     best = register(planes, target.tree, starts[0])
-    if best[1] >= AGREED:
+    if best[1] >= enough:
         return best
     moved = transform(starts[0], np.asarray(planes.tree.data))
     shifts = likely_shifts(moved, np.asarray(target.tree.data), planes.cell, SHIFTS)
-    others = [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]
     middle = planes.at.mean(axis=0)[None]
-    tried = [starts[0]]
-    for start in others:
-        at = transform(start, middle)
-        away = min(float(np.linalg.norm(at - transform(T, middle))) for T in [*tried, best[0]])
+    for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
+        away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
         if away > APART * planes.cell:
-            tried.append(start)
             best = max(best, register(planes, target.tree, start), key=_share)
     return best
 
@@ -208,6 +206,7 @@ class Ego:
     def __init__(self, frames: Frames, order: Sequence[int]) -> None:
         self._frames, self._order = frames, list(order)
         self._poses = [np.eye(4)]
+        self._enough = AGREED
         self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
 
     def pose(self, number: int) -> F64:
@@ -224,6 +223,7 @@ class Ego:
         if self._last is None or here is None:
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
-        T, _ = register_anywhere(self._last, here, starts)
+        T, share = register_anywhere(self._last, here, starts, self._enough)
+        self._enough = min(AGREED, share - LESS)
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))

@@ -204,12 +204,12 @@ def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
 
 def _torn(image: F32) -> float:
     """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
-    pairs = torn = 0
+    pairs, torn = 0, 0
     for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
         near, far = np.minimum(one, other), np.maximum(one, other)
         known = np.isfinite(far)
-        pairs += np.count_nonzero(known)
-        torn += np.count_nonzero(far[known] > (1.0 + STEP) * near[known])
+        pairs += int(np.count_nonzero(known))
+        torn += int(np.count_nonzero(far[known] > (1.0 + STEP) * near[known]))
     return torn / max(pairs, 1)
 
 

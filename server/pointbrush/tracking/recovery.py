@@ -22,8 +22,11 @@ ALL_WAYS = Rotation.create_group("O").as_matrix()
 """Rotations (24, 3, 3) of which one is within 63 degrees of any."""
 SLIDES = (-0.6, -0.3, 0.3, 0.6)
 """Steps along the longest direction, in radii."""
-GRAIN, SHIFTS = 4.0, 8
-"""Units of a step between the shifts that points vote for, and how many of them are tried."""
+GRAIN, SHIFTS, APART = 4.0, 8, 2
+"""Units of a step between the shifts that points vote for, how many of them are tried, and steps
+up to which two are one, since a fit from either finds both."""
+MOST_VOTED = 300
+"""Steps, most voted for, among which such shifts are looked for."""
 LIKE = 0.12
 """Colour difference, in the units of ``View.colour``, up to which colours are alike."""
 
@@ -60,12 +63,14 @@ def shifts(model: F64, target: F64, pose: F64, unit: float) -> list[F64]:
     lo = votes.min(axis=0)
     size = np.ptp(votes, axis=0) + 1
     count = np.bincount((votes - lo) @ [size[1] * size[2], size[2], 1])
-    found: list[F64] = []
-    for number in np.argsort(-count, kind="stable")[:SHIFTS].tolist():
-        shifted = pose.copy()
-        shifted[:3, 3] += (np.array(np.unravel_index(number, size)) + lo) * step
-        found.append(shifted)
-    return found
+    likely = np.argsort(-count, kind="stable")[:MOST_VOTED]
+    kept = np.zeros((1, 3), np.int64)
+    for shift in np.stack(np.unravel_index(likely, size), axis=1) + lo:
+        if len(kept) <= SHIFTS and (np.abs(kept - shift).max(axis=1) > APART).all():
+            kept = np.vstack([kept, shift])
+    found = np.repeat(pose[None], len(kept), axis=0)
+    found[:, :3, 3] += kept * step
+    return list(found[1:])
 
 
 def nudges(model: Model, pose: F64) -> list[F64]:

@@ -28,7 +28,7 @@ WIDTH = int(360 / AZIMUTH) + 1
 AROUND = np.add.outer((-WIDTH, 0, WIDTH), (-1, 0, 1)).ravel()
 """Flat steps to the cells around one, and to itself."""
 ASIDE = 6
-"""Cells from the nearest direction in which anything was measured at which a sensor sees no more."""
+"""Cells beside the last direction in which anything was measured from which nothing is seen."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,9 +44,7 @@ class Shade:
     up: int
     step: float
 
-    def hides(
-        self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf
-    ) -> Mask:
+    def hides(self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf) -> Mask:
         """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
         beyond the edges of what the sensor sees.
 
@@ -130,16 +128,16 @@ def _confused(local: F32 | F64, up: int) -> float:
     """Share of the points (N, 3), of those with others in the very same direction, that lie well
     behind another: what several sensors saw, or one elsewhere, is confused so."""
     cell, away = _cells(local, up, FINE, FINE)
-    _, cell, count = np.unique(cell, return_inverse=True, return_counts=True)
-    nearest = np.full(len(count), np.inf)
-    np.minimum.at(nearest, cell, away)
-    behind = np.count_nonzero(away > BEHIND * nearest[cell])
-    return float(behind / max(count[count > 1].sum(), SOME * len(local)))
+    order = np.argsort(cell, kind="stable")
+    start = np.flatnonzero(np.diff(cell[order], prepend=-1))
+    count = np.diff(start, append=len(cell))
+    nearest = np.repeat(np.minimum.reduceat(away[order], start), count)
+    behind = np.count_nonzero(away[order] > BEHIND * nearest)
+    shared = int(count[count > 1].sum())
+    return float(behind / max(shared, SOME * len(local)))
 
 
-def _cells(
-    local: F32 | F64, up: int, step: float, azimuth: float = AZIMUTH
-) -> tuple[I64, F64]:
+def _cells(local: F32 | F64, up: int, step: float, azimuth: float = AZIMUTH) -> tuple[I64, F64]:
     """Flat cell and range of points (M, 3) around the sensor."""
     across, along = (a for a in range(3) if a != up)
     away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9

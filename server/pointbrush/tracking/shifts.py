@@ -55,7 +55,7 @@ def _upright(xyz: F64, pixel: float) -> NDArray[np.float64]:
     """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
     at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + WIDTH // 2
     inside = ((at >= 0) & (at < WIDTH)).all(axis=1)
-    number, height = at[inside] @ [WIDTH, 1], xyz[inside, 2]
+    number, height = at[inside, 0] * WIDTH + at[inside, 1], xyz[inside, 2]
     high, low = np.full(WIDTH**2, -np.inf), np.full(WIDTH**2, np.inf)
     np.maximum.at(high, number, height)
     np.minimum.at(low, number, height)
