@@ -90,11 +90,11 @@ def shade_of(xyz: F32, eye: F64) -> Shade | None:
 
 def _open(image: F32) -> F32:
     """Flat ranges where an ``image`` (R, WIDTH) is empty: inf inside of its edges, 0 beyond."""
-    across, down = image.any(axis=0), image.any(axis=1)
-    looks = maximum_filter1d(across, 2 * ASIDE + 1, mode="wrap")
-    rows = np.flatnonzero(down)
-    between = (np.arange(len(down)) >= rows[0]) & (np.arange(len(down)) <= rows[-1])
-    return np.where(between[:, None] & looks, np.float32(np.inf), np.float32(0)).ravel()
+    looks = maximum_filter1d(image.any(axis=0), 2 * ASIDE + 1, mode="wrap")
+    rows = np.flatnonzero(image.any(axis=1))
+    seen = np.zeros(image.shape, np.float32)
+    seen[rows[0] : rows[-1] + 1, looks] = np.inf
+    return seen.ravel()
 
 
 def find_eye(xyz: F32) -> F64 | None:
