@@ -70,3 +70,20 @@ def test_a_piece_that_was_missed_is_taken_back(
     assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
     thing.size = len(core)  # nothing of it is missing
     assert not len(lost_pieces(thing, view, place, core, has, background))
+
+
+def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:
+    view, background = shot(BLUE, 0.05)
+    truth = view.frame.truth
+    core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    thing = begin(view, 1, core, 0.004, none)
+    thing.size = 1.6 * len(core)
+    box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
+    around = view.box(*box)
+    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    has = np.zeros(len(view.xyz), np.bool_)
+    has[core] = True
+    assert len(lost_pieces(thing, view, place, core, has, background)) > 0.8 * len(beside)
+    background.hidden = view.depth.copy()  # the scene, drawn on behind the first objects, is there
+    assert not len(lost_pieces(thing, view, place, core, has, background))

@@ -6,6 +6,9 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.background import ImageBackground, Waver
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.view import View
 
 STILL, AWAY = 5, 9
 
@@ -47,3 +50,35 @@ def test_what_is_uncovered_of_an_object_becomes_its_own() -> None:
     found = np.zeros(len(last), bool)
     found[result.assignments[1]] = True
     assert (found & (last == 1)).sum() / (found | (last == 1)).sum() > 0.9
+
+
+def part(
+    label: int, at: tuple[float, float, float], size: tuple[float, float, float]
+) -> scenes.Part:
+    colour = np.random.default_rng(label).integers(0, 256, 3)
+    return scenes.Part(label, tuple(colour), np.array(at), np.array(size), rot=np.eye(3))
+
+
+def test_what_passes_behind_a_thing_is_not_what_it_uncovers() -> None:
+    rng = np.random.default_rng(1)
+    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
+    empty = camera.shoot([], rng)
+    lens = find_lens(empty)
+    unknown = np.full_like(View(0, empty, lens).depth, np.nan)
+    background = ImageBackground(
+        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+    )
+    background.learn(View(0, empty, lens), first=True)
+    for number in range(3):
+        board = part(1, (0.12 * number, 1.1, 1.3), (0.2, 0.15, 0.01))
+        rests = part(2, (-0.1, 1.2, 1.6), (0.05, 0.05, 0.05))
+        # It goes with the board, out of its shadow, and leans back.
+        passes = part(3, (-0.05 + 0.12 * number, 1.0, 1.5 + 0.1 * number), (0.15, 0.05, 0.05))
+        frame = camera.shoot([board, rests, passes], rng)
+        view = View(1 + number, frame, lens)
+        shown, hider = background.uncovered(view)
+        view.labels = {1: np.flatnonzero(frame.truth == 1)}
+        background.learn(view)
+    assert np.isin(frame.truth[shown], [2]).sum() > 20
+    assert not (frame.truth[shown] == 3).any()
+    assert (hider == 1).all()

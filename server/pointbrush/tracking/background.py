@@ -23,6 +23,8 @@ ROUGHLY = 0.93
 """Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
 RARELY, MOSTLY = 0.25, 0.5
 """Share of the frames that must show the scene, and show what lies off the scene drawn on."""
+FAINT = 0.5
+"""Deviations from which a point may be of something that touches the background there."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
 
@@ -32,6 +34,9 @@ class Background(Protocol):
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """Which of the points (M,) are background, and which an unlabelled thing at rest."""
+
+    def faint(self, view: View, indices: I64) -> Mask:
+        """Which of the background's points (M,) may be of something that touches it there."""
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """Which of the points (M,) lie behind all that was ever seen there.
@@ -49,9 +54,13 @@ class Background(Protocol):
     def certain(self, view: View, indices: I64) -> Mask:
         """Which of the points (M,) lie before a background that has been seen."""
 
-    def uncovered(self, view: View) -> tuple[I64, I64]:
-        """The points (M,) that something labelled hid in the last frame, and its label (M,).
+    def drawn_on(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie where the scene goes on behind the first objects."""
 
+    def uncovered(self, view: View) -> tuple[I64, I64]:
+        """The points (M,) that something labelled hid two frames ago, and its label (M,).
+
+        They were there in the last frame too: who passes with what he holds is not.
         Without background, and what lies where the scene goes on behind the first objects.
         """
 
@@ -118,16 +127,28 @@ class ImageBackground:
     """The last frame's depth, labelled or not."""
     owner: NDArray[np.int32] = field(init=False)
     """The last frame's label of each cell, 0 for none."""
+    hiding: F32 = field(init=False)
+    """The depth in the frame before the last."""
+    hider: NDArray[np.int32] = field(init=False)
+    """The label of each cell in the frame before the last."""
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
         self.hidden = self.previous = self.scene = np.full_like(self.depth, np.nan)
+        self.hiding = self.hidden
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
+        self.hider = np.zeros(len(self.depth), np.int32)
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
         return stood(*view.cells, indices, self.depth, self.last, *self._waver)
+
+    def faint(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        before = (self.depth[cell] - depth) / self.waver(depth)
+        return np.asarray((before > FAINT) & (before <= NEAR))
 
     @property
     def _waver(self) -> tuple[float, float]:
@@ -204,15 +225,21 @@ class ImageBackground:
             self.scene, self.depth, self.hidden, self.previous, self.anchor, self.age, self.scale
         )
 
+    def drawn_on(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return np.asarray(depth > HIDDEN * self.hidden[cell] - NEAR * self.waver(depth))
+
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
-        hider = self.owner[view.cells[0]]
+        hider = self.hider[view.cells[0]]
         points = np.flatnonzero(hider)
         cell, depth = view.cells[0][points], view.cells[1][points]
         limit = NEAR * self.waver(depth)
-        shown = depth > self.previous[cell] + limit
-        shown &= ~(depth > HIDDEN * self.hidden[cell] - limit)
+        shown = np.abs(depth - self.previous[cell]) < limit
+        shown &= depth > self.hiding[cell] + limit
         points = points[shown]
+        points = points[~self.drawn_on(view, points)]
         points = points[~self.static(view, points)[0]]
         return points, hider[points].astype(np.int64)
 
@@ -221,20 +248,21 @@ class ImageBackground:
         seen = view.depth.copy()
         height, width = view.lens.shape if view.lens else (0, 0)
         cell = view.cells[0]
+        self.owner, self.hider = self.hider, self.owner
         self.owner[:] = 0
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
         labelled = self.owner != 0
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
-        self.depth[labelled & (seen > self.depth + NEAR * self.waver(seen))] = np.nan
+        limit = np.float32(NEAR) * self.waver(seen)
+        self.depth[labelled & (seen > self.depth + limit)] = np.nan
         if keep is not None and len(keep):
             labelled[view.project(keep)[0]] = True
             labelled[-1] = False
         if first and view.lens is not None:
             beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
             self.hidden = np.append(beyond, np.float32(np.nan))
-        self.previous = view.depth
-        limit = np.float32(NEAR) * self.waver(seen)
+        self.hiding, self.previous = self.previous, view.depth
         moved = ~(np.abs(seen - self.anchor) < limit * self.scale) & ~np.isnan(seen)
         self.age += 1
         self.age *= ~moved

@@ -42,7 +42,7 @@ AGAIN = 7.0
 """Units within which something unlabelled is taken to be where it was."""
 STAYED = 0.25
 """Units by which a thing moves that stays where it is."""
-WAS_CUT, WAS_OPEN = 0.45, 0.7
+WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
 
@@ -60,6 +60,9 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     if view.roams:
         moving |= view.low
     lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
+    lost |= _hardly(view, place)[near.indices] & (
+        (near.cost > thing.reach) | (thing.model.hits[near.nearest] < SURE)
+    )
     unlike = (near.cost > UNLIKE * thing.reach) & (near.gap > 1.2 * thing.reach)
     if thing.stands:  # The ground touches what stands on it, and goes on.
         lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
@@ -67,6 +70,13 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     # A pose is never exact: what lies on well confirmed surface is not asked.
     firm = (thing.model.hits[found.nearest] >= SURE) & (found.gap < FIRM * thing.reach)
     return found.pick(firm | ~_carved(thing, view, place, found.indices))
+
+
+def _hardly(view: View, place: Place) -> Mask:
+    """(N,) points that hardly stand out against the background."""
+    hardly = np.zeros(len(view.xyz), np.bool_)
+    hardly[place.faint] = True
+    return hardly
 
 
 def grow(

@@ -69,6 +69,14 @@ class TreeBackground:
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
 
+    def faint(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+        """See ``Background``; what is known here is no depth."""
+        return np.zeros(len(indices), np.bool_)
+
+    def drawn_on(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+        """See ``Background``; without a depth image no scene is drawn on."""
+        return np.zeros(len(indices), np.bool_)
+
     def uncovered(self, view: View) -> tuple[I64, I64]:  # noqa: ARG002
         """See ``Background``; without a depth image nothing is known to have hidden a point."""
         return np.empty(0, np.int64), np.empty(0, np.int64)

@@ -56,6 +56,7 @@ def find(search: Search) -> Place:
         world = bent(thing, world, thing.model.colour, search.target)
     place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
     place.vain = search.vain
+    place.faint = search.faint
     if search.view.roams:
         place.beside = search.near
     return place

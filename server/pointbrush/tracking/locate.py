@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -45,6 +45,8 @@ class Search:
     few: I64
     many: I64
     target: Target
+    faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Those of ``near`` that are hardly before the background."""
     vain: bool = False
     """Other places were tried, and were no better."""
 
@@ -96,6 +98,7 @@ def crop(
     around = view.box(lo, hi)
     around = around[free[around]]
     near = moving = around
+    faint = around[:0]
     if len(around):
         far, still = background.static(view, around)
         if thing.large:
@@ -110,12 +113,16 @@ def crop(
         own = ~far if slow else ~(far | still)
         if slow and not thing.large:
             own = own | background.revealed(view, around)
-        near, moving = around[own], around[~(far | still)]
+        hardly = np.zeros(len(around), np.bool_)
+        if slow and not thing.large:
+            hardly = far & background.faint(view, around)
+        near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
         if view.roams and not thing.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None
     search = _search(thing, view, guesses, (lo, hi), around, near, moving)
+    search.faint = faint
     _ = search.costs  # which those who share the points out ask for
     return search
 

@@ -26,9 +26,11 @@ class Place:
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
     anew: bool = False
     """It was found far from where it was predicted: its motion begins here."""
+    faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Those of ``near`` that are hardly before the background."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Its points that another label hid until the last frame."""
+    """Its points that another label hid a moment ago."""
     beside: I64 | None = None
     """Points of other moving things beside a large one; None where that is not known."""

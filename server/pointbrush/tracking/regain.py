@@ -22,8 +22,9 @@ from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
 SHRUNK, MOST = 0.85, 1.1
-"""Share of its size under which a thing has lost a part, and up to which it is given pieces."""
-LEAST = 0.04
+"""Share of its size under which a thing on the move has lost a part, and up to which a thing is
+given pieces."""
+LEAST = 0.01
 """Share of its size that a piece has at least."""
 CELL, TOUCH = 1.5, 1.75
 """Units of a cell, and cells between the middles of two that touch."""
@@ -45,10 +46,11 @@ def lost_pieces(
     what never moves.
     """
     none = np.empty(0, np.int64)
-    if view.lens is None or thing.bends or len(core) > SHRUNK * thing.size:
+    whole = len(core) > SHRUNK * thing.size and not thing.motion.slow(thing.unit)
+    if view.lens is None or thing.bends or whole:
         return none
     rest = place.around[~taken[place.around]]
-    rest = rest[~background.static(view, rest)[0]]
+    rest = rest[~(background.static(view, rest)[0] | background.drawn_on(view, rest))]
     least = max(5.0, LEAST * thing.size)
     if len(rest) < least:
         return none
