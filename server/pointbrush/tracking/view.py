@@ -20,6 +20,9 @@ from pointbrush.tracking.lens import I32, Lens
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.shade import Shade, shade_of
 
+FAR, MOST = 15.0, 0.9
+"""Metres farther than depth cameras measure, and the share of the points that lie nearer."""
+
 
 @dataclass(eq=False)
 class View:
@@ -130,10 +133,21 @@ class View:
         """Whether a sensor without a pixel grid moves, as a lidar on a car does."""
         return self.lens is None and self.T_world_frame is not None
 
-    @property
+    @cached_property
     def scans(self) -> bool:
-        """Whether the frame is a lidar's, that moves or looks all round from one place."""
-        return self.roams or (self.lens is None and self.shade is not None)
+        """Whether the frame is a lidar's, or several lidars': one that moves, looks all round from
+        one place, or sees farther than depth cameras do."""
+        if self.lens is not None:
+            return False
+        return self.roams or self.shade is not None or self._reach > FAR
+
+    @property
+    def _reach(self) -> float:
+        """Metres from the middle of the points within which most of them lie."""
+        if not len(self.xyz):
+            return 0.0
+        away = np.linalg.norm(self.xyz - np.median(self.xyz, axis=0), axis=1)
+        return float(np.quantile(away, MOST))
 
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
