@@ -13,6 +13,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.scene import Scene
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +66,19 @@ def test_frames_that_the_recording_has_not_are_refused(
 def test_poses_that_are_none_count_as_unknown(resting: list[scenes.Frame]) -> None:
     flat = [replace(frame, pose=np.zeros((4, 4))) for frame in resting[:2]]
     assert sensor_poses(flat.__getitem__, range(2)) is None
+
+
+def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves() -> None:
+    """No viewpoint, no pose: what is far away all round is no depth camera's."""
+    world = []
+    for frame in scenes.street(seed=1, frames=3):
+        at = frame.xyz @ frame.pose[:3, :3].T + frame.pose[:3, 3]
+        at = at + [31.0, 4.0, -14.0]
+        world.append(scenes.Frame(at.astype(np.float32), truth=frame.truth))
+    scene = Scene(world.__getitem__, [0, 1, 2], lambda xyz: np.zeros(len(xyz)), ahead=False)
+    for number in range(3):
+        view = scene.view(number)
+        assert view.eye is None
+        assert view.scans
+        assert view.roams
+        assert 0.2 < view.low.mean() < 0.9

@@ -14,7 +14,7 @@ from pointbrush.tracking.earlier import TreeBackground
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
 from pointbrush.tracking.lens import Lens, find_lens
-from pointbrush.tracking.shade import find_eye
+from pointbrush.tracking.shade import FEWEST, find_eye, shade_of
 from pointbrush.tracking.view import View
 from pointbrush.tracking.whence import find_camera
 
@@ -40,8 +40,8 @@ class Scene:
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
         self._pose_of = sensor_poses(frames, order)
-        first = frames(order[0])
-        self.lens, self._about = _sensor(first, moves=self._pose_of is not None)
+        first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
+        self.lens, self._about = _sensor(first, others, moves=self._pose_of is not None)
         self.first = self._look(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
@@ -116,12 +116,20 @@ class Scene:
         return [self._look(number) for number in numbers]
 
 
-def _sensor(first: TrackFrame, *, moves: bool) -> tuple[Lens | None, F64 | None]:
-    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it."""
+def _sensor(
+    first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool
+) -> tuple[Lens | None, F64 | None]:
+    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it.
+
+    From there the ``others`` were seen as well: what moves through the world has no one place.
+    """
     lens = find_lens(first, moves=moves)
     if lens is not None or first.viewpoint is not None:
         return lens, None
     xyz = np.asarray(first.xyz)
     about = find_eye(xyz)
+    later = [np.asarray(frame.xyz) for frame in others]
+    if about is not None and any(len(p) >= FEWEST and shade_of(p, about) is None for p in later):
+        about = None
     place = find_camera(xyz) if about is None and not moves else None
     return None if place is None else find_lens(first, place=place), about

@@ -126,12 +126,17 @@ class View:
     def low(self) -> Mask:
         """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
         xyz = np.asarray(self.frame.xyz, np.float32)
+        if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
+            xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
         return on_ground(xyz) if self.roams else np.zeros(len(xyz), np.bool_)
 
-    @property
+    @cached_property
     def roams(self) -> bool:
-        """Whether a sensor without a pixel grid moves, as a lidar on a car does."""
-        return self.lens is None and self.T_world_frame is not None
+        """Whether a sensor without a pixel grid moves, as a lidar on a car does, or may do: frames
+        that lie in the world do not tell where their lidar was."""
+        if self.lens is not None:
+            return False
+        return self.T_world_frame is not None or (self.eye is None and self._reach > FAR)
 
     @cached_property
     def scans(self) -> bool:
