@@ -142,3 +142,6 @@ def test_what_drove_on_is_found_where_its_points_find_one() -> None:
     found = shifts(car[::4], moved, pose, 0.08)
     off = [np.abs(transform(T, car).mean(0) - car.mean(0) - [1.7, 0.1, 0.0]).max() for T in found]
     assert min(off) < 0.32
+    # A point that flew off, and a thing whose points are all in one place.
+    flown = np.vstack([moved, [[3e7, 0.0, 0.0]]])
+    assert len(shifts(car[::4], flown, pose, 1e-4)) > 0

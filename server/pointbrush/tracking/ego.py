@@ -117,7 +117,7 @@ def register_anywhere(
     """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
     of place than ``enough``, from the others and from where the scenery seems to have gone."""
     best = register(planes, target.tree, starts[0])
-    if best[1] >= enough:
+    if best[1] >= enough or not len(planes.at):
         return best
     moved = transform(starts[0], np.asarray(planes.tree.data))
     shifts = likely_shifts(moved, np.asarray(target.tree.data), planes.cell, SHIFTS)

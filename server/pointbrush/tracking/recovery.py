@@ -25,8 +25,8 @@ SLIDES = (-0.6, -0.3, 0.3, 0.6)
 GRAIN, SHIFTS, APART = 4.0, 8, 2
 """Units of a step between the shifts that points vote for, how many of them are tried, and steps
 up to which two are one, since a fit from either finds both."""
-MOST_VOTED = 300
-"""Steps, most voted for, among which such shifts are looked for."""
+MOST_VOTED, FINEST = 300, 1000
+"""Steps, most voted for, among which such shifts are looked for; and across all that is seen."""
 LIKE = 0.12
 """Colour difference, in the units of ``View.colour``, up to which colours are alike."""
 
@@ -56,14 +56,15 @@ def proposals(model: Model, target: Target, pose: F64) -> list[F64]:
 def shifts(model: F64, target: F64, pose: F64, unit: float) -> list[F64]:
     """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
     find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
-    step = GRAIN * unit
+    world = transform(pose, model)
+    both = np.vstack([target, world])
+    step = max(GRAIN * unit, float(np.ptp(both, axis=0).max()) / FINEST)
     cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
-    world = np.floor(transform(pose, model) / step).astype(np.int64)
-    votes = (cells[:, None] - world).reshape(-1, 3)
+    votes = (cells[:, None] - np.floor(world / step).astype(np.int64)).reshape(-1, 3)
     lo = votes.min(axis=0)
     size = np.ptp(votes, axis=0) + 1
-    count = np.bincount((votes - lo) @ [size[1] * size[2], size[2], 1])
-    likely = np.argsort(-count, kind="stable")[:MOST_VOTED]
+    number, count = np.unique((votes - lo) @ [size[1] * size[2], size[2], 1], return_counts=True)
+    likely = number[np.argsort(-count, kind="stable")[:MOST_VOTED]]
     kept = np.zeros((1, 3), np.int64)
     for shift in np.stack(np.unravel_index(likely, size), axis=1) + lo:
         if len(kept) <= SHIFTS and (np.abs(kept - shift).max(axis=1) > APART).all():
