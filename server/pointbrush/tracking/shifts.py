@@ -34,7 +34,9 @@ def likely_shifts(before: F64, here: F64, cell: float, count: int) -> F64:
     """
     pixel = PIXEL * cell
     middle = np.median(before, axis=0)
-    _, axes = np.linalg.eigh(np.cov((before - middle).T))
+    around = before - middle
+    around = around[(np.abs(around) < WIDTH * pixel).all(axis=1)]
+    _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", around, around))
     wide = axes[:, :0:-1]
     pictures = [_upright((xyz - middle) @ axes[:, ::-1], pixel) for xyz in (before, here)]
     one, other = (np.fft.rfft2(picture) for picture in pictures)
@@ -53,9 +55,9 @@ def likely_shifts(before: F64, here: F64, cell: float, count: int) -> F64:
 
 def _upright(xyz: F64, pixel: float) -> NDArray[np.float64]:
     """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
+    xyz = xyz[(np.abs(xyz[:, :2]) < (WIDTH // 2 - 1) * pixel).all(axis=1)]
     at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + WIDTH // 2
-    inside = ((at >= 0) & (at < WIDTH)).all(axis=1)
-    number, height = at[inside, 0] * WIDTH + at[inside, 1], xyz[inside, 2]
+    number, height = at[:, 0] * WIDTH + at[:, 1], xyz[:, 2]
     high, low = np.full(WIDTH**2, -np.inf), np.full(WIDTH**2, np.inf)
     np.maximum.at(high, number, height)
     np.minimum.at(low, number, height)

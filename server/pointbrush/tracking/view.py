@@ -148,10 +148,10 @@ class View:
 
     @property
     def _reach(self) -> float:
-        """Metres from the middle of the points within which most of them lie."""
+        """Metres from the middle of the points, along each axis, within which most of them lie."""
         if not len(self.xyz):
             return 0.0
-        away = np.linalg.norm(self.xyz - np.median(self.xyz, axis=0), axis=1)
+        away = np.abs(self.xyz - np.median(self.xyz, axis=0).astype(np.float64)).max(axis=1)
         return float(np.quantile(away, MOST))
 
     def firm(self, indices: I64, step: float) -> Mask:
