@@ -20,7 +20,7 @@ from pointbrush.tracking.lens import I32, Lens
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.shade import Shade, shade_of
 
-FAR, MOST = 15.0, 0.9
+FAR, MOST = 15.0, 0.95
 """Metres farther than depth cameras measure, and the share of the points that lie nearer."""
 
 
