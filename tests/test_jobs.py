@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -120,6 +121,29 @@ def test_work_gives_way_to_the_server(seen: Seen) -> None:
         assert runner.wait(job.id, 60).state == "done"
     server = os.getpriority(os.PRIO_PROCESS, 0)
     assert seen.items[0] > server or server == 19  # which nothing can give way to
+
+
+def leave_a_mark() -> None:
+    os.environ["POINTBRUSH_TEST_MARK"] = "ready"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Work that hands over what was left behind in its process."""
+
+    def __call__(self, channel: Channel) -> None:
+        channel.item(os.environ.get("POINTBRUSH_TEST_MARK"))
+
+
+def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
+    with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
+        runner.make_ready(leave_a_mark)
+        job = runner.submit("tracking", "s", Mark(), seen.finish, seen.item)
+        assert runner.wait(job.id, 60).state == "done"
+    assert seen.items == ["ready"]
+    others = multiprocessing.active_children()
+    runner.make_ready(leave_a_mark)  # nothing begins any more
+    assert multiprocessing.active_children() == others
 
 
 def test_cancel_stops_the_work_and_still_finishes(runner: JobRunner, seen: Seen) -> None:

@@ -117,6 +117,15 @@ class JobRunner:
         threading.Thread(target=self._supervise, args=(job.id, running), daemon=True).start()
         return job
 
+    def make_ready(self, function: Callable[[], None]) -> None:
+        """Begin a worker process, where there is none yet, and have it call ``function``.
+
+        Jobs need not wait for its imports then.  Workers of a cluster begin by themselves.
+        """
+        with self._lock:
+            if self._executor is None and not self._closed:
+                self._submit(function)
+
     def jobs(self) -> list[Job]:
         """All remembered jobs, newest first."""
         with self._lock:

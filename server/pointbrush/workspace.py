@@ -33,6 +33,7 @@ from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
 from pointbrush.work.runs import Runs
 from pointbrush.work.strokes import LiveStroke, edit_id
+from pointbrush.work.tracking import load_default_method
 
 __all__ = ["Event", "Provisional", "Retracted", "SequencesChanged", "Workspace"]
 
@@ -65,6 +66,10 @@ class Workspace:
         self.runner.close()
         self._unsubscribe()
         self.store.close()
+
+    def expect_tracking(self) -> None:
+        """Have a worker process made ready for a run, unless jobs have begun one already."""
+        self.runner.make_ready(load_default_method)
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``listener`` at every event, from any thread; returns what undoes it."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import signal
 import ssl
 import stat
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import httpx
@@ -18,7 +20,9 @@ from cryptography import x509
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
 from pointbrush.web import tls
-from pointbrush.web.server import is_loopback, listen, page_url, require_safe
+from pointbrush.web.server import expect_tracking, is_loopback, listen, page_url, require_safe
+from pointbrush.workspace import Workspace
+from tests.serving import add_sequence, settings_in
 
 
 @contextmanager
@@ -51,6 +55,19 @@ def test_it_says_where_it_is_and_ends_in_order(tmp_path: Path) -> None:
             assert client.get(f"{address}/api/v1/me").json()["role"] == "admin"
             assert client.get(f"{address}/trust").status_code == 404
     assert process.returncode in (0, -signal.SIGTERM)
+
+
+def test_who_paints_finds_a_worker_ready(tmp_path: Path) -> None:
+    settings = settings_in(tmp_path)
+    add_sequence(settings, "walls", frames=1, points=500)
+    with closing(Workspace(settings)) as workspace:
+        expect_tracking(workspace)
+        before = len(multiprocessing.active_children())
+        workspace.create_label("walls", "somebody", name="wall", color="#ff0000")
+        deadline = time.monotonic() + 20
+        while len(multiprocessing.active_children()) == before:
+            assert time.monotonic() < deadline, "no worker has begun"
+            time.sleep(0.01)
 
 
 def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:

@@ -14,13 +14,14 @@ import segno
 import uvicorn
 
 from pointbrush.errors import BadInputError
+from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.patience import PatientProtocol
 from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.web.uncopied import UncopiedProtocol
-from pointbrush.workspace import Workspace
+from pointbrush.workspace import Event, Workspace
 
 DRAIN_SECONDS = 5
 BACKLOG = 512
@@ -54,6 +55,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
         # so that the workspace is closed and its worker processes end.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     settle_memory()
+    expect_tracking(workspace)
     try:
         Server(config(app, settings, tls)).run([listener])
     finally:
@@ -176,6 +178,18 @@ def settle_memory() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*COLLECT_AFTER)
+
+
+def expect_tracking(workspace: Workspace) -> None:
+    """Have a worker begin when somebody labels for the first time: tracking is mostly next."""
+
+    def labelled(event: Event) -> None:
+        if isinstance(event, Commit):
+            undo()
+            # To begin a process takes tens of milliseconds, which the stroke should not.
+            threading.Thread(target=workspace.expect_tracking, daemon=True).start()
+
+    undo = workspace.subscribe(labelled)
 
 
 def allow_many_sockets() -> None:

@@ -158,6 +158,11 @@ def require_method(method: str) -> None:
         raise BadInputError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")
 
 
+def load_default_method() -> None:
+    """Import what a run needs, for which a worker's first run would wait."""
+    METHODS["auto"]()
+
+
 @dataclass
 class Findings:
     """What a run has found so far, in the server's process; becomes one edit."""
