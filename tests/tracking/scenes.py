@@ -410,6 +410,28 @@ def passing(frames=14) -> list[Frame]:
     return out
 
 
+def carried(frames=10) -> list[Frame]:
+    """Person 1 walks, person 2 stands, before a camera that somebody carries, 5 frames a second.
+
+    In the camera's coordinates (right, up, ahead), with its poses.
+    """
+    rng = np.random.default_rng(5)
+    sensor = Sensor(192, 168, 130.0)
+    cam = Camera(sensor, room())
+    out = []
+    for i in range(frames):
+        turn, at = np.array([0.02, 0.3 - 0.05 * i, 0.0]), np.array([0.12 * i - 0.5, 1.4, -0.05 * i])
+        sensor.look, sensor.origin = Rotation.from_rotvec(turn).as_matrix(), at
+        parts = person(1, np.array([0.9 - 0.2 * i, 0, 3.2]), -np.pi / 2, 1.2 * i, (60, 110, 200))
+        parts += person(2, np.array([0.9, 0, 2.6]), np.pi, 0.1 * i, (190, 80, 60))
+        frame = cam.shoot(parts, rng)
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = sensor.look, at
+        xyz = ((frame.xyz - at) @ sensor.look).astype(np.float32)
+        out.append(Frame(xyz, frame.rgb, frame.truth, pose=pose))
+    return out
+
+
 def tabletop(seed=0, frames=60, sensor=None) -> list[Frame]:
     rng = np.random.default_rng(seed)
     e = np.eye(3)

@@ -17,6 +17,7 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.astray import find_astray
+from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import grow
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.figures import hang_together
@@ -94,7 +95,11 @@ class Run:
         self.labels = labels
         self.things: dict[int, Thing] = {}
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
-        self.background = self.scene.background
+
+    @property
+    def background(self) -> Background:
+        """What is known of the scene that stands still."""
+        return self.scene.background
 
     def _reach(self, world: F32) -> F32:
         units = [t.unit for t in self.things.values()] or [0.02]

@@ -119,7 +119,7 @@ class ImageBackground:
     hidden: F32 = field(init=False)
     """Where the scene should be behind what was labelled in the first frame."""
     nearest: F32 | None = None
-    """See ``_least``; None where ``depth`` has changed since."""
+    """See ``least``; None where ``depth`` has changed since."""
     anchor: F32 = field(init=False)
     """The depth that each cell, labelled or not, has had for ``age`` frames."""
     age: NDArray[np.int32] = field(init=False)
@@ -161,8 +161,8 @@ class ImageBackground:
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        least = self._before(view)
-        return scenery(*view.cells, indices, frames, least, *self._waver, self._images)
+        nearest = self._before(view)
+        return scenery(*view.cells, indices, frames, nearest, *self._waver, self._images)
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
@@ -208,15 +208,15 @@ class ImageBackground:
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        least = self._before(view)
-        return before(*view.cells, indices, least, self.scale, *self._waver)
+        nearest = self._before(view)
+        return before(*view.cells, indices, nearest, self.scale, *self._waver)
 
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""
         if view.lens is None:
             return np.full_like(self.depth, np.nan)
         if self.nearest is None:
-            self.nearest = _least(self._known, view.lens.shape)
+            self.nearest = least(self._known, view.lens.shape)
         return self.nearest
 
     @property
@@ -286,7 +286,7 @@ class ImageBackground:
         self.nearest = None
 
 
-def _least(known: F32, shape: tuple[int, int]) -> F32:
+def least(known: F32, shape: tuple[int, int]) -> F32:
     """The least of each cell's and its neighbours' depth: at an edge either is seen."""
     least = known.copy()
     depth = np.nan_to_num(known[:-1], nan=np.inf).reshape(shape)

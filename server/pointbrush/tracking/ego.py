@@ -1,7 +1,8 @@
 """How a sensor moves: as the recording tells it, else as the scenery shows it.
 
-Where no poses are known, each frame is registered to the one before it: surfaces that lie still
-stay on their own planes, while what moves is outvoted.  Source: point-to-plane registration, Chen
+Where no poses are known, a depth camera's pictures are compared (odometry.py); other frames are
+registered to the one before: surfaces that lie still stay on their own planes, while what moves is
+outvoted.  Source: point-to-plane registration, Chen
 and Medioni 1991, with the shrinking robust weight of Geman and McClure 1985.
 """
 
@@ -15,7 +16,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
+from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.nonrigid import nodes_of
+from pointbrush.tracking.odometry import Way, moves
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.shifts import likely_shifts
 
@@ -185,6 +188,10 @@ def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] |
             return np.eye(4) if pose is None else np.asarray(back @ pose, np.float64)
 
         return pose_of
+    lens = find_lens(frames(order[0]), moves=True)
+    if lens is not None:
+        asked = [order[at] for at in (0, *TRIES) if at < len(order)]
+        return Way(frames, order, lens).pose if moves(frames, asked, lens) else None
     return None if stands(frames, order) else Ego(frames, order).pose
 
 

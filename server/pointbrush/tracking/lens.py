@@ -60,6 +60,19 @@ class Lens:
         return _cells(self.pixels, np.asarray(xyz, np.float32))
 
     @cached_property
+    def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)
+        """(4, 4) to what is across, down and along the image, from the eye."""
+        across, down = (a for a in range(3) if a != self.axis)
+        turn = np.zeros((3, 3))
+        turn[0, across] = turn[1, down] = 1.0
+        turn[2, self.axis] = self.sign
+        if self.turn is not None:
+            turn = turn @ self.turn
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = turn, -turn @ self.eye
+        return T
+
+    @cached_property
     def pixels(self) -> Pixels:
         """The same for compiled loops."""
         across, down = (a for a in range(3) if a != self.axis)

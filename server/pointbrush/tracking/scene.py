@@ -10,6 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from pointbrush.tracking.background import Background, ImageBackground, Waver, measure_waver
+from pointbrush.tracking.chart import Chart
+from pointbrush.tracking.charted import ChartedBackground
+from pointbrush.tracking.charting import chart_of
 from pointbrush.tracking.earlier import TreeBackground
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
@@ -51,6 +54,7 @@ class Scene:
                 self._waver = measure_waver(depth, self._look(order[1]).depth)
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
+        self._reach = reach
 
     def view(self, number: int) -> View:
         """Frame ``number`` with what is known of the sensor."""
@@ -102,15 +106,28 @@ class Scene:
 
         ``survey``: learn what is behind large things from the whole recording.
         """
+        if survey and self.lens is not None and self._pose_of is not None:
+            self.background = self._charted()
         if not isinstance(self.background, ImageBackground):
             self.background.learn(self.first, first=True)
             return
         self.background.calm(self.first, self._views(self._order[1:CALM]))
         self.background.learn(self.first, first=True)
         if survey:
-            last = len(self._order) - 1
-            apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
-            self.background.survey(self.first, self._views([self._order[i] for i in apart]))
+            self.background.survey(self.first, self._survey())
+
+    def _survey(self) -> list[View]:
+        """Frames apart, of the whole run."""
+        last = len(self._order) - 1
+        apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
+        return self._views([self._order[i] for i in apart])
+
+    def _charted(self) -> ChartedBackground:
+        views = [self.first, *self._survey()]
+        if len(views) > 1:
+            before = Chart.of(self.first, self.first.depth).drawn(views[1])
+            self._waver = measure_waver(before, views[1].depth)
+        return ChartedBackground(self._reach, self._waver, chart_of(views, self._waver))
 
     def _views(self, numbers: Sequence[int]) -> list[View]:
         return [self._look(number) for number in numbers]

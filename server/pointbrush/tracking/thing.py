@@ -180,7 +180,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     model.hits[:] = SURE
     count = len(indices)
     motion = Motion(model.centre)
-    still = view.lens is not None and view.T_world_frame is None
+    still = view.lens is not None
     low = float(view.low[indices].mean())
     return Thing(
         label,

@@ -93,6 +93,12 @@ class View:
         """(4, 4) from the world to the frame's coordinates."""
         return np.eye(4) if self.T_world_frame is None else inverse(self.T_world_frame)
 
+    @cached_property
+    def T_picture_world(self) -> F64:  # noqa: N802
+        """(4, 4) from the world to what is across, down and along the image; needs a lens."""
+        assert self.lens is not None  # noqa: S101
+        return self.lens.T_picture_frame @ self.T_frame_world
+
     def labelled(self) -> Mask:
         """(N,) points of any of the labels, a new array."""
         mask = np.zeros(len(self.xyz), np.bool_)

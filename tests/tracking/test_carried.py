@@ -1,0 +1,72 @@
+"""People before a depth camera that is carried: its way, the scene behind them, and they."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from conftest import follow
+
+from pointbrush.tracking import FrameResult
+from pointbrush.tracking.background import Waver
+from pointbrush.tracking.charting import chart_of
+from pointbrush.tracking.ego import sensor_poses
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.registration import inverse, transform
+from pointbrush.tracking.view import View
+
+
+@pytest.fixture(scope="module")
+def carried() -> list[scenes.Frame]:
+    return scenes.carried()
+
+
+@pytest.fixture(scope="module")
+def followed(carried: list[scenes.Frame]) -> list[FrameResult]:
+    return follow([replace(frame, pose=None) for frame in carried])
+
+
+def test_the_way_of_a_camera_is_found_in_its_pictures(carried: list[scenes.Frame]) -> None:
+    poses = sensor_poses([replace(f, pose=None) for f in carried].__getitem__, range(len(carried)))
+    assert poses is not None
+    for number, frame in enumerate(carried):
+        scene = frame.xyz[frame.truth == 0].astype(np.float64)
+        true = inverse(carried[0].pose) @ frame.pose
+        off = np.linalg.norm(transform(poses(number), scene) - transform(true, scene), axis=1)
+        assert np.median(off / np.linalg.norm(scene, axis=1)) < 0.01
+
+
+def test_a_camera_at_rest_is_not_moved_by_who_passes_close_by(passing: list[scenes.Frame]) -> None:
+    frames = [replace(f, xyz=f.xyz - np.float32([0.0, 1.0, 0.0]), viewpoint=None) for f in passing]
+    assert find_lens(frames[0], moves=True) is not None
+    assert sensor_poses(frames.__getitem__, range(len(frames))) is None
+
+
+def test_the_scene_is_charted_without_who_moves_and_who_is_labelled(
+    carried: list[scenes.Frame],
+) -> None:
+    lens = find_lens(carried[0], moves=True)
+    back = inverse(carried[0].pose)
+    views = [View(i, f, lens, back @ f.pose) for i, f in enumerate(carried)]
+    views[0].labels = {n: np.flatnonzero(carried[0].truth == n) for n in (1, 2)}
+    chart = chart_of(views, Waver(0.001, 0.001))
+    for view, frame in zip(views, carried, strict=True):
+        cell, depth = view.cells
+        there = depth > chart.drawn(view)[cell] - 0.05
+        assert there[frame.truth == 0].mean() > 0.85
+        for label in (1, 2):
+            assert there[frame.truth == label].mean() < 0.05
+
+
+def test_people_are_followed_before_a_camera_that_is_carried(
+    carried: list[scenes.Frame], followed: list[FrameResult]
+) -> None:
+    for result in followed[1:]:
+        truth = carried[result.frame].truth
+        for label in (1, 2):
+            found = result.assignments[label]
+            both = np.count_nonzero(truth[found] == label)
+            assert both > 0.8 * (np.count_nonzero(truth == label) + len(found) - both)
+            assert result.tracks[label].state == "tracked"
