@@ -13,7 +13,8 @@ def test_after_preparing_no_run_waits_for_a_loop_to_be_compiled() -> None:
     prepare()
     with event.install_recorder("numba:compile") as compiled_now:
         track(generate("tabletop", 2, 3), "auto")
-        track(generate("walking", 2, 3), "auto")
+        for moved in (0.0, 0.02):
+            track(generate("walking", 2, 3), "auto", moved)
     assert compiled_now.buffer == []
 
 

@@ -25,7 +25,7 @@ class _Frame:
     """A ``TrackFrame`` in memory."""
 
     made: PointFrame
-    pose: None = None
+    pose: NDArray[np.float64] | None = None
     intensity: None = None
 
     @property
@@ -48,13 +48,23 @@ class _Frame:
 def prepare() -> None:
     """Track small samples by every method; by the paper's, whose loops are few, a step."""
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
+    track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
     for method in METHODS.keys() - {"auto"}:
         track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
 
 
-def track(recording: Recording, method: str) -> None:
-    """Track all that is labelled in the first frame of a recording to its end."""
-    frames = [_Frame(made) for made in recording.frames]
+def _aside(way: float) -> NDArray[np.float64]:
+    pose = np.eye(4)
+    pose[0, 3] = way
+    return pose
+
+
+def track(recording: Recording, method: str, moved: float = 0.0) -> None:
+    """Track all that is labelled in the first frame of a recording to its end.
+
+    ``moved`` metres by which its sensor is said to move from frame to frame.
+    """
+    frames = [_Frame(made, _aside(n * moved)) for n, made in enumerate(recording.frames)]
     first = recording.truth[0]
     seeds = [Seed(n, np.flatnonzero(first == n)) for n in np.unique(first).tolist() if n]
     run = METHODS[method]().track(
