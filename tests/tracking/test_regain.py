@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scenes
 
+from pointbrush.tracking.assign import cut_off
 from pointbrush.tracking.background import ImageBackground, Waver
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.place import Place
@@ -16,8 +17,13 @@ from pointbrush.tracking.view import View
 BLUE, SKIN = (40, 90, 200), (210, 160, 130)
 
 
-def shot(colour: tuple[int, int, int], reach: float) -> tuple[View, ImageBackground]:
-    """A blue box, label 1; beside it a block of ``colour``, label 2, that goes on for ``reach``."""
+def shot(
+    colour: tuple[int, int, int], reach: float, behind: float = 0.0
+) -> tuple[View, ImageBackground]:
+    """A blue box, label 1; beside it a block of ``colour``, label 2, that goes on for ``reach``.
+
+    Or that comes out ``behind`` metres behind the box's face.
+    """
     rng = np.random.default_rng(2)
     camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
     empty = camera.shoot([], rng)
@@ -32,7 +38,7 @@ def shot(colour: tuple[int, int, int], reach: float) -> tuple[View, ImageBackgro
     block = scenes.Part(
         2,
         colour,
-        np.array([0.1 + reach, 1.2, 1.6]),
+        np.array([0.1 + (reach if not behind else 0.0), 1.2, 1.6 + behind]),
         np.array([reach, 0.06, 0.1]),
         rot=np.eye(3),
     )
@@ -87,3 +93,11 @@ def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:
     assert len(lost_pieces(thing, view, place, core, has, background)) > 0.8 * len(beside)
     background.hidden = view.depth.copy()  # the scene, drawn on behind the first objects, is there
     assert not len(lost_pieces(thing, view, place, core, has, background))
+
+
+def test_what_comes_out_from_behind_the_thing_is_cut_off_by_it_alone() -> None:
+    view, _ = shot(BLUE, 0.06, behind=0.13)
+    core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
+    assert cut_off(view, beside, 0.03, by=core)
+    assert not cut_off(view, beside, 0.03, by=np.empty(0, np.int64))
+    assert not cut_off(view, core, 0.03, by=beside)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,6 +97,14 @@ def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
     return result
 
 
+def without(free: Mask, claims: Iterable[Claim]) -> Mask:
+    """Which points (N,) are ``free``, and no claim's."""
+    left = free.copy()
+    for claimed in claims:
+        left[claimed.indices] = False
+    return left
+
+
 def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
     """Which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach`` metres."""
     joined = np.zeros(len(rest), np.bool_)
@@ -144,11 +153,12 @@ def blob(
     return None
 
 
-def cut_off(view: View, rest: I64, step: float, most: float = 0.05) -> bool:
+def cut_off(view: View, rest: I64, step: float, most: float = 0.05, by: I64 | None = None) -> bool:
     """Whether something nearer to the sensor hides how the points ``rest`` go on.
 
     What ends where an outline ``step`` metres in front of it begins may go on behind it;
-    ``most`` is the share of the points that may lie at such an outline by chance.
+    ``most`` is the share of the points that may lie at such an outline by chance; ``by``: only the
+    points (M,) of the frame that count as nearer.
     """
     if view.lens is None or not len(rest):
         return False
@@ -158,4 +168,8 @@ def cut_off(view: View, rest: I64, step: float, most: float = 0.05) -> bool:
     around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
     with np.errstate(invalid="ignore"):
         nearer = view.depth[around] < depth[rest][:, None] - step
+    if by is not None:
+        hiding = np.zeros(len(view.depth), np.bool_)
+        hiding[cell[by]] = True
+        nearer &= hiding[around]
     return float(nearer.any(axis=1).mean()) > most

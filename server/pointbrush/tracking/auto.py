@@ -118,11 +118,11 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         self.things[label] = thing
-        self._set_rivals(thing, view, self._around(thing, view, indices))
+        self._set_rivals(thing, view, self._around(thing, view, thing.model.xyz))
 
-    def _around(self, thing: Thing, view: View, indices: I64) -> I64:
-        """The unlabelled points beside a person's points of a thing."""
-        lo, hi = bounds(view.xyz[indices])
+    def _around(self, thing: Thing, view: View, world: F64) -> I64:
+        """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
+        lo, hi = bounds(world)
         margin = 0.5 * thing.model.radius + 4 * thing.unit
         around = view.box(lo - margin, hi + margin)
         return around[~view.labelled()[around]]
@@ -264,7 +264,8 @@ class Run:
         pose = taught(thing, view, points)
         if pose is None:
             return self._reseed(thing, view, points)
-        self._set_rivals(thing, view, self._around(thing, view, points))
+        world = transform(pose, thing.model.xyz)
+        self._set_rivals(thing, view, self._around(thing, view, world))
         return _painted(len(points), pose)
 
     def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:

@@ -25,6 +25,9 @@ RARELY, MOSTLY = 0.25, 0.5
 """Share of the frames that must show the scene, and show what lies off the scene drawn on."""
 FAINT = 0.5
 """Deviations from which a point may be of something that touches the background there."""
+SAME, STEPPED, TO_AND_FRO = 1e-4, 0.2, 0.4
+"""Metres up to which depths are the same, share of them that are where depth comes in steps, and
+the standard deviation of what goes to and fro between two steps, in steps."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
 
@@ -95,7 +98,7 @@ def measure_waver(one: F32, other: F32) -> Waver:
     square = one[both].astype(np.float64) ** 2
     parts = np.array_split(np.argsort(square, kind="stable"), 10)
     x = np.array([float(np.median(square[p])) for p in parts])
-    y = np.array([float(np.median(change[p])) * 1.05 for p in parts])
+    y = np.array([_spread(change[p]) for p in parts])
     # Slopes of pairs, and their median: what moved between the images spoils a part or two.
     one_part, other_part = np.triu_indices(len(x), 1)
     run = x[other_part] - x[one_part]
@@ -103,6 +106,18 @@ def measure_waver(one: F32, other: F32) -> Waver:
     growing = max(0.0, float(np.median(slopes))) if len(slopes) else 0.0
     still = float(np.median(y - growing * x))
     return Waver(max(still, 5e-4), growing)
+
+
+def _spread(change: F32) -> float:
+    """Standard deviation of depths that differ by ``change`` (M,) between two images.
+
+    What comes in steps, as a first Kinect's does, is mostly the same or a step away.
+    """
+    gaussian = float(np.median(change)) * 1.05
+    other = change[change > SAME]
+    if len(other) > (1.0 - STEPPED) * len(change) or not len(other):
+        return gaussian
+    return max(gaussian, TO_AND_FRO * float(np.median(other)))
 
 
 @dataclass(eq=False)

@@ -42,6 +42,9 @@ AGAIN = 7.0
 """Units within which something unlabelled is taken to be where it was."""
 STAYED = 0.25
 """Units by which a thing moves that stays where it is."""
+LONGER = 2.0
+"""Radii beyond where a thing was looked for in which it may end: painted end on, it is longer than
+its model."""
 WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
@@ -101,7 +104,7 @@ def grow(
         rest = place.moving[~taken[place.moving]]
         if len(core) < 5 or thing.large:
             continue
-        new = _whole(thing, view, place, core, taken) if len(rest) else None
+        new = _whole(thing, view, place, core, taken, free) if len(rest) else None
         place.whole = new is not None
         if new is None:
             new = _adjoin(thing, view, place, core, rest)
@@ -148,16 +151,22 @@ def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     return carved(thing.glimpses, view, place.pose, points, thing.unit)
 
 
-def _whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask) -> I64 | None:
+def _whole(
+    thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: Mask
+) -> I64 | None:
     """The rest of a closed blob around the core, None where it is not one object."""
     if thing.bends:
         return None
-    other = np.ones(len(view.xyz), np.bool_)
+    other = free.copy()
     other[core] = False
-    near = place.around[other[place.around]]
+    around, (lo, hi) = place.around, place.box
+    if view.lens is not None:
+        lo, hi = lo - LONGER * thing.model.radius, hi + LONGER * thing.model.radius
+        around = view.box(lo, hi)
+    near = around[other[around]]
     more = 1.2 if view.roams else 0.5
     most = int(max(more * len(core) + 10, 1.8 * thing.size - len(core)))
-    new = blob(view, core, near, 2.5 * thing.unit, most, place.box)
+    new = blob(view, core, near, 2.5 * thing.unit, most, (lo, hi))
     if new is None or not len(new):
         return new
     before = _was_there(thing, view, new)

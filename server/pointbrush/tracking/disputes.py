@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, decide
+from pointbrush.tracking.assign import Claim, decide, without
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import own_points
 from pointbrush.tracking.crowd import reclaim, recognised
@@ -54,7 +54,7 @@ def settle_conflicts(
         if len(decided[label].indices) >= KEPT * len(before[label].indices):
             continue
         others = [found for other, found in decided.items() if other != label]
-        search = crop(things[label], view, background, _without(free, others))
+        search = crop(things[label], view, background, without(free, others))
         if search is None:
             continue
         place, claim = placed(things[label], view, search)
@@ -65,6 +65,8 @@ def settle_conflicts(
         anothers = had < ANOTHERS * len(before[label].indices) and place.cost < places[label].cost
         if has > (ANOTHERS if anothers else GAIN) * had:
             decided, claims, places[label] = better, again, place
+    for label, place in places.items():
+        place.kept = len(decided[label].indices) / max(len(claims[label].indices), 1)
     return decided
 
 
@@ -83,7 +85,7 @@ def look_for(
     are given.
     """
     loose: dict[int, I64] = {}
-    free = _without(free, claims.values())
+    free = without(free, claims.values())
     for thing in absent:
         search = None if thing.stopped else crop(thing, view, background, free)
         if search is None:
@@ -116,15 +118,8 @@ def bodies_left(
     if not loose:
         return {}
     moving = np.unique(np.concatenate(list(loose.values())))
-    left = _without(np.ones(len(view.xyz), np.bool_), claims.values())
+    left = without(np.ones(len(view.xyz), np.bool_), claims.values())
     for points in grown.values():
         left[points] = False
     moving = moving[left[moving] & background.certain(view, moving)]
     return reclaim(view, {label: things[label] for label in loose}, moving)
-
-
-def _without(free: Mask, claims: Iterable[Claim]) -> Mask:
-    left = free.copy()
-    for claim in claims:
-        left[claim.indices] = False
-    return left

@@ -27,7 +27,8 @@ LEAST = 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 LAST = (2.5, 2.0, 2.0)
 """Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
-TRIES = 6
+TRIES, TRIES_FRESH = 6, 18
+"""Guesses that are fitted beside the predictions, and while the motion is unknown."""
 STILL, STILL_FIRST, AS_WELL = 1.0, 3.0, 0.03
 """Units by which a thing at rest seems to move at most, more before a lidar in the first frames,
 since it slips along its rings; and what it may cost more to leave it."""
@@ -43,6 +44,8 @@ CLEAR, GOOD, HARDLY_WORSE = 0.12, 0.2, 1.25
 guess; and how many times the cost of the best guess the next may have to be tried."""
 SELDOM = 4
 """Frames in one of which other places are tried again where they were no better before."""
+ELSEWHERE = 0.5
+"""Radii between two guesses from which they are at different places."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
 
@@ -78,10 +81,12 @@ def register(search: Search) -> tuple[F64, float]:
     if unknown or doubtful:
         before = min(scores)
         others = [*_elsewhere(search), *search.guesses]
-        poses, scores = _try(search, others, TRIES, poses, scores)
+        tries = TRIES_FRESH if motion.fresh and search.thing.handy else TRIES
+        poses, scores = _try(search, others, tries, poses, scores)
         if motion.fresh or min(scores) > doubt:
-            others = nudges(model, poses[np.argmin(scores)])
-            poses, scores = _try(search, others, TRIES // 2, poses, scores)
+            others = _nudged(search, poses, scores)
+            tries = TRIES if motion.fresh and search.thing.handy else TRIES // 2
+            poses, scores = _try(search, others, tries, poses, scores)
         search.vain = min(scores) > before - AS_WELL
     elif min(scores) > doubt:
         search.vain = search.thing.vain
@@ -101,7 +106,19 @@ def _elsewhere(search: Search) -> list[F64]:
     model, guess = search.thing.model, search.guesses[0]
     if search.thing.scanned:
         return shifts(model.xyz[search.few], search.target.xyz, guess, search.thing.unit)
-    return proposals(model, search.target, guess)
+    return proposals(search.thing, search.target, guess)
+
+
+def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
+    """Poses beside the best and, while the motion is unknown, beside the best at another place."""
+    thing, best = search.thing, int(np.argmin(scores))
+    others = nudges(thing.model, poses[best])
+    if thing.motion.fresh and thing.handy:
+        at = transform_each(poses, thing.model.centre[None])[:, 0]
+        away = np.linalg.norm(at - at[best], axis=1) > ELSEWHERE * thing.model.radius
+        if away.any():
+            others += nudges(thing.model, poses[np.argmin(np.where(away, scores, np.inf))])
+    return others
 
 
 def _rests(search: Search, pose: F64, score: float) -> bool:
@@ -155,17 +172,40 @@ def _likeliest(search: Search) -> I64:
 def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
     """Fit the likeliest of the guesses, and add them with their scores.
 
-    Half of them are chosen by what is seen alone: what is thrown or knocked goes on elsewhere than
-    any prediction.
+    Half of them are chosen by what is seen alone, in turn over the places: what is thrown or
+    knocked goes on elsewhere than any prediction, and the likeliest may all be at one wrong place.
     """
     thing, some, tried = search.thing, search.few, np.stack(guesses)
     at = look(thing, search.view, some, tried, search.own)
     seen = costs_of(thing, search.target, some, at, 6 * thing.unit)
     order = np.argsort(seen + _surprise(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
-    likely = tried[np.append(first, rest[np.argsort(seen[rest], kind="stable")[: most // 2]])]
+    rest = rest[np.argsort(seen[rest], kind="stable")]
+    if thing.handy:
+        rest = _over_places(thing, tried, first, rest)
+    likely = tried[np.append(first, rest[: most // 2])]
     new = _fits(search, some, likely, WIDE).T
     return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
+
+
+def _over_places(thing: Thing, poses: F64, first: I64, rest: I64) -> I64:
+    """The ``rest`` (M,) of the poses (K, 4, 4), in turn over the places that the thing has there.
+
+    The ``first`` (N,) have had their turns.
+    """
+    at = transform_each(poses, thing.model.centre[None])[:, 0]
+    places, turns = np.empty((0, 3)), np.empty(0, np.int64)
+    turn = np.zeros(len(poses), np.int64)
+    for one in [*first.tolist(), *rest.tolist()]:
+        away = np.linalg.norm(places - at[one], axis=1)
+        if not len(away) or away.min() > ELSEWHERE * thing.model.radius:
+            places, turns = np.vstack([places, at[one]]), np.append(turns, 0)
+            nearest = len(places) - 1
+        else:
+            nearest = int(np.argmin(away))
+        turn[one] = turns[nearest]
+        turns[nearest] += 1
+    return rest[np.argsort(turn[rest], kind="stable")]
 
 
 def _scores(search: Search, poses: F64) -> F64:

@@ -28,6 +28,8 @@ class Place:
     """It was found far from where it was predicted: its motion begins here."""
     faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Those of ``near`` that are hardly before the background."""
+    kept: float = 1.0
+    """Share of what it claimed there that no other thing has."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))

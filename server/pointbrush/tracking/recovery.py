@@ -9,9 +9,13 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model import Model
 from pointbrush.tracking.near import gaps
+from pointbrush.tracking.pieces import pieces
 from pointbrush.tracking.registration import Target, transform
+from pointbrush.tracking.thing import Thing
 
-CLUSTERS = 4
+CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
+"""Clusters that are looked at, points of one at least, and radii of the model that one that ends
+all round has at most."""
 TURN = np.radians(40.0)
 TURNS = [
     np.asarray(Rotation.from_rotvec(sign * TURN * axis).as_matrix())
@@ -31,18 +35,19 @@ LIKE = 0.12
 """Colour difference, in the units of ``View.colour``, up to which colours are alike."""
 
 
-def proposals(model: Model, target: Target, pose: F64) -> list[F64]:
+def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     """Poses (4, 4) to try for an object whose motion is not known.
 
     Where ``pose`` puts it, and on each of the target's likeliest clusters: as ``pose`` has
     turned it, turned by TURN about each axis either way, and with its longest direction along
     the cluster's, both ways round.
     """
+    model = thing.model
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, length = _axis(world)
     result = [_move(pose, middle, middle, R) for R in TURNS]
-    for centre, points in _clusters(model, target):
+    for centre, points in _clusters(thing, target):
         result.append(_move(pose, middle, centre, np.eye(3)))
         result += [_move(pose, middle, centre, R) for R in TURNS]
         along, other = _axis(points)
@@ -96,13 +101,17 @@ def alike(model: Model, colour: F32) -> Mask:
     return np.isfinite(gaps(colour, palette, LIKE))
 
 
-def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:
-    points = target.xyz
+def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
+    """Middles (3,) and points (M, 3) of the target's likeliest clusters.
+
+    Those that end all round, and then where most points are.
+    """
+    model, points = thing.model, target.xyz
     if target.weight > 0:
         points = points[alike(model, target.colour)]
-    found: list[tuple[F64, F64]] = []
+    found = _alone(model, points, thing.unit) if thing.handy else []
     radius = max(model.radius, 1e-3)
-    while len(points) >= 8 and len(found) < CLUSTERS:
+    while len(points) >= FEWEST and len(found) < CLUSTERS:
         some = points[:: max(1, len(points) // 60)]
         near = cKDTree(points).query_ball_point(some, 0.6 * radius, return_length=True)
         centre = some[int(np.argmax(near))]
@@ -112,11 +121,27 @@ def _clusters(model: Model, target: Target) -> list[tuple[F64, F64]]:
                 break
             centre = points[inside].mean(axis=0)
         inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
-        if inside.sum() < 8:
+        if inside.sum() < FEWEST:
             break
         found.append((centre, points[inside]))
         points = points[~inside]
     return found
+
+
+def _alone(model: Model, points: F64, unit: float) -> list[tuple[F64, F64]]:
+    """Middles and points of the pieces no larger than the model, the largest first."""
+    if len(points) < FEWEST:
+        return []
+    piece = pieces(points, unit)
+    size = np.bincount(piece)
+    found = []
+    for one in np.argsort(-size, kind="stable")[: 2 * CLUSTERS].tolist():
+        mine = points[piece == one]
+        middle = mine.mean(axis=0)
+        far = float(np.linalg.norm(mine - middle, axis=1).max())
+        if len(mine) >= FEWEST and far < SPAN * model.radius:
+            found.append((middle, mine))
+    return found[:CLUSTERS]
 
 
 def _axis(xyz: F64) -> tuple[F64, float]:

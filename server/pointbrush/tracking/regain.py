@@ -8,15 +8,13 @@ but the thing and what never moves, and has the colours that the thing was paint
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from pointbrush.tracking.assign import cut_off
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import ENOUGH, carved
-from pointbrush.tracking.columns import pairs
-from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.pieces import pieces
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -26,8 +24,6 @@ SHRUNK, MOST = 0.85, 1.1
 given pieces."""
 LEAST = 0.01
 """Share of its size that a piece has at least."""
-CELL, TOUCH = 1.5, 1.75
-"""Units of a cell, and cells between the middles of two that touch."""
 BESIDE, LONELY = 2.5, 6.0
 """Units between a thing and what touches it, and around a piece where nothing else may be."""
 FEW, SHARP = 0.2, 0.2
@@ -71,15 +67,6 @@ def lost_pieces(
     return np.sort(np.concatenate(found))
 
 
-def pieces(xyz: F64, unit: float) -> I64:
-    """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
-    cell = cells_of(xyz, CELL * unit)
-    middle = means_of(xyz, cell)
-    touching = pairs(middle, TOUCH * CELL * unit)
-    links = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(len(middle),) * 2)
-    return np.asarray(connected_components(links, directed=False)[1][cell], np.int64)
-
-
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
     """Whether a piece touches the thing and no ``others`` (M, 3), and looks like it."""
     xyz = view.xyz[points].astype(np.float64)
@@ -88,6 +75,9 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
     if thing.worn.share(view.colour(points)) < ALIKE:
         return False
     if np.count_nonzero(np.isfinite(gaps(others, xyz, LONELY * thing.unit))) > FEW * len(points):
+        return False
+    # What goes on behind the thing itself is what holds it.
+    if cut_off(view, points, 3 * thing.unit, by=core):
         return False
     if thing.soft or len(thing.glimpses) < ENOUGH:
         return True

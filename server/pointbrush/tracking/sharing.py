@@ -7,21 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.fit import DOUBT, DOUBT_LARGE
+from pointbrush.tracking.fit import CLEAR, DOUBT, DOUBT_LARGE
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.locate import FEWEST, Search
 from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.registration import Target, transform
+from pointbrush.tracking.thing import Thing
 
 
 def share_out(searches: Iterable[Search]) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
-    sure = [
-        s
-        for s in searches
-        if min(s.costs) < (DOUBT_LARGE if s.thing.large else DOUBT) and not s.thing.motion.fresh
-    ]
+    sure = [s for s in searches if min(s.costs) < _limit(s.thing)]
     ghosts = {id(s): _ghost(s) for s in searches}
     new: list[tuple[Search, Target]] = []
     for search in searches:
@@ -43,6 +40,13 @@ def share_out(searches: Iterable[Search]) -> None:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
         search.aim(target)
+
+
+def _limit(thing: Thing) -> float:
+    """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
+    if thing.motion.fresh:
+        return CLEAR if thing.handy else 0.0
+    return DOUBT_LARGE if thing.large else DOUBT
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,6 +12,7 @@ from pointbrush.tracking.carve import Glimpse
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
+from pointbrush.tracking.pieces import solid
 from pointbrush.tracking.registration import Target, inverse, transform
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
@@ -86,7 +87,7 @@ class Thing:
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
-    ``away`` metres from that.
+    ``away`` metres from that; ``imaged`` whether a sensor with a depth image does.
     """
 
     label: int
@@ -111,6 +112,7 @@ class Thing:
     stands: bool = True
     away: float = 0.0
     scanned: bool = False
+    imaged: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -147,6 +149,11 @@ class Thing:
         return self.still and self.large
 
     @property
+    def handy(self) -> bool:
+        """Whether it is small and before a sensor that sees depth images: it may be thrown."""
+        return self.imaged and not self.large
+
+    @property
     def span(self) -> float:
         """Metres from its middle that may hold all of it, hidden parts too."""
         return max(self.model.radius, self.extent)
@@ -168,7 +175,22 @@ class Thing:
 
 
 def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
-    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there."""
+    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there.
+
+    A small one before a depth camera without its flying pixels; among those of a large one they
+    do not matter.
+    """
+    thing = _made(view, label, indices, noise, rivals)
+    if view.lens is None:
+        return thing
+    kept = solid(view.xyz[indices].astype(np.float64), thing.unit)
+    if kept.all():
+        return thing
+    without = _made(view, label, indices[kept], noise, rivals)
+    return thing if without.large else without
+
+
+def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     spacing, speckle = _texture(xyz, colour)
@@ -196,6 +218,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         flat=low > FLAT,
         stands=low < STANDS,
         scanned=view.scans,
+        imaged=view.lens is not None,
     )
 
 

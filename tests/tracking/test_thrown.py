@@ -1,0 +1,113 @@
+"""Things in the air: painted with what flies about them, or in part; alike; in steps of depth."""
+
+from __future__ import annotations
+
+import numpy as np
+import scenes
+
+from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.background import ImageBackground, Waver, measure_waver
+from pointbrush.tracking.belong import grow, own_points
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.pieces import solid
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.scenery import NEAR
+from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.view import View
+
+BLUE, GREEN = (40, 90, 200), (60, 160, 70)
+
+
+def ious(frames: list[scenes.Frame]) -> dict[int, list[float]]:
+    """Of each label of the first frame, in each frame after it."""
+    first = frames[0].truth
+    labels = [int(n) for n in np.unique(first) if n]
+    seeds = [Seed(n, np.flatnonzero(first == n)) for n in labels]
+    options = TrackOptions(continue_lost=True)
+    run = METHODS["auto"]().track(
+        frames.__getitem__, range(len(frames)), seeds, lambda _: None, options
+    )
+    result: dict[int, list[float]] = {n: [] for n in labels}
+    for found in run:
+        for n in labels:
+            truth = frames[found.frame].truth == n
+            mine = np.zeros(len(truth), bool)
+            mine[found.assignments.get(n, [])] = True
+            if found.frame:
+                result[n].append(float((mine & truth).sum() / max(1, (mine | truth).sum())))
+    return result
+
+
+def club(label: int, at: np.ndarray, R: np.ndarray) -> list[scenes.Part]:
+    """A bat, half a metre long."""
+    along = R @ [0.0, 0.25, 0.0]
+    return [
+        scenes.Part(label, BLUE, at, at + along, 0.05, 0.035),
+        scenes.Part(label, GREEN, at - along, at, 0.02, 0.045),
+    ]
+
+
+def test_flying_pixels_of_what_was_painted_are_no_part_of_it() -> None:
+    rng = np.random.default_rng(1)
+    pin = rng.uniform([-0.03, -0.25, 2.0], [0.03, 0.25, 2.05], (400, 3))
+    flying = rng.uniform([-0.05, -0.25, 2.1], [0.05, 0.25, 5.0], (30, 3))
+    kept = solid(np.concatenate([pin, flying]), 0.01)
+    assert kept[:400].mean() > 0.98
+    assert kept[400:].mean() < 0.2
+    assert solid(flying, 0.01).all()  # nothing else was painted
+    # Every outline of these recordings has flying pixels.
+    found = ious(scenes.juggling(5, 20))
+    assert min(np.mean(of) for of in found.values()) > 0.85
+
+
+def test_like_things_that_start_beside_each_other_stay_apart() -> None:
+    found = ious(scenes.juggling(7, 8))
+    assert min(np.mean(of) for of in found.values()) > 0.6
+
+
+def test_what_is_alone_is_taken_whole_though_it_is_longer_than_it_was_known_to_be() -> None:
+    rng = np.random.default_rng(2)
+    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+    frames = [camera.shoot(club(1, np.array([x, 1.4, 1.9]), np.eye(3)), rng) for x in (0.0, 0.3)]
+    lens = find_lens(frames[0])
+    first, view = View(0, frames[0], lens), View(1, frames[1], lens)
+    unknown = np.full_like(first.depth, np.nan)
+    background = ImageBackground(
+        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+    )
+    mine = np.flatnonzero(first.frame.truth == 1)
+    first.labels = {1: mine}
+    background.learn(first, first=True)
+    end = mine[first.xyz[mine, 1] > 1.4]
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    thing = begin(first, 1, end, 0.004, none)
+    pose = np.eye(4)
+    pose[0, 3] = 0.3
+    box = (thing.model.xyz.min(axis=0) + [0.3, 0, 0] - 0.15, thing.model.xyz.max(axis=0) + 0.45)
+    around = view.box(*box)
+    place = Place(pose, thing.model.xyz + [0.3, 0, 0], box, around, around, around, 0.05)
+    core = own_points(thing, view, place)
+    thing.size = 0.7 * float((view.frame.truth == 1).sum())
+    free = np.ones(len(view.xyz), np.bool_)
+    grown, _ = grow({1: thing}, view, {1: place}, {1: core}, free, background)
+    assert place.whole
+    truth = view.frame.truth == 1
+    assert truth[grown[1]].mean() > 0.95
+    assert len(grown[1]) + len(core.indices) > 0.9 * truth.sum()
+
+
+def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:
+    rng = np.random.default_rng(4)
+    true = np.sort(rng.uniform(1.0, 5.5, 40_000))
+
+    def image() -> np.ndarray:
+        disparity = 580 * 0.075 / true + rng.normal(0, 0.04, len(true))
+        return (580 * 0.075 / (np.round(disparity * 8) / 8)).astype(np.float32)
+
+    waver = measure_waver(image(), image())
+    for depth in (2.0, 5.0):
+        step = depth**2 / (8 * 580 * 0.075)
+        assert step < NEAR * float(waver(np.float32(depth))) < 2.5 * step
+    # Without steps nothing has changed.
+    smooth = [(true + rng.normal(0, 0.01, len(true))).astype(np.float32) for _ in range(2)]
+    assert 0.008 < float(measure_waver(*smooth)(np.float32(3.0))) < 0.012
