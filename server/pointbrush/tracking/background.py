@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, continued, drawn_on, farthest, wavering
-from pointbrush.tracking.standing import HIDDEN, Images, before, scenery, stood
+from pointbrush.tracking.standing import HIDDEN, Images, before, scenery, stood, uncovered
 from pointbrush.tracking.view import View
 
 ROUGHLY = 0.93
@@ -247,16 +247,8 @@ class ImageBackground:
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
-        hider = self.hider[view.cells[0]]
-        points = np.flatnonzero(hider)
-        cell, depth = view.cells[0][points], view.cells[1][points]
-        limit = NEAR * self.waver(depth)
-        shown = np.abs(depth - self.previous[cell]) < limit
-        shown &= depth > self.hiding[cell] + limit
-        points = points[shown]
-        points = points[~self.drawn_on(view, points)]
-        points = points[~self.static(view, points)[0]]
-        return points, hider[points].astype(np.int64)
+        points = uncovered(*view.cells, self.hider, self.hiding, *self._waver, self._images)
+        return points, self.hider[view.cells[0][points]].astype(np.int64)
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""

@@ -86,3 +86,29 @@ def scenery(
         stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
         result[i] = goes_on or stuck
     return result
+
+
+@compiled
+def uncovered(
+    cells: I32,
+    depths: F32,
+    hider: NDArray[np.int32],
+    hiding: F32,
+    still: float,
+    growing: float,
+    images: Images,
+) -> I64:
+    """See ``Background.uncovered``: the points (M,)."""
+    found = np.empty(len(cells), np.int64)
+    count = 0
+    for i in range(len(cells)):
+        cell, depth = cells[i], depths[i]
+        if hider[cell] == 0:
+            continue
+        limit = NEAR * (still + growing * depth * depth)
+        shown = abs(depth - images.previous[cell]) < limit and depth > hiding[cell] + limit
+        goes_on = depth > HIDDEN * images.hidden[cell] - limit
+        if shown and not goes_on and not depth - images.depth[cell] > -limit:
+            found[count] = i
+            count += 1
+    return found[:count].copy()

@@ -132,9 +132,11 @@ class View:
     def low(self) -> Mask:
         """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
         xyz = np.asarray(self.frame.xyz, np.float32)
+        if not self.roams:
+            return np.zeros(len(xyz), np.bool_)
         if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
             xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
-        return on_ground(xyz) if self.roams else np.zeros(len(xyz), np.bool_)
+        return on_ground(xyz)
 
     @cached_property
     def roams(self) -> bool:
