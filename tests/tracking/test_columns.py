@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.tracking.columns import NONE, columns, nearest, nearest_three, pairs
 from pointbrush.tracking.grid import perhaps_near
 
+# No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
 
 
@@ -28,7 +29,7 @@ def apart(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]
 
 
 @settings(deadline=None)  # the first call may compile
-@given(clouds(), clouds(1), st.sampled_from([0.01, 0.5, 2.0, np.inf]), st.booleans())
+@given(clouds(), clouds(1), st.sampled_from([0.0112, 0.5012, 2.0012, np.inf]), st.booleans())
 def test_nearest(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
 ) -> None:
@@ -44,7 +45,7 @@ def test_nearest(
 
 
 @settings(deadline=None)
-@given(clouds(), clouds(), st.sampled_from([0.05, 1.0, 10.0]))
+@given(clouds(), clouds(), st.sampled_from([0.0512, 1.0012, 10.0012]))
 def test_three_nearest(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
 ) -> None:
@@ -57,7 +58,7 @@ def test_three_nearest(
 
 
 @settings(deadline=None)
-@given(clouds(), st.sampled_from([0.0, 0.3, 1.5]))
+@given(clouds(), st.sampled_from([0.0, 0.3012, 1.5012]))
 def test_pairs(points: NDArray[np.float64], most: float) -> None:
     one, other = np.nonzero(np.triu(apart(points, points) <= most, 1))
     expected = sorted(zip(one.tolist(), other.tolist(), strict=True))
