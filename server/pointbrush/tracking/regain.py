@@ -77,7 +77,7 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
     if np.count_nonzero(np.isfinite(gaps(others, xyz, LONELY * thing.unit))) > FEW * len(points):
         return False
     # What goes on behind the thing itself is what holds it.
-    if cut_off(view, points, 3 * thing.unit, by=core):
+    if not thing.motion.rests(thing.unit) and cut_off(view, points, 3 * thing.unit, by=core):
         return False
     if thing.soft or len(thing.glimpses) < ENOUGH:
         return True
