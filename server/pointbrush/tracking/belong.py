@@ -43,8 +43,8 @@ AGAIN = 7.0
 STAYED = 0.25
 """Units by which a thing moves that stays where it is."""
 LONGER = 2.0
-"""Radii beyond where a thing was looked for in which it may end: painted end on, it is longer than
-its model."""
+"""Radii beyond where a thing on the move was looked for in which it may end: painted end on, it is
+longer than its model."""
 WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
@@ -160,7 +160,7 @@ def _whole(
     other = free.copy()
     other[core] = False
     around, (lo, hi) = place.around, place.box
-    if view.lens is not None:
+    if view.lens is not None and not thing.motion.slow(thing.unit):
         lo, hi = lo - LONGER * thing.model.radius, hi + LONGER * thing.model.radius
         around = view.box(lo, hi)
     near = around[other[around]]

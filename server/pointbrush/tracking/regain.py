@@ -22,6 +22,8 @@ from pointbrush.tracking.view import View
 SHRUNK, MOST = 0.85, 1.1
 """Share of its size under which a thing on the move has lost a part, and up to which a thing is
 given pieces."""
+SELDOM = 4
+"""Frames in one of which what rests is asked for parts that it has not lost but never had."""
 LEAST = 0.01
 """Share of its size that a piece has at least."""
 BESIDE, LONELY = 2.5, 6.0
@@ -42,8 +44,8 @@ def lost_pieces(
     what never moves.
     """
     none = np.empty(0, np.int64)
-    whole = len(core) > SHRUNK * thing.size and not thing.motion.slow(thing.unit)
-    if view.lens is None or thing.bends or whole:
+    turn = (view.number + thing.label) % SELDOM == 0 and thing.motion.slow(thing.unit)
+    if view.lens is None or thing.bends or (len(core) > SHRUNK * thing.size and not turn):
         return none
     rest = place.around[~taken[place.around]]
     rest = rest[~(background.static(view, rest)[0] | background.drawn_on(view, rest))]
