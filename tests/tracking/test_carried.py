@@ -10,12 +10,12 @@ import scenes
 from conftest import follow
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background import Waver
 from pointbrush.tracking.charting import chart_of
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver
 
 
 @pytest.fixture(scope="module")

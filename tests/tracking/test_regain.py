@@ -7,12 +7,13 @@ import pytest
 import scenes
 
 from pointbrush.tracking.assign import cut_off
-from pointbrush.tracking.background import ImageBackground, Waver
+from pointbrush.tracking.background import ImageBackground
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.regain import lost_pieces
 from pointbrush.tracking.thing import Rivals, begin
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver
 
 BLUE, SKIN = (40, 90, 200), (210, 160, 130)
 

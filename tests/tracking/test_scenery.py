@@ -6,7 +6,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background import ImageBackground, Waver, measure_waver
+from pointbrush.tracking.background import ImageBackground
 from pointbrush.tracking.lens import Lens
 from pointbrush.tracking.scenery import (
     BLOCK,
@@ -18,6 +18,7 @@ from pointbrush.tracking.scenery import (
     wavering,
 )
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver, measure_waver
 
 SHAPE = (96, 128)
 

@@ -6,7 +6,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background import ImageBackground, Waver, measure_waver
+from pointbrush.tracking.background import ImageBackground
 from pointbrush.tracking.belong import grow, own_points
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.pieces import solid
@@ -14,6 +14,7 @@ from pointbrush.tracking.place import Place
 from pointbrush.tracking.scenery import NEAR
 from pointbrush.tracking.thing import Rivals, begin
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver, measure_waver
 
 BLUE, GREEN = (40, 90, 200), (60, 160, 70)
 

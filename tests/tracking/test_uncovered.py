@@ -6,9 +6,10 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background import ImageBackground, Waver
+from pointbrush.tracking.background import ImageBackground
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver
 
 STILL, AWAY = 5, 9
 

@@ -7,12 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import label
 
-from pointbrush.tracking.background import ROUGHLY, Waver, least
+from pointbrush.tracking.background import ROUGHLY, least
 from pointbrush.tracking.chart import Chart
 from pointbrush.tracking.earlier import TreeBackground
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.scenery import NEAR, drawn_on
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver
 
 
 class ChartedBackground(TreeBackground):

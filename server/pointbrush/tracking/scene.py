@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pointbrush.tracking.background import Background, ImageBackground, Waver, measure_waver
+from pointbrush.tracking.background import Background, ImageBackground
 from pointbrush.tracking.chart import Chart
 from pointbrush.tracking.charted import ChartedBackground
 from pointbrush.tracking.charting import chart_of
@@ -19,6 +19,7 @@ from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, Tr
 from pointbrush.tracking.lens import Lens, find_lens
 from pointbrush.tracking.shade import FEWEST, find_eye, shade_of
 from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver, measure_waver
 from pointbrush.tracking.whence import find_camera
 
 CALM = 4
