@@ -178,7 +178,7 @@ def test_boxes_hold_their_points(tmp_path):
     assert boxes[0]["track"]["confidence"] == 0.5
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(1, 40),

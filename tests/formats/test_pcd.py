@@ -166,14 +166,14 @@ def encode(data: bytes) -> bytes:
     return bytes(out)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(st.binary(max_size=40), st.integers(1, 30)), max_size=12))
 def test_lzf_round_trip(parts):
     data = b"".join(part * times for part, times in parts)
     assert lzf_decompress("a", encode(data), len(data)) == data
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.binary(max_size=80), st.integers(0, 300))
 def test_lzf_garbage_raises_or_fills_the_size(data, size):
     with contextlib.suppress(BadInputError):

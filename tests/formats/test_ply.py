@@ -158,7 +158,7 @@ finite = {
 }
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.data(), st.sampled_from([np.float32, np.float64]), st.integers(0, 30))
 def test_what_is_written_reads_back_bit_for_bit(tmp_path_factory, data, dtype, count):
     elements = finite[np.dtype(dtype).itemsize * 8]

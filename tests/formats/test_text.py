@@ -81,7 +81,7 @@ def test_binary_data_is_not_text(tmp_path):
         list(read(tmp_path / "a.csv"))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     hnp.arrays(
         st.sampled_from([np.float32, np.float64]),

@@ -47,7 +47,7 @@ def shares(got: set[int], part: NDArray[np.int64]) -> list[float]:
 
 
 @given(SEEDS)
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_takes_the_floor_and_leaves_what_stands_on_it(seed: int) -> None:
     xyz, part = room(seed)
     got = taken(indexed(xyz.astype(np.float32)), [2.5, 0.5, 0], [1.5, 0.3, 1.6])
@@ -60,7 +60,7 @@ def test_takes_the_floor_and_leaves_what_stands_on_it(seed: int) -> None:
 
 
 @given(SEEDS, st.lists(st.floats(-180, 180), min_size=3, max_size=3))
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 def test_planes_lie_any_way(seed: int, angles: list[float]) -> None:
     xyz, part = room(seed)
     turn = Rotation.from_euler("xyz", angles, degrees=True)

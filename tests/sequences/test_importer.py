@@ -112,7 +112,7 @@ def test_coordinates_are_exact_however_far(tmp_path: Path, dtype: type, far: flo
     assert np.abs(stored.to_source(stored.xyz) - local).max() < 1e-4
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     arrays(
         np.float64,

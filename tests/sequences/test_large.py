@@ -221,7 +221,7 @@ def test_damage_is_found_and_refused(tmp_path: Path, small_limits: None, name: s
         open_sequence(tmp_path / "s")[0]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 150_000), st.floats(0.1, 6))
 def test_nodes_share_out_all_points(seed: int, count: int, power: float) -> None:
     rng = np.random.default_rng(seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
@@ -28,7 +28,6 @@ def apart(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]
     return np.linalg.norm(a[:, None] - b, axis=2)
 
 
-@settings(deadline=None)  # the first call may compile
 @given(clouds(), clouds(1), st.sampled_from([0.0112, 0.5012, 2.0012, np.inf]), st.booleans())
 def test_nearest(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
@@ -44,7 +43,6 @@ def test_nearest(
     assert (distance[~found] == most).all()
 
 
-@settings(deadline=None)
 @given(clouds(), clouds(), st.sampled_from([0.0512, 1.0012, 10.0012]))
 def test_three_nearest(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
@@ -57,7 +55,6 @@ def test_three_nearest(
     assert all(len(set(row[row >= 0])) == (row >= 0).sum() for row in index)
 
 
-@settings(deadline=None)
 @given(clouds(), st.sampled_from([0.0, 0.3012, 1.5012]))
 def test_pairs(points: NDArray[np.float64], most: float) -> None:
     one, other = np.nonzero(np.triu(apart(points, points) <= most, 1))
@@ -65,7 +62,6 @@ def test_pairs(points: NDArray[np.float64], most: float) -> None:
     assert sorted(map(tuple, pairs(points, most).tolist())) == expected
 
 
-@settings(deadline=None)
 @given(clouds(), clouds(1), st.sampled_from([0.05, 1.0]))
 def test_all_that_is_near_is_perhaps_near(
     points: NDArray[np.float64], some: NDArray[np.float64], reach: float

@@ -159,7 +159,7 @@ def hard_frame(kind: str, n: int, rng: np.random.Generator, colour: bool) -> sce
     return scenes.Frame(xyz, rgb, viewpoint=None)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow])
 @given(
     kinds=st.lists(st.sampled_from(["random", "same", "empty"]), min_size=2, max_size=5),
     n=st.sampled_from([1, 2, 3, 50]),

@@ -67,7 +67,6 @@ def test_calls(described: Any, mode: GenerationMode) -> None:
 def exercise(operation: Any, mode: GenerationMode) -> None:
     @settings(
         max_examples=10,
-        deadline=None,
         derandomize=True,
         database=None,
         phases=[Phase.generate],

@@ -21,8 +21,8 @@ MOST_RIVALS = 1000
 BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 """Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
 TALL, COARSE = 0.4, 12.0
-"""Metres, and units, of radius from which a thing before a sensor at rest is large as people are,
-however coarse it is seen."""
+"""Metres, and units, of radius from which a thing in a depth image is large as people are, however
+coarse it is seen."""
 RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
 """Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
 share of the way between rings that is a unit."""
@@ -81,13 +81,13 @@ class Thing:
     explain; ``size`` the most points it had, ``last`` in
     the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
     ``glimpses`` of what lies around it.
-    ``still`` whether the sensor is at rest and sees depth images;
+    ``imaged`` whether the sensor sees depth images;
     ``worn`` the colours it showed where it was painted.
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
-    ``away`` metres from that; ``imaged`` whether a sensor with a depth image does.
+    ``away`` metres from that.
     """
 
     label: int
@@ -104,7 +104,7 @@ class Thing:
     last: int = 0
     extent: float = 0.0
     glimpses: list[Glimpse] = field(default_factory=list)
-    still: bool = False
+    imaged: bool = False
     strain: float = 0.0
     vain: bool = False
     astray: int = 0
@@ -112,7 +112,6 @@ class Thing:
     stands: bool = True
     away: float = 0.0
     scanned: bool = False
-    imaged: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -137,7 +136,7 @@ class Thing:
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
-        if self.still:
+        if self.imaged:
             return self.span > max(TALL, COARSE * self.unit)
         if self.scanned:
             return True
@@ -145,8 +144,8 @@ class Thing:
 
     @property
     def body(self) -> bool:
-        """Whether it is large and before a sensor at rest that sees depth images."""
-        return self.still and self.large
+        """Whether it is large and before a sensor that sees depth images."""
+        return self.imaged and self.large
 
     @property
     def handy(self) -> bool:
@@ -202,7 +201,6 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     model.hits[:] = SURE
     count = len(indices)
     motion = Motion(model.centre)
-    still = view.lens is not None
     low = float(view.low[indices].mean())
     return Thing(
         label,
@@ -213,12 +211,11 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         rivals,
         float(count),
         last=count,
-        still=still,
+        imaged=view.lens is not None,
         worn=Wardrobe.of(colour),
         flat=low > FLAT,
         stands=low < STANDS,
         scanned=view.scans,
-        imaged=view.lens is not None,
     )
 
 
