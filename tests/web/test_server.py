@@ -61,7 +61,7 @@ def test_who_paints_finds_a_worker_ready(tmp_path: Path) -> None:
     settings = settings_in(tmp_path)
     add_sequence(settings, "walls", frames=1, points=500)
     with closing(Workspace(settings)) as workspace:
-        expect_tracking(workspace)
+        expect_tracking(workspace, after=0.0)
         before = len(multiprocessing.active_children())
         workspace.create_label("walls", "somebody", name="wall", color="#ff0000")
         deadline = time.monotonic() + 20

@@ -59,8 +59,10 @@ class Search:
     def aim(self, target: Target) -> None:
         """Look for it in another target."""
         self.target = target
-        for known in ("costs", "at", "own"):
-            self.__dict__.pop(known, None)
+        # What hides the thing depends on the target without a depth image only.
+        known = ("costs",) if self.view.lens is not None else ("costs", "at", "own")
+        for name in known:
+            self.__dict__.pop(name, None)
 
     @cached_property
     def at(self) -> Look:

@@ -27,6 +27,8 @@ DRAIN_SECONDS = 5
 BACKLOG = 512
 MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
+READY_AFTER = 5.0
+"""Seconds from the first label until a worker begins: not beside somebody's first strokes."""
 COLLECT_AFTER = (10_000, 20, 20)
 """Objects more than before until the youngest are looked through, and how often the older are."""
 
@@ -180,14 +182,15 @@ def settle_memory() -> None:
     gc.set_threshold(*COLLECT_AFTER)
 
 
-def expect_tracking(workspace: Workspace) -> None:
-    """Have a worker begin when somebody labels for the first time: tracking is mostly next."""
+def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:
+    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next."""
 
     def labelled(event: Event) -> None:
         if isinstance(event, Commit):
             undo()
-            # To begin a process takes tens of milliseconds, which the stroke should not.
-            threading.Thread(target=workspace.expect_tracking, daemon=True).start()
+            begin = threading.Timer(after, workspace.expect_tracking)
+            begin.daemon = True
+            begin.start()
 
     undo = workspace.subscribe(labelled)
 
