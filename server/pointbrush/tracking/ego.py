@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
+from pointbrush.tracking.journey import Journey
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.nonrigid import nodes_of
 from pointbrush.tracking.odometry import Way, moves
@@ -207,24 +208,16 @@ def _share(fit: tuple[F64, float]) -> float:
     return fit[1]
 
 
-class Ego:
-    """``T_world_frame`` of each frame of ``order``; the world is the first frame."""
+class Ego(Journey):
+    """A sensor's way as the planes of the scenery show it."""
 
     def __init__(self, frames: Frames, order: Sequence[int]) -> None:
-        self._frames, self._order = frames, list(order)
-        self._poses = [np.eye(4)]
+        super().__init__(frames, order)
         self._enough = AGREED
         self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
 
-    def pose(self, number: int) -> F64:
-        """The pose of frame ``number``; frames before it are registered first."""
-        at = self._order.index(number)
-        while len(self._poses) <= at:
-            self._poses.append(self._next())
-        return self._poses[at]
-
-    def _next(self) -> F64:
-        here = planes_of(np.asarray(self._frames(self._order[len(self._poses)]).xyz, np.float64))
+    def _registered(self, frame: TrackFrame) -> F64:
+        here = planes_of(np.asarray(frame.xyz, np.float64))
         before = self._poses[-1]
         step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
         if self._last is None or here is None:

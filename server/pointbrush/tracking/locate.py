@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -45,7 +45,7 @@ class Search:
     few: I64
     many: I64
     target: Target
-    faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    faint: I64
     """Those of ``near`` that are hardly before the background."""
     vain: bool = False
     """Other places were tried, and were no better."""
@@ -123,8 +123,7 @@ def crop(
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None
-    search = _search(thing, view, guesses, (lo, hi), around, near, moving)
-    search.faint = faint
+    search = _search(thing, view, guesses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
 
@@ -145,7 +144,7 @@ def among(thing: Thing, view: View, points: I64) -> Search:
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
     guesses = thing.motion.predictions()
-    return _search(thing, view, guesses, box, points, points, points)
+    return _search(thing, view, guesses, box, points, points, points, points[:0])
 
 
 def _search(
@@ -156,6 +155,7 @@ def _search(
     around: I64,
     near: I64,
     moving: I64,
+    faint: I64,
 ) -> Search:
     count = len(thing.model.xyz)
     return Search(
@@ -169,6 +169,7 @@ def _search(
         np.arange(0, count, max(1, count // COARSE)),
         np.arange(0, count, max(1, count // FINE)),
         target_of(view, moving, thing.weight),
+        faint,
     )
 
 

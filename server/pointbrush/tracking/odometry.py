@@ -15,7 +15,8 @@ from itertools import product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.interface import F32, F64, Frames
+from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
+from pointbrush.tracking.journey import Journey
 from pointbrush.tracking.lens import Lens
 from pointbrush.tracking.pictures import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.registration import inverse, transform
@@ -172,28 +173,21 @@ def moves(frames: Frames, numbers: Sequence[int], lens: Lens) -> bool:
     return False
 
 
-class Way:
-    """``T_world_frame`` of each frame of ``order``; the world is the first frame.
+class Way(Journey):
+    """A depth camera's way as its pictures show it.
 
     A frame is registered to the last one most of which it still shows, so that errors do not add
     up from frame to frame.
     """
 
     def __init__(self, frames: Frames, order: Sequence[int], lens: Lens) -> None:
-        self._frames, self._order, self._lens = frames, list(order), lens
-        self._poses = [np.eye(4)]
+        super().__init__(frames, order)
+        self._lens = lens
         self._last = self._key = picture_of(frames(order[0]), lens)
         self._pose_of_key = np.eye(4)
 
-    def pose(self, number: int) -> F64:
-        """The pose of frame ``number``; frames before it are registered first."""
-        at = self._order.index(number)
-        while len(self._poses) <= at:
-            self._poses.append(self._next())
-        return self._poses[at]
-
-    def _next(self) -> F64:
-        here = picture_of(self._frames(self._order[len(self._poses)]), self._lens)
+    def _registered(self, frame: TrackFrame) -> F64:
+        here = picture_of(frame, self._lens)
         last = self._poses[-1]
         step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
         fit = self._onto(here, self._last, last, [last @ step, last])
