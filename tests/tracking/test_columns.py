@@ -1,4 +1,4 @@
-"""Searches in columns find what comparing all with all finds."""
+"""Searches in columns and in runs find what comparing all with all finds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from pointbrush.tracking.columns import NONE, columns, nearest, nearest_three, pairs
+from pointbrush.tracking.connect import STEPS, flood
 from pointbrush.tracking.grid import perhaps_near
+from pointbrush.tracking.near import RUN, in_box, runs_of
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
@@ -68,6 +70,34 @@ def test_all_that_is_near_is_perhaps_near(
 ) -> None:
     near = apart(points, some).min(axis=1) < reach
     assert perhaps_near(np.float32(points), np.float32(some), reach)[near].all()
+
+
+@given(clouds(1), clouds(), st.sampled_from([0.3012, 1.0012]), st.integers(0, 20), st.booleans())
+def test_what_hangs_together(
+    core: NDArray[np.float64],
+    rest: NDArray[np.float64],
+    reach: float,
+    most: int,
+    in_the_open: bool,
+) -> None:
+    low, high = np.full(3, -9.0 if in_the_open else -1.0), np.full(3, 1e7)
+    joined, ends = flood(core, rest, reach, most, low, high)
+    expected = apart(rest, core).min(axis=1) < reach
+    rounds = [expected]
+    for _ in range(STEPS):
+        expected = expected | (apart(rest, rest[expected]) < reach).any(axis=1)
+        rounds.append(expected)
+    ended = not expected.any() or bool((rounds[-1] == rounds[-2]).all())
+    assert ends == (ended and expected.sum() <= most and bool((rest[expected] >= low).all()))
+    assert not ends or np.array_equal(joined, expected)
+
+
+@given(st.integers(0, 3 * RUN), st.integers(0, 2**32 - 1))
+def test_what_lies_in_a_box(count: int, seed: int) -> None:
+    xyz = np.random.default_rng(seed).normal(size=(count, 3)).astype(np.float32)
+    lo, hi = np.array([-0.5, -9.0, 0.0]), np.array([0.5, 0.3, 9.0])
+    expected = np.flatnonzero(((xyz >= lo) & (xyz <= hi)).all(axis=1))
+    assert np.array_equal(in_box(runs_of(xyz), lo, hi), expected)
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e300])

@@ -10,10 +10,8 @@ import numpy as np
 from pointbrush.tracking.columns import NONE, columns, nearest_three
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import bounds, gaps, within
+from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.view import View
-
-STEPS = 20
 
 
 @dataclass(eq=False)
@@ -103,54 +101,6 @@ def without(free: Mask, claims: Iterable[Claim]) -> Mask:
     for claimed in claims:
         left[claimed.indices] = False
     return left
-
-
-def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
-    """Which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach`` metres."""
-    joined = np.zeros(len(rest), np.bool_)
-    front = core
-    for _ in range(rounds):
-        open_ = np.flatnonzero(~joined)
-        if not len(open_) or not len(front):
-            break
-        new = open_[gaps(rest[open_], front, reach) < reach]
-        joined[new] = True
-        front = rest[new]
-    return joined
-
-
-def blob(
-    view: View, core: I64, rest: I64, reach: float, most: int, box: tuple[F64, F64]
-) -> I64 | None:
-    """All of ``rest`` that hangs together with ``core``; None where that is over ``most`` points
-    or reaches the border of the ``box`` that was searched.
-
-    What moves alone in the air is the object, new surface and all; what does not end within a
-    few steps hangs together with something larger (a hand, a body).
-    """
-    front = view.xyz[core].astype(np.float64)
-    xyz = view.xyz[rest].astype(np.float64)
-    lo, hi = bounds(front)
-    inside = np.flatnonzero(within(xyz, lo - STEPS * reach, hi + STEPS * reach))
-    rest, xyz = rest[inside], xyz[inside]
-    joined = np.zeros(len(rest), np.bool_)
-    for _ in range(STEPS):
-        # Points far from the front are of no interest until it has come that far.
-        lo, hi = bounds(front)
-        open_ = np.flatnonzero(~joined & within(xyz, lo - reach, hi + reach))
-        if not len(open_):
-            return rest[joined]
-        new = open_[gaps(xyz[open_], front, reach) < reach]
-        if not len(new):
-            return rest[joined]
-        joined[new] = True
-        if (
-            np.count_nonzero(joined) > most
-            or not within(xyz[new], box[0] + reach, box[1] - reach).all()
-        ):
-            return None
-        front = xyz[new]
-    return None
 
 
 def cut_off(view: View, rest: I64, step: float, most: float = 0.05, by: I64 | None = None) -> bool:

@@ -11,9 +11,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, blob, claim, connected, cut_off, together
+from pointbrush.tracking.assign import Claim, claim, cut_off, together
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import carved
+from pointbrush.tracking.connect import blob, connected
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.near import bounds, gaps, within
 from pointbrush.tracking.view import View
 
 RIM = 2.0
@@ -52,9 +52,8 @@ class TreeBackground:
         if not len(some):
             return
         reach = float(RIM * self.reach(some[:1])[0])
-        rest = np.flatnonzero(
-            ~labelled & within(view.xyz, some.min(0) - reach, some.max(0) + reach)
-        )
+        lo, hi = bounds(some)
+        rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
         labelled[rest[gaps(view.xyz[rest], some, reach) < reach]] = True
 
     def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002

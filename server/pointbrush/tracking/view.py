@@ -17,6 +17,7 @@ from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.ground import on_ground
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.lens import I32, Lens
+from pointbrush.tracking.near import Runs, in_box, runs_of
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.shade import Shade, shade_of
 
@@ -71,11 +72,11 @@ class View:
 
     def box(self, lo: F64, hi: F64) -> I64:
         """Sorted indices of the points inside a box of the world."""
-        blocks = getattr(self.frame, "blocks", None)
-        if blocks is None or self.T_world_frame is not None:
-            return _inside(self.xyz, np.array([0]), np.array([len(self.xyz)]), lo, hi)
-        runs, first = blocks.overlapping(lo, hi), np.asarray(blocks.first)
-        return _inside(self.xyz, first[runs], first[runs + 1], lo, hi)
+        return in_box(self._runs, lo, hi)
+
+    @cached_property
+    def _runs(self) -> Runs:
+        return runs_of(self.xyz)
 
     def colour(self, indices: I64) -> F32:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
@@ -196,15 +197,3 @@ def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
         result[i, 1] = (2.0 * blue - red - green) / (total + 60.0)
         result[i, 2] = total * (0.3 / 765)
     return result
-
-
-@compiled
-def _inside(xyz: F32, first: I64, last: I64, lo: F64, hi: F64) -> I64:
-    """Which of the points from each ``first`` up to its ``last`` lie in a box."""
-    found, count = np.empty(np.sum(last - first), np.int64), 0
-    for run in range(len(first)):
-        for i in range(first[run], last[run]):
-            found[count] = i
-            inside = lo[0] <= xyz[i, 0] <= hi[0] and lo[1] <= xyz[i, 1] <= hi[1]
-            count += inside and lo[2] <= xyz[i, 2] <= hi[2]
-    return found[:count]
