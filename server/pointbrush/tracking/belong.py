@@ -15,6 +15,7 @@ from pointbrush.tracking.assign import Claim, claim, cut_off, together
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import carved
 from pointbrush.tracking.connect import blob, connected
+from pointbrush.tracking.flying import flying
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
@@ -49,6 +50,8 @@ longer than its model."""
 WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
+WORN = 0.7
+"""Share of its colours from which new surface has those that the thing was painted with."""
 
 
 def own_points(thing: Thing, view: View, place: Place) -> Claim:
@@ -93,7 +96,8 @@ def grow(
 ) -> tuple[dict[int, I64], Mask]:
     """New surface: moving points that hang together with a thing, ``free`` and nobody's.
 
-    Of all but large things; and which points (N,) somebody has then.
+    Of all but large things; and which points (N,) somebody has then.  ``claims`` lose their flying
+    pixels, which are rivals of nothing.
     """
     taken = ~free
     for found in claims.values():
@@ -115,9 +119,20 @@ def grow(
                 lost_pieces(thing, view, place, core, taken, background),
             )
             new = together(new, place.uncovered)
-        grown[label] = new
         taken[new] = True
+        claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
     return grown, taken
+
+
+def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tuple[Claim, I64]:
+    """A claim and new surface without flying pixels."""
+    count = len(found.indices)
+    points = np.concatenate([found.indices, new])
+    kept = ~flying(view, points, thing.unit)
+    if kept.all():
+        return found, new
+    place.neutral = np.concatenate([place.neutral, points[~kept]])
+    return found.pick(kept[:count]), new[kept[count:]]
 
 
 def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:
@@ -171,19 +186,31 @@ def _whole(
     if new is None or not len(new):
         return new
     before = _was_there(thing, view, new)
-    limit = WAS_CUT if cut_off(view, new, 3 * thing.unit) else WAS_OPEN
     # A sensor that moves sees new sides all the time, and what it missed once it may see again.
-    seen_before = float(before.mean()) >= limit and not view.roams
-    if taken[new].any() or seen_before:
+    if taken[new].any() or (_seen_before(thing, view, place, new, before) and not view.roams):
         place.neutral = np.concatenate([place.neutral, new[~before]])
         return None
     return new
 
 
-def _was_there(thing: Thing, view: View, points: I64) -> Mask:
-    """Which points lie where something unlabelled was in the last frame."""
-    reach = np.full(len(points), AGAIN * thing.unit)
-    return thing.rivals.explain(view.xyz[points].astype(np.float64), view.colour(points), reach)
+def _seen_before(thing: Thing, view: View, place: Place, new: I64, before: Mask) -> bool:
+    """Whether new surface was there, unlabelled, in the last frame: ``before`` (M,) of it was.
+
+    What goes on behind something nearer, and has not the colours that the thing was painted with,
+    may be the hand that throws or catches it, though its arm is hidden: it has gone along.
+    """
+    if not cut_off(view, new, 3 * thing.unit):
+        return float(before.mean()) >= WAS_OPEN
+    if thing.worn.share(view.colour(new)) < WORN:
+        before = _was_there(thing, view, new, step_of(thing, place))
+    return float(before.mean()) >= WAS_CUT
+
+
+def _was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -> Mask:
+    """Which points lie where something unlabelled was in the last frame, or has gone by ``step``
+    since."""
+    reach, xyz = np.full(len(points), AGAIN * thing.unit), view.xyz[points].astype(np.float64)
+    return thing.rivals.explain(xyz, view.colour(points), reach, step)
 
 
 def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:

@@ -187,9 +187,13 @@ def _claimed_again(
 
 
 def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:
-    """What another object hid until now is as sure as what a person painted."""
+    """What another object hid until now of a thing at rest is as sure as what a person painted.
+
+    Beside what is on the move it may be the hand.
+    """
     if not len(points):
         return
     xyz = transform(back, view.xyz[points].astype(np.float64))
     gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, 0.0, np.inf)
-    thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=True)
+    sure = thing.motion.slow(thing.unit)
+    thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)

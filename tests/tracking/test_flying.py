@@ -1,0 +1,69 @@
+"""What is no surface of a thing though it moves along: flying pixels, and hands behind it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.tracking.assign import claim
+from pointbrush.tracking.background import ImageBackground
+from pointbrush.tracking.belong import grow
+from pointbrush.tracking.flying import flying
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.view import View
+from pointbrush.tracking.waver import Waver
+
+BLUE, SKIN, UNIT = (40, 90, 200), (210, 160, 130), 0.01
+
+
+def shot(*parts: scenes.Part) -> View:
+    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
+    frame = camera.shoot(list(parts), np.random.default_rng(2))
+    return View(1, frame, find_lens(frame))
+
+
+def test_pixels_that_lie_alone_behind_an_outline_are_flying() -> None:
+    size = np.array([0.1, 0.12, 0.06])
+    view = shot(scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3)))
+    own = np.flatnonzero(view.frame.truth == 1)
+    height = view.xyz[own, 1]
+    top = own[height > np.sort(height)[-20]]
+    rest = np.setdiff1d(own, top)
+    assert flying(view, own, UNIT).mean() < 0.03
+    view.frame.xyz[top[::3]] += 0.04 * (view.frame.xyz[top[::3]] - view.eye)  # 6 cm on
+    for name in ("xyz", "cells", "depth"):
+        view.__dict__.pop(name, None)
+    assert flying(view, top[::3], UNIT).sum() == 0  # nothing of the thing is before them
+    found = own[flying(view, own, UNIT)]
+    assert np.isin(top[::3], found).mean() > 0.6
+    assert np.isin(rest, found).mean() < 0.03
+
+
+@pytest.mark.parametrize(("colour", "taken"), [(BLUE, True), (SKIN, False)])
+def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
+    colour: tuple[int, int, int], taken: bool
+) -> None:
+    post = scenes.Part(1, BLUE, np.array([0, 1.08, 1.6]), np.array([0, 1.32, 1.6]), 0.07, 0.07)
+    size, at = np.array([0.03, 0.06, 0.02]), np.array([0.08, 1.2, 1.61])
+    view = shot(post, scenes.Part(2, colour, at, size, rot=np.eye(3)))
+    core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
+    step = np.eye(4)
+    step[:3, 3] = [0.15, 0.0, 0.0]  # farther than what is where it was may be
+    hand = view.xyz[beside].astype(np.float64) - step[:3, 3]
+    thing = begin(view, 1, core, 0.004, Rivals(np.empty((0, 3)), view.colour(beside[:0])))
+    thing.rivals = Rivals(hand, view.colour(beside), thing.weight)
+    thing.model.xyz -= step[:3, 3]
+    thing.size = 1.2 * len(core)
+    box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 1.9]))
+    around = view.box(*box)
+    world = thing.model.xyz + step[:3, 3]
+    places = {1: Place(step, world, box, around, around, around, 0.05)}
+    claims = {1: claim(view, core, world, thing.model.colour, thing.weight, 0.05)}
+    unknown = np.full_like(view.depth, np.nan)
+    still = ImageBackground(Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown))
+    free = np.ones(len(view.xyz), np.bool_)
+    grown, _ = grow({1: thing}, view, places, claims, free, still)
+    assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])
