@@ -125,7 +125,10 @@ def grow(
 
 
 def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tuple[Claim, I64]:
-    """A claim and new surface without flying pixels."""
+    """A claim and new surface without flying pixels; of what has just been painted little is known
+    but that it is there."""
+    if thing.motion.fresh:
+        return found, new
     count = len(found.indices)
     points = np.concatenate([found.indices, new])
     kept = ~flying(view, points, thing.unit)
