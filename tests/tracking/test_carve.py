@@ -1,27 +1,16 @@
-"""Nearest points by comparing all with all; places that a thing was seen beside of."""
+"""Places that a thing was seen beside of."""
 
 from __future__ import annotations
 
 import numpy as np
 import scenes
-from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.carve import Glimpse, carved, remember
 from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.near import gaps
 from pointbrush.tracking.view import View
 
 CENTRE = np.array([0.0, 1.0, 1.6])
-
-
-def test_gaps_are_those_of_a_tree_for_few_points_and_for_many() -> None:
-    rng = np.random.default_rng(0)
-    for count in (300, 3000):
-        wanted, points = rng.uniform(0, 1, (count, 3)), rng.uniform(0, 1, (count, 3))
-        expected, _ = cKDTree(points).query(wanted, distance_upper_bound=0.05)
-        assert np.allclose(gaps(wanted, points, 0.05), expected)
-    assert np.isinf(gaps(wanted, points[:0], 0.05)).all()
 
 
 def turned(angle: float) -> tuple[View, np.ndarray]:

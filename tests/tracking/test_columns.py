@@ -8,11 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from pointbrush.tracking.columns import NONE, columns, nearest, nearest_three, pairs
 from pointbrush.tracking.connect import STEPS, flood
-from pointbrush.tracking.grid import perhaps_near
-from pointbrush.tracking.near import RUN, in_box, runs_of
+from pointbrush.tracking.grid import numbered, perhaps_near
+from pointbrush.tracking.near import RUN, close_to, in_box, runs_of
+from pointbrush.tracking.pieces import parts
+from pointbrush.tracking.ways import reach, ways_over
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
@@ -45,6 +49,17 @@ def test_nearest(
     assert (distance[~found] == most).all()
 
 
+@given(clouds(), clouds(), st.sampled_from([0.0112, 0.5012, 2.0012]), st.booleans())
+def test_what_is_close(
+    wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
+) -> None:
+    away = apart(wanted, points)
+    if coloured:
+        wanted, points = (np.hstack([p, np.float32(0.7) * np.float32(p)]) for p in (wanted, points))
+        away = np.hypot(away, apart(wanted[:, 3:], points[:, 3:]))
+    assert np.array_equal(close_to(wanted, points, most), (away < most).any(axis=1))
+
+
 @given(clouds(), clouds(), st.sampled_from([0.0512, 1.0012, 10.0012]))
 def test_three_nearest(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
@@ -62,6 +77,33 @@ def test_pairs(points: NDArray[np.float64], most: float) -> None:
     one, other = np.nonzero(np.triu(apart(points, points) <= most, 1))
     expected = sorted(zip(one.tolist(), other.tolist(), strict=True))
     assert sorted(map(tuple, pairs(points, most).tolist())) == expected
+
+
+@given(clouds(), st.sampled_from([0.3012, 1.5012]), st.integers(0, 2**32 - 1))
+def test_parts_and_ways(points: NDArray[np.float64], most: float, seed: int) -> None:
+    rng, count = np.random.default_rng(seed), len(points)
+    some, links = rng.random(count) < 0.8, pairs(points, most)
+    length = rng.uniform(0.1, 1.0, len(links))
+    inside = links[some[links].all(axis=1)]
+    graph = coo_matrix((np.ones(len(inside)), tuple(inside.T)), shape=(count, count))
+    _, first = np.unique(connected_components(graph, directed=False)[1][some], return_inverse=True)
+    assert np.array_equal(parts(links, some)[some], first)
+    assert (parts(links, some)[~some] == -1).all()
+    source = np.flatnonzero(some)[:2]
+    way, origin = reach(ways_over(links, length, some), source, some)
+    every = coo_matrix((length, tuple(links.T)), shape=(count, count)).tocsr()[some][:, some]
+    expected = dijkstra(every, directed=False, indices=np.arange(len(source)))
+    np.testing.assert_allclose(way[some], expected.min(axis=0, initial=np.inf))
+    reached = np.flatnonzero(np.isfinite(way))
+    assert np.isin(origin[reached], source).all()
+    assert np.isinf(way[~some]).all()
+
+
+@given(
+    arrays(np.int64, st.integers(1, 60), elements=st.integers(-(2**60), 2**60) | st.integers(0, 9))
+)
+def test_keys_are_numbered_by_rank(key: NDArray[np.int64]) -> None:
+    assert np.array_equal(numbered(key), np.unique(key, return_inverse=True)[1])
 
 
 @given(clouds(), clouds(1), st.sampled_from([0.05, 1.0]))

@@ -88,7 +88,7 @@ class Strip:
         nobody, others = none if outside is None else outside, none if other is None else other
         clothes = dict.fromkeys(cores, Wardrobe.of(np.empty((0, 3), np.float32)))
         longest = dict.fromkeys(cores, far)
-        return self.cells.spread(cores, nobody, others, sure, SIZE, longest, clothes)
+        return self.cells.spread(cores, nobody, others, sure, longest, clothes)
 
 
 def plain(x: np.ndarray) -> np.ndarray:

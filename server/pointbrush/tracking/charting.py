@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.tracking.chart import Chart
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR
 from pointbrush.tracking.view import View
@@ -102,10 +102,10 @@ def _about(at: F64, first: View, deviation: Deviation) -> Mask:
     longest = max(lengths.values())
     some = np.flatnonzero(first.labelled())
     some = some[:: max(1, len(some) // SAMPLE)]
-    near = gaps(at, first.xyz[some].astype(np.float64), BODY * longest)
-    hidden = labelled[cell] & (depth > first.depth[cell]) & np.isfinite(near)
+    objects = first.xyz[some].astype(np.float64)
+    hidden = labelled[cell] & (depth > first.depth[cell]) & close_to(at, objects, BODY * longest)
     others = ~labelled[cell] & (np.abs(first.depth[cell] - depth) < NEAR * deviation(depth))
-    return np.asarray(there | hidden | ((near < ROOM * longest) & ~others))
+    return np.asarray(there | hidden | (close_to(at, objects, ROOM * longest) & ~others))
 
 
 def _extent(view: View, points: I64) -> tuple[Mask, F32]:

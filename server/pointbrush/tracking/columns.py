@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.tracking.compiled import compiled
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 Triple = tuple[float, float, float]
 PER_COLUMN = 3.0
@@ -195,6 +195,37 @@ def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> t
         if at >= 0:
             distance[i], index[i] = np.sqrt(square), grid.order[at]
     return distance, index
+
+
+@compiled
+def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
+    """Whether a point is less than ``most`` metres away; see ``nearest_one``."""
+    x, y, z = place
+    r, g, b = tint
+    size, along, across = grid.size, grid.along, grid.across
+    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    left, right = _slot((v - most) / size, across), _slot((v + most) / size, across)
+    for row in range(_slot((u - most) / size, along), _slot((u + most) / size, along) + 1):
+        for at in range(grid.start[row * across + left], grid.start[row * across + right + 1]):
+            dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+            square = dx * dx + dy * dy + dz * dz
+            if len(grid.tint) and square < most * most:
+                dr, dg, db = grid.tint[at, 0] - r, grid.tint[at, 1] - g, grid.tint[at, 2] - b
+                square += dr * dr + dg * dg + db * db
+            if square < most * most:
+                return True
+    return False
+
+
+@compiled
+def any_near_each(grid: Columns, xyz: F64, tint: F32, most: float) -> Mask:
+    """Which of the points (M, 3) have one less than ``most`` metres away; see ``nearest``."""
+    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    for i in range(len(xyz)):
+        if len(grid.tint):
+            colour = toned(tint, i, 1.0)
+        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most)
+    return found
 
 
 @compiled

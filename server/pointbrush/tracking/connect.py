@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.columns import NONE, columns, nearest_one, spans
+from pointbrush.tracking.columns import NONE, any_near, columns
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.near import bounds, gaps, within
+from pointbrush.tracking.near import bounds, close_to, within
 from pointbrush.tracking.view import View
 
 STEPS = 20
@@ -22,7 +22,7 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
         open_ = np.flatnonzero(~joined)
         if not len(open_) or not len(front):
             break
-        new = open_[gaps(rest[open_], front, reach) < reach]
+        new = open_[close_to(rest[open_], front, reach)]
         joined[new] = True
         front = rest[new]
     return joined
@@ -94,11 +94,10 @@ def _beside(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int
     """Mark which of ``rest`` are near the core; how many, whose numbers now begin ``order``."""
     lo, hi = bounds(core)
     grid, count = columns(core, NONE, 0.0), 0
-    room = spans(grid)
     for i in range(len(rest)):
         x, y, z = rest[i, 0], rest[i, 1], rest[i, 2]
         away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-        if away < reach and nearest_one(grid, (x, y, z), (0.0, 0.0, 0.0), reach, room)[1] >= 0:
+        if away < reach and any_near(grid, (x, y, z), (0.0, 0.0, 0.0), reach):
             joined[i] = True
             order[count] = i
             count += 1

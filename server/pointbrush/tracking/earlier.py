@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import bounds, gaps, within
+from pointbrush.tracking.near import bounds, close_to, within
 from pointbrush.tracking.view import View
 
 RIM = 2.0
@@ -54,7 +54,7 @@ class TreeBackground:
         reach = float(RIM * self.reach(some[:1])[0])
         lo, hi = bounds(some)
         rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
-        labelled[rest[gaps(view.xyz[rest], some, reach) < reach]] = True
+        labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
 
     def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
         """See ``Background``; without a depth image nothing is known to lie behind."""

@@ -18,7 +18,7 @@ from pointbrush.tracking.belong import step_of
 from pointbrush.tracking.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.grid import perhaps_near
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Rivals, Thing
@@ -105,7 +105,7 @@ def hang_together(
         seeds[label] = mask[every]
     sure = background.certain(view, every) & inside[every]
     far |= _by_clothes(seeds, sure, foreground, things)
-    found = foreground.spread(seeds, outside[every], other[every], sure, size, far, clothes)
+    found = foreground.spread(seeds, outside[every], other[every], sure, far, clothes)
     other_moving = np.zeros(len(view.xyz), np.bool_)
     other_moving[every[found == OTHER]] = True
     for label in cores:
@@ -143,7 +143,7 @@ def _by_clothes(
         guess = transform(thing.motion.predictions()[0], thing.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
-        close[cells] = np.isfinite(gaps(foreground.middle[cells], guess, reach))
+        close[cells] = close_to(foreground.middle[cells], guess, reach)
         mine = close[foreground.cell] & sure
         if not mine.any():
             continue
@@ -163,13 +163,13 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
         return still[:0]
     front = view.xyz[some]
     still = still[perhaps_near(view.xyz[still], front, 2 * size)]
-    beside: I64 = still[np.isfinite(gaps(view.xyz[still], front, 2 * size))]
+    beside: I64 = still[close_to(view.xyz[still], front, 2 * size)]
     return beside
 
 
 def _movers(rivals: Rivals, scene: F32, apart: float) -> Rivals:
     """Those of the unlabelled points that are not part of the scene that stands still."""
-    away = ~np.isfinite(gaps(rivals.xyz, scene, apart))
+    away = ~close_to(rivals.xyz, scene, apart)
     return Rivals(rivals.xyz[away], rivals.colour[away], rivals.weight)
 
 

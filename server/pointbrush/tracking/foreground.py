@@ -10,18 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import connected_components, dijkstra
 
 from pointbrush.tracking.columns import pairs
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
+from pointbrush.tracking.pieces import parts
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
+from pointbrush.tracking.ways import Ways, reach, ways_over
 
 TOUCH = 1.7
 """Distance of cells that touch, in cells."""
@@ -77,19 +78,21 @@ class Foreground:
             np.bincount(cell[firm], minlength=len(count)),
         )
 
-    @property
+    @cached_property
     def solid(self) -> Mask:
         """(cells,) those that are no mere outline."""
         return np.asarray(self.firm >= THIN * np.median(self.count), np.bool_)
 
+    @cached_property
+    def touching(self) -> I64:
+        """(P, 2) the pairs of cells that touch."""
+        return pairs(self.middle, TOUCH * self.size)
+
     def bodies(self, least: int) -> list[I64]:
         """The cells of each part that hangs together, of ``least`` solid cells or more."""
-        touching, solid = pairs(self.middle, TOUCH * self.size), self.solid
-        touching = touching[solid[touching].any(axis=1)]
-        total = len(self.count)
-        edges = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(total, total))
-        count, part = connected_components(edges, directed=False)
-        cells = np.bincount(part, weights=solid, minlength=count)
+        links = self.touching[self.solid[self.touching].any(axis=1)]
+        part = parts(links, np.ones(len(self.count), np.bool_))
+        cells = np.bincount(part, weights=self.solid)
         return [np.flatnonzero(part == n) for n in np.flatnonzero(cells >= least).tolist()]
 
     def spread(
@@ -98,7 +101,6 @@ class Foreground:
         outside: Mask,
         other: Mask,
         certain: Mask,
-        size: float,
         far: Mapping[int, float],
         clothes: Mapping[int, Wardrobe],
     ) -> I64:
@@ -106,13 +108,13 @@ class Foreground:
 
         ``cores`` label → (M,) points that are certainly its; ``outside`` (M,) points that are
         certainly nobody's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
-        points of other moving things, which spread anywhere; ``size`` metres of a cell; ``far``
-        label → metres of the longest way; ``clothes`` label → what it wears, of all there are.
+        points of other moving things, which spread anywhere; ``far`` label → metres of the longest
+        way; ``clothes`` label → what it wears, of all there are.
         """
         labels = np.array([0, *cores])
         total = len(self.count)
         solid = self.solid
-        ways = self._ways(size, solid)
+        ways = self._ways()
         still = np.bincount(self.cell, weights=outside, minlength=total) > 0.5 * self.count
         rival = np.bincount(self.cell, weights=other, minlength=total) > 0.5 * self.count
         bare = still | rival
@@ -121,9 +123,9 @@ class Foreground:
             [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
         )
         votes[:, bare] = 0
-        off, _ = _reach(ways, np.flatnonzero(rival), np.ones(total, np.bool_))
-        away = np.minimum(_reach(ways, np.flatnonzero(still), ~sure)[0], off)
-        way, origin = _reach(ways, np.flatnonzero(votes.max(axis=0) > 0), ~bare)
+        off, _ = reach(ways, np.flatnonzero(rival), np.ones(total, np.bool_))
+        away = np.minimum(reach(ways, np.flatnonzero(still), ~sure)[0], off)
+        way, origin = reach(ways, np.flatnonzero(votes.max(axis=0) > 0), ~bare)
         first = votes.argmax(axis=0) + 1
         limit = np.array([0.0, *[far[n] for n in cores]])
         owner = np.where(np.isfinite(way), first[origin], 0)
@@ -134,7 +136,7 @@ class Foreground:
             owner, votes, ways, sure & solid & ~bare & ~(off < way), spans, own, clothes
         )
         apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
-        self._join_apart(owner, apart, ways, BRIDGE * limit)
+        self._join_apart(owner, apart, BRIDGE * limit)
         owner[~solid] = 0
         result: I64 = labels[owner][self.cell]
         result[((owner == 0) & (off < way))[self.cell] | other] = OTHER
@@ -150,13 +152,13 @@ class Foreground:
         """(cells,) those that touch the cells of a figure; all where it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
-        return np.isfinite(gaps(self.middle, self.middle[own], TOUCH * self.size))
+        return close_to(self.middle, self.middle[own], TOUCH * self.size)
 
     def _whole_bodies(
         self,
         owner: I64,
         votes: NDArray[np.number],
-        ways: csr_matrix,
+        ways: Ways,
         sure: Mask,
         spans: F64,
         own: I64,
@@ -170,7 +172,8 @@ class Foreground:
         inside = np.flatnonzero(sure)
         if not len(inside):
             return
-        count, part = connected_components(ways[inside][:, inside], directed=False)
+        part = parts(self.touching, sure)[inside]
+        count = part.max() + 1
         claim = np.stack([np.bincount(part, weights=v[inside], minlength=count) for v in votes])
         there = claim > 0.5 * claim.sum(axis=0)
         there[np.arange(len(claim)), claim.argmax(axis=1)] = True
@@ -187,62 +190,44 @@ class Foreground:
                 there[who, body] = mean[own[who]] > mean.max() - CLEARLY
         owner[inside] = 0
         voters = np.where(there[:, part], votes[:, inside], 0)
-        allowed = np.zeros(len(sure), np.bool_)
-        allowed[inside] = True
         source = np.flatnonzero(voters.max(axis=0) > 0)
-        way, origin = _reach(ways, inside[source], allowed)
+        way, origin = reach(ways, inside[source], sure)
         first = np.zeros(len(sure), np.int64)
         first[inside] = voters.argmax(axis=0) + 1
         reached = np.flatnonzero(np.isfinite(way) & sure)
         owner[reached] = first[origin[reached]]
 
-    def _join_apart(self, owner: I64, apart: I64, ways: csr_matrix, most: F64) -> None:
+    def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
         """Give what nothing reached to the figure beside it, where it wears its colours.
 
         A leg behind the other one hangs together with nothing that the sensor sees.
         """
-        count, part = connected_components(ways[apart][:, apart], directed=False)
+        if not len(apart):
+            return
+        some = np.zeros(len(owner), np.bool_)
+        some[apart] = True
+        part = parts(self.touching, some)[apart]
+        count = part.max() + 1
         for label in np.unique(owner[owner > 0]).tolist():
             own = np.flatnonzero(owner == label)
-            gap = gaps(self.middle[apart], self.middle[own], most[label])
-            beside = np.bincount(part[np.isfinite(gap)], minlength=count) > 0
+            there = close_to(self.middle[apart], self.middle[own], most[label])
+            beside = np.bincount(part[there], minlength=count) > 0
             if not beside.any():
                 continue
-            tone = gaps(self.colour[apart], self.colour[own], UNLIKE / 2)
-            alike = np.bincount(part, weights=np.isfinite(tone), minlength=count)
+            tone = close_to(self.colour[apart], self.colour[own], UNLIKE / 2)
+            alike = np.bincount(part, weights=tone, minlength=count)
             whole = np.bincount(part, minlength=count)
             beside &= (alike > 0.6 * whole) & (whole >= SMALLEST) & (whole < len(own))
             owner[apart[beside[part]]] = label
 
-    def _ways(self, size: float, solid: Mask) -> csr_matrix:
-        a, b = pairs(self.middle, TOUCH * size).T
+    def _ways(self) -> Ways:
+        a, b = self.touching.T
         length = _between(self.middle, a, b) + 1e-6
         length *= 1 + _between(self.colour, a, b) / UNLIKE
-        start, end, way = (np.concatenate(each) for each in ((a, b), (b, a), (length, length)))
-        open_ = solid[start]
-        count = len(self.count)
-        places = (start[open_], end[open_])
-        return coo_matrix((way[open_], places), shape=(count, count)).tocsr()
+        return ways_over(self.touching, length, self.solid)
 
 
 def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
     """How far some rows ``a`` of (N, 3) are from others ``b``."""
     gap = values[a] - values[b]
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)
-
-
-def _reach(ways: csr_matrix, source: I64, allowed: Mask) -> tuple[F64, I64]:
-    """Length of the way from the nearest source (inf for none), and that source."""
-    count = len(allowed)
-    way, origin = np.full(count, np.inf), np.zeros(count, np.int64)
-    allowed = allowed.copy()
-    allowed[source] = True
-    inside = np.flatnonzero(allowed)
-    place = np.cumsum(allowed) - 1
-    if len(source):
-        found, _, start = dijkstra(
-            ways[inside][:, inside], indices=place[source], min_only=True, return_predecessors=True
-        )
-        way[inside] = found
-        origin[inside] = inside[np.maximum(start, 0)]
-    return way, origin

@@ -9,8 +9,6 @@ from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds
 
-MOST = 4_000_000
-"""Cells of a grid that is kept whole; a larger one is sorted instead."""
 MOST_ACROSS = 2**20
 """Cells along an axis; what lies beyond shares the last."""
 MOST_NEAR = 200_000
@@ -25,20 +23,57 @@ def cells_of(xyz: F64, size: float) -> I64:
         middle, half = np.median(xyz, axis=0), 0.4 * MOST_ACROSS * size
         xyz = np.clip(xyz, middle - half, middle + half)
         lo, hi = bounds(xyz)
-    key = np.floor((xyz - lo) / size).astype(np.int64)
-    extent = np.floor((hi - lo) / size).astype(np.int64) + 1
-    flat = (key[:, 0] * extent[1] + key[:, 1]) * extent[2] + key[:, 2]
-    if float(np.prod(extent, dtype=np.float64)) > MOST:
-        return np.asarray(np.unique(flat, return_inverse=True)[1], np.int64)
-    occupied = np.zeros(int(np.prod(extent)), np.int64)
-    occupied[flat] = 1
-    return np.asarray((np.cumsum(occupied) - 1)[flat], np.int64)
+    return numbered(_keys(xyz, lo, (np.floor((hi - lo) / size) + 1).astype(np.int64), size))
 
 
+@compiled
+def _keys(xyz: F64, low: F64, extent: I64, size: float) -> I64:
+    """Number of the cell of each point (N, 3), of all in a box of ``extent`` (3,) cells."""
+    key = np.empty(len(xyz), np.int64)
+    for i in range(len(xyz)):
+        x = int((xyz[i, 0] - low[0]) / size)
+        y = int((xyz[i, 1] - low[1]) / size)
+        key[i] = (x * extent[1] + y) * extent[2] + int((xyz[i, 2] - low[2]) / size)
+    return key
+
+
+@compiled
+def numbered(key: I64) -> I64:
+    """(N,) rank of each of the keys among those that occur, from 0."""
+    size = 16
+    while size < 2 * len(key):
+        size *= 2
+    slot, distinct, first = np.full(size, -1), np.empty(len(key), np.int64), np.empty_like(key)
+    count = 0
+    for i in range(len(key)):
+        # Multiplicative hashing (Knuth 1973, section 6.4), and the next free slot.
+        at = (key[i] * 0x1E3779B97F4A7C15 >> 20) & (size - 1)
+        while slot[at] >= 0 and distinct[slot[at]] != key[i]:
+            at = (at + 1) & (size - 1)
+        if slot[at] < 0:
+            slot[at] = count
+            distinct[count] = key[i]
+            count += 1
+        first[i] = slot[at]
+    rank = np.empty(count, np.int64)
+    rank[np.argsort(distinct[:count])] = np.arange(count)
+    for i in range(len(key)):
+        first[i] = rank[first[i]]
+    return first
+
+
+@compiled
 def means_of(values: NDArray[np.floating], cell: I64) -> F64:
     """(K, D) means of the values (N, D) of each cell, numbered (N,) as by ``cells_of``."""
-    sums = [np.bincount(cell, weights=column) for column in values.T]
-    return np.stack(sums, axis=1) / np.bincount(cell)[:, None]
+    count = cell.max() + 1 if len(cell) else 0
+    means, points = np.zeros((count, values.shape[1])), np.zeros(count)
+    for i in range(len(cell)):
+        points[cell[i]] += 1.0
+        for a in range(values.shape[1]):
+            means[cell[i], a] += values[i, a]
+    for c in range(count):
+        means[c] /= points[c]
+    return means
 
 
 def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:

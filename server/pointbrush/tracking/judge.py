@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim
 from pointbrush.tracking.interface import F64, Mask
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -46,7 +46,7 @@ def judge(
         reach = 2.5 * thing.unit
         matched[found.nearest[found.gap < reach]] = True
         rest = np.flatnonzero(~matched)
-        matched[rest] = np.isfinite(gaps(world[rest], view.xyz[found.indices], reach))
+        matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
         cell, depth = view.project(world)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.compiled import compiled
+from pointbrush.tracking.grid import numbered
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, middle
 
@@ -121,16 +122,13 @@ class Model:
         """One point per cell of the model's spacing, the best confirmed."""
         key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
-        key -= lo
         size = hi - lo + 1
-        flat = (key[:, 0] * size[1] + key[:, 1]) * size[2] + key[:, 2]
-        order = np.lexsort((-self.hits, flat))
-        first = np.concatenate([[True], np.diff(flat[order]) > 0])
-        kept = order[first]
+        flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
+        kept = _best_of(numbered(flat), self.hits)
         if len(kept) > MOST_POINTS:
             self.spacing *= 1.05 * float(np.sqrt(len(kept) / MOST_POINTS))
             return self._distinct()
-        return np.sort(kept)
+        return kept
 
     def _keep(self, which: I64) -> None:
         self.xyz, self.colour, self.seen = self.xyz[which], self.colour[which], self.seen[which]
@@ -140,6 +138,16 @@ class Model:
     def _thin(self) -> Model:
         self._keep(self._distinct())
         return self
+
+
+@compiled
+def _best_of(cell: I64, hits: F32) -> I64:
+    """Sorted, of each cell the point, numbered (N,), with the most hits; the first of such."""
+    best = np.full(cell.max() + 1, -1)
+    for i in range(len(cell)):
+        if best[cell[i]] < 0 or hits[i] > hits[best[cell[i]]]:
+            best[cell[i]] = i
+    return np.sort(best)
 
 
 @compiled

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.columns import NONE, columns, nearest
+from pointbrush.tracking.columns import NONE, any_near_each, columns
 from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
@@ -31,18 +31,15 @@ def middle(points: NDArray[np.floating]) -> F64:
     return np.asarray(np.einsum("ij->j", points, dtype=np.float64) / len(points))
 
 
-def gaps(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> F64:
-    """Metres (M,) from each of ``wanted`` (M, 3) to the nearest of ``points`` (N, 3).
+def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> Mask:
+    """Which of ``wanted`` (M, 3) are less than ``most`` metres from one of ``points`` (N, 3).
 
-    Or (M, 6) and (N, 6), with weighted colours.  Infinite where that is ``most`` or more, or there
-    are no points.
+    Or (M, 6) and (N, 6), with weighted colours.
     """
     if not len(points) or not len(wanted):
-        return np.full(len(wanted), np.inf)
+        return np.zeros(len(wanted), np.bool_)
     grid = columns(_places(points), _tints(points), float(points.shape[1] > 3))
-    distance, index = nearest(grid, _places(wanted), _tints(wanted), 1.0, most)
-    distance[index < 0] = np.inf
-    return distance
+    return any_near_each(grid, _places(wanted), _tints(wanted), most)
 
 
 def _places(points: NDArray[np.floating]) -> F64:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from pointbrush.tracking.columns import pairs
+from pointbrush.tracking.compiled import compiled
 from pointbrush.tracking.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 
@@ -21,9 +20,39 @@ def pieces(xyz: F64, unit: float) -> I64:
     """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
     cell = cells_of(xyz, CELL * unit)
     middle = means_of(xyz, cell)
-    touching = pairs(middle, TOUCH * CELL * unit)
-    links = coo_matrix((np.ones(len(touching)), tuple(touching.T)), shape=(len(middle),) * 2)
-    return np.asarray(connected_components(links, directed=False)[1][cell], np.int64)
+    whole = np.ones(len(middle), np.bool_)
+    return np.asarray(parts(pairs(middle, TOUCH * CELL * unit), whole)[cell])
+
+
+@compiled
+def parts(links: I64, some: Mask) -> I64:
+    """(N,) number of the part that each of ``some`` (N,) is of, from 0; -1 for the others.
+
+    ``links`` (P, 2) join two of them each.  Source: union-find, Tarjan 1975.
+    """
+    root = np.arange(len(some))
+    for k in range(len(links)):
+        one, other = links[k]
+        if some[one] and some[other]:
+            one, other = _root(root, one), _root(root, other)
+            root[max(one, other)] = min(one, other)
+    part, count = np.full(len(some), -1), 0
+    for i in range(len(some)):
+        if some[i]:
+            first = _root(root, i)
+            if first == i:
+                part[i] = count
+                count += 1
+            part[i] = part[first]
+    return part
+
+
+@compiled
+def _root(root: I64, at: int) -> int:
+    while root[at] != at:
+        root[at] = root[root[at]]
+        at = root[at]
+    return at
 
 
 def solid(xyz: F64, unit: float) -> Mask:

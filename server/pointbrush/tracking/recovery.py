@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model import Model
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.pieces import pieces
 from pointbrush.tracking.registration import Target, transform
 from pointbrush.tracking.thing import Thing
@@ -98,7 +98,7 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 def alike(model: Model, colour: F32) -> Mask:
     """Which of the colours (M, 3) the model has about."""
     palette = model.colour[:: max(1, len(model.colour) // 200)]
-    return np.isfinite(gaps(colour, palette, LIKE))
+    return close_to(colour, palette, LIKE)
 
 
 def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:

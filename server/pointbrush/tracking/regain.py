@@ -13,7 +13,7 @@ from pointbrush.tracking.assign import cut_off
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.carve import ENOUGH, carved
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.near import gaps, within
+from pointbrush.tracking.near import close_to, within
 from pointbrush.tracking.pieces import pieces
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.thing import Thing
@@ -72,11 +72,11 @@ def lost_pieces(
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
     """Whether a piece touches the thing and no ``others`` (M, 3), and looks like it."""
     xyz = view.xyz[points].astype(np.float64)
-    if not np.isfinite(gaps(view.xyz[core], xyz, BESIDE * thing.unit)).any():
+    if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
         return False
     if thing.worn.share(view.colour(points)) < ALIKE:
         return False
-    if np.count_nonzero(np.isfinite(gaps(others, xyz, LONELY * thing.unit))) > FEW * len(points):
+    if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
         return False
     # What goes on behind the thing itself is what holds it.
     if not thing.motion.rests(thing.unit) and cut_off(view, points, 3 * thing.unit, by=core):

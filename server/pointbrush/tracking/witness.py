@@ -13,7 +13,7 @@ from pointbrush.tracking.fit import find
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.locate import among
 from pointbrush.tracking.model import SURE
-from pointbrush.tracking.near import gaps
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
@@ -52,8 +52,8 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
 
 def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
-    gap = gaps(place.world, view.xyz[points], 2.5 * thing.unit)
-    denied = ~np.isfinite(gap) & thing.model.facing(place.pose[None], view.eye)[0]
+    painted = close_to(place.world, view.xyz[points], 2.5 * thing.unit)
+    denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
     if view.lens is not None:
         cell, depth = view.project(place.world)
         with np.errstate(invalid="ignore"):
