@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.tracking.held import Held
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.pixels import least_around, widened
 from pointbrush.tracking.scenery import NEAR, continued, drawn_on, farthest, wavering
@@ -65,6 +66,12 @@ class Background(Protocol):
         Without background, and what lies where the scene goes on behind the first objects.
         """
 
+    def again(self, view: View, indices: I64) -> I64:
+        """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
+
+        0 for none, and where the scene behind is known.
+        """
+
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """Take in a frame whose ``labels`` are decided; ``first``: by a person.
 
@@ -98,6 +105,7 @@ class ImageBackground:
     """The depth in the frame before the last."""
     hider: NDArray[np.int32] = field(init=False)
     """The label of each cell in the frame before the last."""
+    held: Held = field(init=False)
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
@@ -106,6 +114,7 @@ class ImageBackground:
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
         self.hider = np.zeros(len(self.depth), np.int32)
+        self.held = Held.nothing(len(self.depth))
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
@@ -202,6 +211,11 @@ class ImageBackground:
         points = uncovered(*view.cells, self.hider, self.hiding, *self._waver, self._images)
         return points, self.hider[view.cells[0][points]].astype(np.int64)
 
+    def again(self, view: View, indices: I64) -> I64:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return self.held.again(cell, depth, NEAR * self.waver(depth))
+
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
@@ -215,6 +229,7 @@ class ImageBackground:
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
         limit = np.float32(NEAR) * self.waver(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
+        labelled |= self.held.learn(seen, self.owner, limit, self._known)
         if keep is not None and len(keep):
             labelled[view.project(keep)[0]] = True
             labelled[-1] = False

@@ -27,6 +27,9 @@ ANOTHERS = 0.5
 """Share of its claim under which the place is another's, and share of what was left there that it
 must have elsewhere."""
 
+MOSTLY = 0.5
+"""Share of its points that have to show that it is there."""
+
 
 def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
     """Where a thing is, and what it would have there."""
@@ -93,14 +96,24 @@ def look_for(
         place, found = placed(thing, view, search)
         seen = judge(thing, view, place.pose, place.world, found).found
         if view.lens is not None and len(found.indices):
-            seen = seen and float(background.certain(view, found.indices).mean()) > 0.5
-            seen = seen and recognised(thing.label, things, view, found.indices)
+            seen = seen and _surely(thing.label, things, background, view, found.indices)
         if seen:
             places[thing.label], claims[thing.label] = place, found
             free[found.indices] = False
         else:
             loose[thing.label] = search.moving
     return loose
+
+
+def _surely(
+    label: int, things: Mapping[int, Thing], background: Background, view: View, points: I64
+) -> bool:
+    """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
+    before a known scene, in its own clothes."""
+    if float((background.again(view, points) == label).mean()) > MOSTLY:
+        return True
+    certain = float(background.certain(view, points).mean()) > MOSTLY
+    return certain and recognised(label, things, view, points)
 
 
 def bodies_left(

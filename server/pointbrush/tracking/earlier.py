@@ -80,6 +80,10 @@ class TreeBackground:
         """See ``Background``; without a depth image nothing is known to have hidden a point."""
         return np.empty(0, np.int64), np.empty(0, np.int64)
 
+    def again(self, view: View, indices: I64) -> I64:  # noqa: ARG002
+        """See ``Background``; without a depth image no place is held."""
+        return np.zeros(len(indices), np.int64)
+
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``; remembers the first frame and two later ones."""
         if len(view.xyz) == 0:

@@ -17,6 +17,7 @@ from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import step_of
 from pointbrush.tracking.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.grid import perhaps_near
+from pointbrush.tracking.held import STAYS
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.near import close_to
 from pointbrush.tracking.place import Place
@@ -99,11 +100,14 @@ def hang_together(
     far = {n: FAR * things[n].span for n in cores}
     clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
     seeds = {}
+    again = np.where(inside[every], background.again(view, every), 0)
     for label, core in cores.items():
         mask = np.zeros(len(view.xyz), np.bool_)
         mask[core] = True
         seeds[label] = mask[every]
-    sure = background.certain(view, every) & inside[every]
+        if np.count_nonzero(again[mask[every]] == label) > STAYS * len(core):
+            seeds[label] |= again == label
+    sure = (background.certain(view, every) | (again != 0)) & inside[every]
     far |= _by_clothes(seeds, sure, foreground, things)
     found = foreground.spread(seeds, outside[every], other[every], sure, far, clothes)
     other_moving = np.zeros(len(view.xyz), np.bool_)

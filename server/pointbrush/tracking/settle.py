@@ -23,6 +23,8 @@ SOUND = 0.25
 DOUBTFUL, REGAINED = 0.4, 0.6
 """Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
 it ends an occlusion."""
+SCRAP = 0.05
+"""Share of the size of a large thing under which what is seen of it tells no motion."""
 STAYED = 0.35
 """Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
@@ -57,7 +59,8 @@ def settle(
     trust = min(here, thing.trust + regain)
     thing.trust, thing.last = trust, len(points)
     # What was found so in the frame before too has moved from there to here.
-    if place.anew and not thing.motion.fresh:
+    scrap = thing.large and len(points) < SCRAP * thing.size and not thing.scanned
+    if scrap or (place.anew and not thing.motion.fresh):
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)

@@ -23,6 +23,11 @@ BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
 TALL, COARSE = 0.4, 12.0
 """Metres, and units, of radius from which a thing in a depth image is large as people are, however
 coarse it is seen."""
+HALF, BROAD = 0.25, 0.06
+"""Metres of radius, and of deviation across, from which what is painted is part of somebody: sticks
+and clubs are as long, but thin."""
+VAGUE = 5.0
+"""Units of radius that such a part has at least."""
 RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
 """Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
 share of the way between rings that is a unit."""
@@ -87,7 +92,7 @@ class Thing:
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
-    ``away`` metres from that.
+    ``away`` metres from that; ``broad`` whether it was painted as broad as part of somebody.
     """
 
     label: int
@@ -112,6 +117,7 @@ class Thing:
     stands: bool = True
     away: float = 0.0
     scanned: bool = False
+    broad: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -137,7 +143,8 @@ class Thing:
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
         if self.imaged:
-            return self.span > max(TALL, COARSE * self.unit)
+            part = self.broad and self.span > max(HALF, VAGUE * self.unit)
+            return part or self.span > max(TALL, COARSE * self.unit)
         if self.scanned:
             return True
         return self.span > LARGE * self.unit
@@ -216,7 +223,15 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         flat=low > FLAT,
         stands=low < STANDS,
         scanned=view.scans,
+        broad=_across_way(xyz) > BROAD,
     )
+
+
+def _across_way(xyz: F64) -> float:
+    """Metres of deviation of points (M, 3) across the way in which they are longest."""
+    if len(xyz) < 3:
+        return 0.0
+    return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
 
 
 def _texture(xyz: F64, colour: F32) -> tuple[float, float]:
