@@ -18,6 +18,9 @@ ALIKE = 0.7
 """Share of a figure's colours that show that it is the same."""
 SAMPLE = 400
 """Points whose colours are compared."""
+HARDLY_LESS = 0.1
+"""How much less, in the mean logarithm, something may look like what one wears than like what
+another does: who are dressed alike, or seen without colour, cannot be told apart by it."""
 EDGE = 0.5
 """What a body at the end of the reach of a figure loses against one where it is expected."""
 
@@ -36,7 +39,9 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
     bodies = foreground.bodies(2 * SMALLEST)
     offers = []
     for label, thing in things.items():
-        guess = transform(thing.motion.predictions()[0], thing.model.xyz)
+        # Who left the picture may have turned there.
+        either = (thing.motion.predictions()[0], thing.motion.poses[-1])
+        guess = np.vstack([transform(T, thing.model.xyz) for T in either])
         away, _ = cKDTree(guess).query(foreground.middle)
         reach = thing.span * (0.5 + 0.25 * min(thing.missing, 8))
         for number, cells in enumerate(bodies):
@@ -65,7 +70,7 @@ def recognised(label: int, things: Mapping[int, Thing], view: View, points: I64)
     worn = things[label].worn
     others = [t.worn.likeness(colour) for n, t in things.items() if n != label and t.large]
     alike = worn.share(colour) > ALIKE
-    return alike and worn.likeness(colour) > max(others, default=-np.inf)
+    return alike and worn.likeness(colour) > max(others, default=-np.inf) - HARDLY_LESS
 
 
 def _step(count: int) -> int:

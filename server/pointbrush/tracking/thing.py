@@ -26,6 +26,8 @@ coarse it is seen."""
 HALF, BROAD = 0.25, 0.06
 """Metres of radius, and of deviation across, from which what is painted is part of somebody: sticks
 and clubs are as long, but thin."""
+RIM, EDGE = 2, 0.15
+"""Pixels from the edge of the picture, and the share of what is painted that lies there."""
 VAGUE = 5.0
 """Units of radius that such a part has at least."""
 RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
@@ -92,7 +94,8 @@ class Thing:
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
     ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
-    ``away`` metres from that; ``broad`` whether it was painted as broad as part of somebody.
+    ``away`` metres from that; ``broad`` whether it was painted as broad as part of somebody,
+    ``cut`` off by the edge of the picture.
     """
 
     label: int
@@ -118,6 +121,7 @@ class Thing:
     away: float = 0.0
     scanned: bool = False
     broad: bool = False
+    cut: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -143,7 +147,8 @@ class Thing:
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
         if self.imaged:
-            part = self.broad and self.span > max(HALF, VAGUE * self.unit)
+            part = self.cut or (self.broad and self.span > HALF)
+            part = part and self.span > VAGUE * self.unit
             return part or self.span > max(TALL, COARSE * self.unit)
         if self.scanned:
             return True
@@ -190,10 +195,12 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if view.lens is None:
         return thing
     kept = solid(view.xyz[indices].astype(np.float64), thing.unit)
-    if kept.all():
-        return thing
-    without = _made(view, label, indices[kept], noise, rivals)
-    return thing if without.large else without
+    if not kept.all():
+        without = _made(view, label, indices[kept], noise, rivals)
+        thing = thing if without.large else without
+    if thing.large:  # it stays that, however little of it is seen
+        thing.extent = max(thing.model.radius, TALL)
+    return thing
 
 
 def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
@@ -224,7 +231,18 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         stands=low < STANDS,
         scanned=view.scans,
         broad=_across_way(xyz) > BROAD,
+        cut=_cut(view, indices),
     )
+
+
+def _cut(view: View, indices: I64) -> bool:
+    """Whether much of what is painted lies at the edge of the picture: there is more of it."""
+    if view.lens is None:
+        return False
+    row, column = np.divmod(view.cells[0], view.lens.shape[1])
+    aside = np.minimum(column - column.min(), column.max() - column)
+    away = np.minimum(aside, np.minimum(row - row.min(), row.max() - row))
+    return float((away[indices] < RIM).mean()) > EDGE
 
 
 def _across_way(xyz: F64) -> float:
