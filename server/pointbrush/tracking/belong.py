@@ -56,9 +56,9 @@ WORN = 0.7
 
 def own_points(thing: Thing, view: View, place: Place) -> Claim:
     """Points like the model at its place, and not more like something unlabelled."""
-    near = claim(
-        view, place.near, place.world, thing.model.colour, thing.weight, WIDE * thing.reach
-    )
+    # What is beside a large thing is told by what hangs together.
+    wide = (REACH if thing.large else WIDE) * thing.reach
+    near = claim(view, place.near, place.world, thing.model.colour, thing.weight, wide)
     lost = contested(view, near, thing, place)
     place.neutral = near.indices[~lost]
     lost &= near.cost > thing.reach

@@ -161,14 +161,11 @@ def _by_clothes(
 
 
 def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
-    """Those of the points ``still`` that touch the moving ones."""
+    """Those of the points ``still`` that touch the moving ones, by cells of ``size`` metres."""
     some = moving[:: max(1, len(moving) // 4000)]
     if not len(some) or not len(still):
         return still[:0]
-    front = view.xyz[some]
-    still = still[perhaps_near(view.xyz[still], front, 2 * size)]
-    beside: I64 = still[close_to(view.xyz[still], front, 2 * size)]
-    return beside
+    return still[perhaps_near(view.xyz[still], view.xyz[some], size)]
 
 
 def _movers(rivals: Rivals, scene: F32, apart: float) -> Rivals:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.columns import Columns, nearest_one, spans, toned
 from pointbrush.tracking.compiled import compiled
@@ -30,16 +29,32 @@ def warp(place: F64, colour: F32, target: Target, apart: float, scale: float) ->
     the nodes, and smooths them over each node's neighbours.
     """
     nodes = nodes_of(place, apart)
-    tree = cKDTree(nodes)
-    k = min(LINKS, len(nodes))
-    distance, link = tree.query(place, k=np.arange(1, k + 1))
-    share = np.exp(-((np.asarray(distance) / apart) ** 2)) + 1e-9
+    link, square = _nearest_nodes(place, nodes, min(LINKS, len(nodes)))
+    share = np.exp(-square / apart**2) + 1e-9
     share /= share.sum(axis=1, keepdims=True)
-    link = np.asarray(link, np.int64)
-    _, around = tree.query(nodes, k=np.arange(1, min(6, len(nodes)) + 1))
-    around = np.asarray(around, np.int64)
+    around, _ = _nearest_nodes(nodes, nodes, min(6, len(nodes)))
     grid, weight = target.columns, target.weight
     return _pulled(place, colour, grid, weight, link, share, around, scale)
+
+
+@compiled
+def _nearest_nodes(place: F64, nodes: F64, count: int) -> tuple[I64, F64]:
+    """(M, count) numbers of the nearest nodes of each place (M, 3), nearest first, and squares of
+    their distances: nodes are few, so that all are asked."""
+    link, square = np.zeros((len(place), count), np.int64), np.full((len(place), count), np.inf)
+    for i in range(len(place)):
+        for node in range(len(nodes)):
+            away = 0.0
+            for a in range(3):
+                away += (nodes[node, a] - place[i, a]) ** 2
+            if away >= square[i, count - 1]:
+                continue
+            at = count - 1
+            while at > 0 and away < square[i, at - 1]:
+                square[i, at], link[i, at] = square[i, at - 1], link[i, at - 1]
+                at -= 1
+            square[i, at], link[i, at] = away, node
+    return link, square
 
 
 @compiled
