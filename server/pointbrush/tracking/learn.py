@@ -11,7 +11,7 @@ from pointbrush.tracking.fit import bent
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.locate import target_of
-from pointbrush.tracking.model import SURE, Model
+from pointbrush.tracking.model import MOST_BENT, SURE, Model
 from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
@@ -95,7 +95,7 @@ def learn(
         colour = view.colour(points)
         old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
         kept = thing.model
-        new = Model.of(xyz, colour, own_eye, kept.spacing)
+        new = Model.of(xyz, colour, own_eye, kept.spacing, MOST_BENT)
         new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
         new.colour = np.vstack([new.colour, kept.colour[old]])
         new.seen = np.vstack([new.seen, kept.seen[old]])

@@ -11,7 +11,8 @@ from pointbrush.tracking.grid import numbered
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.near import bounds, middle
 
-MOST_POINTS = 2500
+MOST_POINTS, MOST_BENT = 2500, 1000
+"""Points of a model, and of one that is made anew in each frame, since it bends."""
 SURE = 12.0
 """Hits from which a point may have new neighbours; a person's points have them at once."""
 FACING = 0.25
@@ -36,8 +37,10 @@ class Model:
     _radius: float | None = None
 
     @staticmethod
-    def of(xyz: F64, colour: F32, eye: F64 | None, spacing: float) -> Model:
-        """A model of the points (M, 3) that a sensor at ``eye`` sees."""
+    def of(
+        xyz: F64, colour: F32, eye: F64 | None, spacing: float, most: int = MOST_POINTS
+    ) -> Model:
+        """A model of the points (M, 3) that a sensor at ``eye`` sees, ``most`` of them."""
         n = len(xyz)
         model = Model(
             xyz,
@@ -47,7 +50,7 @@ class Model:
             np.ones(n, np.float32),
             np.zeros(n, np.float32),
         )
-        return model._thin()
+        return model._thin(most)
 
     @property
     def centre(self) -> F64:
@@ -118,16 +121,16 @@ class Model:
         self._keep(np.flatnonzero(~which))
         return np.where(which, -1, np.cumsum(~which) - 1)
 
-    def _distinct(self) -> I64:
-        """One point per cell of the model's spacing, the best confirmed."""
+    def _distinct(self, most: int = MOST_POINTS) -> I64:
+        """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
         key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
         size = hi - lo + 1
         flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
         kept = _best_of(numbered(flat), self.hits)
-        if len(kept) > MOST_POINTS:
-            self.spacing *= 1.05 * float(np.sqrt(len(kept) / MOST_POINTS))
-            return self._distinct()
+        if len(kept) > most:
+            self.spacing *= 1.05 * float(np.sqrt(len(kept) / most))
+            return self._distinct(most)
         return kept
 
     def _keep(self, which: I64) -> None:
@@ -135,8 +138,8 @@ class Model:
         self.hits, self.misses = self.hits[which], self.misses[which]
         self._radius = None
 
-    def _thin(self) -> Model:
-        self._keep(self._distinct())
+    def _thin(self, most: int) -> Model:
+        self._keep(self._distinct(most))
         return self
 
 
