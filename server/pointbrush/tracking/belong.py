@@ -125,9 +125,12 @@ def grow(
 
 
 def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tuple[Claim, I64]:
-    """A claim and new surface without flying pixels; of what has just been painted little is known
-    but that it is there."""
-    if thing.motion.fresh:
+    """A claim and new surface of what is on the move without flying pixels.
+
+    Thin parts and rims of what stays in its place are known; of what has just been painted little
+    is known but that it is there.
+    """
+    if thing.motion.fresh or thing.motion.slow(thing.unit):
         return found, new
     count = len(found.indices)
     points = np.concatenate([found.indices, new])
