@@ -43,6 +43,7 @@ from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.settle import settle
 from pointbrush.tracking.sharing import share_out
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
+from pointbrush.tracking.twins import Twins
 from pointbrush.tracking.view import View
 from pointbrush.tracking.witness import taught
 
@@ -94,6 +95,7 @@ class Run:
         self.known, self.options, self.hands = known, options, hands
         self.labels = labels
         self.things: dict[int, Thing] = {}
+        self.twins = Twins()
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
 
     @property
@@ -161,6 +163,7 @@ class Run:
         places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
         find_astray(sought, self.background, view, free, places, claims)
+        self.twins.meet(things, places)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)
         view.labels = dict(fixed)
@@ -261,6 +264,7 @@ class Run:
 
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
+        self.twins.forget(thing.label)
         pose = taught(thing, view, points)
         if pose is None:
             return self._reseed(thing, view, points)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-WEIGHTS = np.array([2.64, 1.44, -2.7, -2.51, -2.55, -1.07, 0.21, -2.12, 1.79, -0.51])
-OFFSET = 3.82
+WEIGHTS = np.array([2.64, 2.5, -3.5, -1.5, -1.0, -1.07, 0.21, -4.0, 1.79, -0.51])
+OFFSET = 3.22
 STRETCH, MIDDLE = 1.5, 1.1
 """The log odds ``MIDDLE`` are confidence 0.5; they are stretched about it."""
 BODY_WEIGHTS = np.array([1.38, 0, -3.28, -0.75, 0, -1.73, -1.0, 0, 0, 3.03, 1.76])
@@ -25,12 +25,12 @@ SCAN_OFFSET, SCAN_MIDDLE = -2.06, 1.2
 """The same for lidars: what is left beside a thing of what moves, its size, how much it bends,
 how coarse it is seen, and the share on well confirmed surface.  Fitted on generated streets of 32
 and 64 beams, at rest and on the move; what is left beside a thing says more than all the rest."""
-MANY, FEW = 300, 1.0
+MANY, FEW = 300, 2.5
 """Points from which a fit before a pixel grid is told apart well, and the weight of the logarithm
 of the share of them that there are: small things are taken for each other."""
 POINTLIKE = 1.0
 """Units over radius from which a thing is one place, that anything may be at."""
-SHRUNK = 2.0
+SHRUNK = 3.5
 """Weight of a changed size of what bends: its model follows whatever is taken for it."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
 """Trust that a frame can give back: what has been in doubt may have become another's, and what a

@@ -30,6 +30,8 @@ class Place:
     """Those of ``near`` that are hardly before the background."""
     kept: float = 1.0
     """Share of what it claimed there that no other thing has."""
+    most: float = 1.0
+    """Confidence at most, since it may have changed places with another."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))

@@ -56,7 +56,7 @@ def settle(
     points = together(found.indices, grown)
     here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
-    trust = min(here, thing.trust + regain)
+    trust = min(here, thing.trust + regain, place.most)
     thing.trust, thing.last = trust, len(points)
     # What was found so in the frame before too has moved from there to here.
     scrap = thing.large and len(points) < SCRAP * thing.size and not thing.scanned
