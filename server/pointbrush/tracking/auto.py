@@ -92,10 +92,9 @@ class Run:
         options: TrackOptions,
         hands: Hands,
     ) -> None:
-        self.known, self.options, self.hands = known, options, hands
-        self.labels = labels
+        self.known, self.options, self.labels = known, options, labels
+        self.hands, self.twins = hands, Twins()
         self.things: dict[int, Thing] = {}
-        self.twins = Twins()
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
 
     @property
@@ -204,8 +203,8 @@ class Run:
         grown, taken = grow(things, view, places, claims, free, background)
 
         def given(thing: Thing) -> tuple[object, ...]:
-            label, none = thing.label, _EMPTY
-            return places.get(label), claims.get(label), grown.get(label, none), self.options
+            n = thing.label
+            return places.get(n), claims.get(n), grown.get(n, _EMPTY), self.options
 
         alive = [thing for thing in sought if not thing.stopped]
         small = [thing for thing in alive if not thing.large]
@@ -282,16 +281,14 @@ class Run:
         self._begin(view, thing.label, points)
         again = self.things[thing.label]
         again.model.xyz = transform(inverse(pose), again.model.xyz)
-        again.motion.centre = again.model.centre
-        again.motion.poses = [pose]
+        again.motion.centre, again.motion.poses = again.model.centre, [pose]
         return _painted(len(points), pose)
 
     def _emerge(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn a large thing anew from what came out of hiding; the rest may follow."""
         track = self._reseed(thing, view, points)
         anew = self.things[thing.label]
-        anew.extent, anew.size, anew.trust = thing.span, thing.size, AGAIN
-        anew.worn = thing.worn
+        anew.extent, anew.size, anew.trust, anew.worn = thing.span, thing.size, AGAIN, thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
 
 
