@@ -9,8 +9,10 @@ import pytest
 import scenes
 from conftest import follow
 
+from pointbrush.tracking.disputes import placed
 from pointbrush.tracking.held import Held
 from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.locate import among
 from pointbrush.tracking.thing import Rivals, begin
 from pointbrush.tracking.view import View
 
@@ -98,3 +100,17 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
     assert held.label.tolist() == [0, 7, 7, 0]
     held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown)
     assert held.label.tolist() == [0, 0, 0, 7]
+
+
+@pytest.mark.parametrize("hidden", [True, False])
+def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bool) -> None:
+    start = recording(1, {2: (0.06, 3.4, 0.0)})[0]
+    view = View(0, start, find_lens(start))
+    thing = begin(view, 2, np.flatnonzero(start.truth == 2), 0.0, NO_RIVALS)
+    thing.motion.poses = [np.eye(4)] * 3
+    before = {1: (0.03, 1.3, 0.0)} if hidden else {}
+    now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
+    view = View(1, now, find_lens(now))
+    search = among(thing, view, np.flatnonzero(now.truth == 3))
+    _, claim = placed(thing, view, search)
+    assert len(claim.indices) < 5 if hidden else len(claim.indices) > 300

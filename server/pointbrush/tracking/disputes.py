@@ -16,6 +16,7 @@ from pointbrush.tracking.interface import I64, Mask
 from pointbrush.tracking.judge import judge
 from pointbrush.tracking.locate import Search, crop
 from pointbrush.tracking.place import Place
+from pointbrush.tracking.registration import transform, transform_each
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
@@ -27,14 +28,35 @@ ANOTHERS = 0.5
 """Share of its claim under which the place is another's, and share of what was left there that it
 must have elsewhere."""
 
+LEASH = 0.35
+"""Radii a frame, beside its speed, by which somebody who should be hidden may be elsewhere."""
 MOSTLY = 0.5
 """Share of its points that have to show that it is there."""
 
 
 def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
-    """Where a thing is, and what it would have there."""
+    """Where a thing is, and what it would have there: nothing where it should be hidden, and
+    nobody comes so fast."""
     place = find(search)
+    if thing.body and _far_off(thing, search, place):
+        return place, Claim.nothing()
     return place, own_points(thing, view, place)
+
+
+def _far_off(thing: Thing, search: Search, place: Place) -> bool:
+    """Whether a large thing would be far from where it is hidden now: that is somebody else."""
+    motion = thing.motion
+    if motion.fresh or thing.cut:  # what was painted in part grows by what comes out
+        return False
+    centre = motion.centre[None]
+    at = transform(place.pose, centre)[0]
+    off = np.linalg.norm(transform_each(search.guesses, centre)[:, 0] - at, axis=1).min()
+    if off < (LEASH * thing.span + motion.speed) * motion.gap:
+        return False
+    guesses = transform_each(search.guesses, thing.model.xyz[search.few])
+    cell, depth = search.view.project(guesses.reshape(-1, 3))
+    hidden = (cell < 0) | (search.view.depth[cell] < depth - 3 * thing.unit)
+    return bool(hidden.reshape(len(guesses), -1).mean(axis=1).max() > MOSTLY)
 
 
 def settle_conflicts(
