@@ -42,6 +42,8 @@ YIELD = 0.7
 """Share of its cost at which something unlabelled takes a point from a claim."""
 AGAIN = 7.0
 """Units within which something unlabelled is taken to be where it was."""
+BESIDE = 12.0
+"""Units from a soft thing within which what is beside it goes along with it."""
 STAYED = 0.25
 """Units by which a thing moves that stays where it is."""
 LONGER = 2.0
@@ -154,8 +156,13 @@ def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
 def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
     if view.roams:  # What stands still is known, and nobody holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
-    xyz = view.xyz[points].astype(np.float64)
-    return thing.rivals.explain(xyz, view.colour(points), reach, step_of(thing, place))
+    xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
+    explained = thing.rivals.explain(xyz, colour, reach, step_of(thing, place))
+    if thing.soft and len(thing.rivals.xyz):  # Each part of it has a motion of its own.
+        before = transform(thing.motion.poses[-1], thing.model.xyz)
+        bent = thing.rivals.along(before, place.world, BESIDE * thing.unit)
+        explained |= bent.explain(xyz, colour, reach)
+    return explained
 
 
 def step_of(thing: Thing, place: Place) -> F64 | None:

@@ -19,9 +19,11 @@ from pointbrush.tracking.interface import F64, Frames, TrackFrame
 from pointbrush.tracking.journey import Journey
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.nonrigid import nodes_of
-from pointbrush.tracking.odometry import Way, moves
+from pointbrush.tracking.odometry import Way, framed, moves
 from pointbrush.tracking.registration import transform
+from pointbrush.tracking.shade import find_eye
 from pointbrush.tracking.shifts import likely_shifts
+from pointbrush.tracking.view import FAR, reach_of
 
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its
@@ -192,8 +194,17 @@ def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] |
     lens = find_lens(frames(order[0]), moves=True)
     if lens is not None:
         asked = [order[at] for at in (0, *TRIES) if at < len(order)]
-        return Way(frames, order, lens).pose if moves(frames, asked, lens) else None
-    return None if stands(frames, order) else Ego(frames, order).pose
+        at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens)
+        return None if at_rest else Way(frames, order, lens).pose
+    at_rest = not _of_one(frames(order[0])) or stands(frames, order)
+    return None if at_rest else Ego(frames, order).pose
+
+
+def _of_one(frame: TrackFrame) -> bool:
+    """Whether one sensor saw a frame: what several saw together, or a figure without its room, has
+    nothing that shows how a sensor moves but what moves itself."""
+    xyz = np.asarray(frame.xyz)
+    return frame.viewpoint is not None or reach_of(xyz) > FAR or find_eye(xyz) is not None
 
 
 def _told(frame: TrackFrame) -> F64 | None:

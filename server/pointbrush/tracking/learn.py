@@ -128,8 +128,8 @@ def learn(
 
 def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
     """Take note of how much of a small thing bending alone explains."""
-    stiff = not (thing.bends or thing.soft or thing.large)
-    if stiff and view.lens is not None and _asked(thing, view):
+    stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
+    if stiff and _asked(thing, view):
         thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
 
 

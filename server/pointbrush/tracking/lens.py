@@ -30,8 +30,9 @@ MARGIN = 8
 BEHIND, SEES, MIXED = 1.25, 0.02, 0.1
 """Depths beyond the nearest of a pixel that no sensor at that place can see, and the share of such
 points up to which the sensor is there, and up to which it may be where it is told to be."""
-FILLED = 0.5
-"""Share of the pixels that a depth image fills at least, outlines and all."""
+FILLED, FILLED_TURNED = 0.5, 0.3
+"""Share of the pixels that a depth image fills at least, outlines and all; and one seen from a
+place that was looked for, which may lie askew, or show no background."""
 STEP, TORN = 0.03, 0.15
 """Share of its depth by which a pixel is off the next where no surface goes on between them, and
 the share of such pairs from which an image is none: rings of a lidar lie far apart on a street."""
@@ -152,7 +153,8 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     if spacing <= 0 or moves:
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
-    return lens if lens is not None and _sees(lens, xyz, told) else None
+    least = 0.0 if told else FILLED if place is None else FILLED_TURNED
+    return lens if lens is not None and _sees(lens, xyz, told, least) else None
 
 
 def _lens(
@@ -199,20 +201,19 @@ def axes_along(forward: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32, told: bool) -> bool:
-    """Whether the points (N, 3) show one surface in each direction, that goes on beside it.
-
-    Where nobody ``told`` that the sensor was there, they also have to fill the image.
+def _sees(lens: Lens, xyz: F32, told: bool, least: float) -> bool:
+    """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
+    fill at least that share of the image; somebody may have ``told`` that the sensor was there.
     """
     cell, depth = lens.cells(np.asarray(xyz, np.float32))
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
     np.minimum.at(nearest, cell, depth)
     behind = float((depth / np.float32(BEHIND) > nearest[cell]).mean())
     height, width = (size - 2 * MARGIN for size in lens.shape)
-    filled = np.isfinite(nearest).sum() > FILLED * height * width
+    filled = np.isfinite(nearest).sum() > least * height * width
     if _torn(nearest[:-1].reshape(lens.shape)) > TORN:
         return False
-    return behind < MIXED if told else behind < SEES and bool(filled)
+    return bool(filled) and behind < (MIXED if told else SEES)
 
 
 def _torn(image: F32) -> float:

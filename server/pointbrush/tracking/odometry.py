@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
 from pointbrush.tracking.journey import Journey
-from pointbrush.tracking.lens import Lens
+from pointbrush.tracking.lens import MARGIN, Lens
 from pointbrush.tracking.pictures import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.registration import inverse, transform
 
@@ -39,6 +39,8 @@ FOLLOWED = 6
 MOVED, LEFT = 0.5, 0.8
 """Pixels of the finest picture by which the scene has to be displaced for a sensor to have moved,
 and share of what did not agree before that may still not agree after the motion."""
+BAND, BORDER = 0.03, 0.3
+"""Share of a picture that is its border, and of the border where a scene shows at least."""
 FAR = 0.1
 """Share of a picture by which its scene may be displaced before another is registered to."""
 
@@ -171,6 +173,20 @@ def moves(frames: Frames, numbers: Sequence[int], lens: Lens) -> bool:
         if fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before):
             return True
     return False
+
+
+def framed(frame: TrackFrame, lens: Lens) -> bool:
+    """Whether a scene goes on to the borders of its picture.
+
+    Where a figure was cut out of it, only what moves is left, and shows no way of a camera.
+    """
+    height, width = lens.shape
+    seen = np.zeros(height * width + 1, np.bool_)
+    seen[lens.cells(np.asarray(frame.xyz, np.float32))[0]] = True
+    image = seen[:-1].reshape(height, width)[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    band = max(1, int(BAND * min(image.shape)))
+    sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])
+    return float(np.mean([side.mean() for side in sides])) > BORDER
 
 
 class Way(Journey):

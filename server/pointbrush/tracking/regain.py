@@ -41,11 +41,12 @@ def lost_pieces(
     """The points (M,), sorted, of the pieces of ``thing`` beside its points ``core``.
 
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
-    what never moves.
+    what never moves, or no colour.
     """
     none = np.empty(0, np.int64)
     turn = (view.number + thing.label) % SELDOM == 0 and thing.motion.slow(thing.unit)
-    if view.lens is None or thing.bends or (len(core) > SHRUNK * thing.size and not turn):
+    tells = view.lens is not None and thing.weight > 0.0 and not thing.bends
+    if not tells or (len(core) > SHRUNK * thing.size and not turn):
         return none
     rest = place.around[~taken[place.around]]
     rest = rest[~(background.static(view, rest)[0] | background.drawn_on(view, rest))]

@@ -18,7 +18,7 @@ from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
 from pointbrush.tracking.lens import Lens, find_lens
 from pointbrush.tracking.shade import FEWEST, find_eye, shade_of
-from pointbrush.tracking.view import View
+from pointbrush.tracking.view import FAR, View, reach_of
 from pointbrush.tracking.waver import Waver, measure_waver
 from pointbrush.tracking.whence import find_camera
 
@@ -149,5 +149,8 @@ def _sensor(
     later = [np.asarray(frame.xyz) for frame in others]
     if about is not None and any(len(p) >= FEWEST and shade_of(p, about) is None for p in later):
         about = None
-    place = find_camera(xyz) if about is None and not moves else None
-    return None if place is None else find_lens(first, place=place), about
+    if moves or (about is not None and reach_of(xyz) > FAR):
+        return None, about
+    place = find_camera(xyz)
+    lens = None if place is None else find_lens(first, place=place)
+    return lens, about if lens is None else None

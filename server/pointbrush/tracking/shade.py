@@ -21,6 +21,8 @@ HEIGHTS = (0.0, 1.0, 1.8, 2.6)
 BEHIND, SEES = 1.25, 0.02
 """Ranges beyond the nearest in its direction that no sensor at that place can see, and the share
 of such points up to which the sensor is there."""
+DEEP = 1.5
+"""Range of the farthest points, over the nearest, from which a place in between is a lidar's."""
 FINE, SOME = 0.1, 0.005
 """Degrees within which a sensor sees one surface, even along the ground, and the share of a frame
 below which points that have others in their direction are too few to be told by."""
@@ -107,8 +109,16 @@ def find_eye(xyz: F32) -> F64 | None:
     up = axis_up(xyz)
     above = np.eye(3)[up]
     height = min(HEIGHTS, key=lambda h: _confused(xyz - h * above, up))
-    there = shade_of(xyz, height * above) is not None
+    there = shade_of(xyz, height * above) is not None and _deep(xyz - height * above)
     return np.asarray(height * above) if there else None
+
+
+def _deep(local: F32 | F64) -> bool:
+    """Whether what lies behind something else would be seen to: all of a small thing is hardly
+    farther than its front."""
+    away = np.linalg.norm(local, axis=1)
+    near, far = np.quantile(away, [0.05, 0.95])
+    return bool(far > DEEP * near)
 
 
 def axis_up(local: F32 | F64) -> int:

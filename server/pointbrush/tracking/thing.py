@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.carve import Glimpse
+from pointbrush.tracking.columns import NONE, columns, nearest
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
@@ -18,14 +19,16 @@ from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
 MOST_RIVALS = 1000
-BENT, BENT_LARGE, LARGE = 0.2, 0.05, 60.0
-"""Unexplained share from which a thing is taken to bend; radius of a large one, in units."""
+BENT, BENT_LARGE = 0.2, 0.05
+"""Unexplained share from which a thing is taken to bend."""
 TALL, COARSE = 0.4, 12.0
-"""Metres, and units, of radius from which a thing in a depth image is large as people are, however
-coarse it is seen."""
-HALF, BROAD = 0.25, 0.06
-"""Metres of radius, and of deviation across, from which what is painted is part of somebody: sticks
-and clubs are as long, but thin."""
+"""Metres, and units, of radius from which a thing is large as people are, however coarse it is
+seen."""
+SHEET = 0.016
+"""Radii from its plane within which half of a door, a drawer or a cloth lies, but of nobody."""
+HALF, BROAD, AFAR = 0.25, 0.06, 1.5
+"""Metres of radius, of deviation across, and from the sensor, from which what is painted is part
+of somebody: sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
 RIM, EDGE = 2, 0.15
 """Pixels from the edge of the picture, and the share of what is painted that lies there."""
 VAGUE = 5.0
@@ -40,6 +43,9 @@ SOFT = 0.006
 """Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
 """Share of its size under which hardly anything of a thing was seen."""
+DENSE = 3000
+"""Points from which a thing is looked at more coarsely than it is seen: so many points tell where
+it is, and a model and its targets have no more."""
 LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
 
@@ -60,6 +66,16 @@ class Rivals:
     def target(self) -> Target:
         """Where they were, for all questions about them."""
         return Target(self.xyz, self.colour, self.weight)
+
+    def along(self, before: F64, now: F64, within: float) -> Rivals:
+        """Where they would be, had they gone along with the surface beside them.
+
+        That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
+        metres from it stays.
+        """
+        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, 0.0, within)
+        step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
+        return Rivals(self.xyz + step, self.colour, self.weight)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
         """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
@@ -92,10 +108,10 @@ class Thing:
     ``worn`` the colours it showed where it was painted.
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
-    ``strain`` share of its surface that bending alone explains; ``flat`` whether it lies on the
-    ground, ``stands`` whether it was painted without it; ``scanned`` whether a lidar sees it,
-    ``away`` metres from that; ``broad`` whether it was painted as broad as part of somebody,
-    ``cut`` off by the edge of the picture.
+    ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
+    door is; ``flat`` whether it lies on the ground, ``stands`` whether it was painted without it;
+    ``scanned`` whether a lidar sees it, ``away`` metres from that; ``broad`` whether it was painted
+    as broad as part of somebody, ``cut`` off by the edge of the picture.
     """
 
     label: int
@@ -117,6 +133,7 @@ class Thing:
     vain: bool = False
     astray: int = 0
     flat: bool = False
+    sheet: bool = False
     stands: bool = True
     away: float = 0.0
     scanned: bool = False
@@ -146,13 +163,11 @@ class Thing:
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
-        if self.imaged:
-            part = self.cut or (self.broad and self.span > HALF)
-            part = part and self.span > VAGUE * self.unit
-            return part or self.span > max(TALL, COARSE * self.unit)
         if self.scanned:
             return True
-        return self.span > LARGE * self.unit
+        part = self.cut or (self.broad and self.span > HALF)
+        part = part and self.imaged and self.span > VAGUE * self.unit
+        return (part or self.span > max(TALL, COARSE * self.unit)) and not self.sheet
 
     @property
     def body(self) -> bool:
@@ -207,6 +222,8 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     spacing, speckle = _texture(xyz, colour)
+    if not view.scans:  # nothing that is asked of a thing asks more points than these
+        spacing *= float(np.sqrt(max(1.0, len(indices) / DENSE)))
     unit = max(spacing, noise, BETWEEN * _across(xyz))
     weight = 0.0
     if view.frame.rgb is not None and not _colourless(view, indices):
@@ -228,9 +245,10 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         imaged=view.lens is not None,
         worn=Wardrobe.of(colour),
         flat=low > FLAT,
+        sheet=_uneven(xyz) < SHEET * model.radius,
         stands=low < STANDS,
         scanned=view.scans,
-        broad=_across_way(xyz) > BROAD,
+        broad=_across_way(xyz) > BROAD and _afar(view, xyz),
         cut=_cut(view, indices),
     )
 
@@ -243,6 +261,11 @@ def _cut(view: View, indices: I64) -> bool:
     aside = np.minimum(column - column.min(), column.max() - column)
     away = np.minimum(aside, np.minimum(row - row.min(), row.max() - row))
     return float((away[indices] < RIM).mean()) > EDGE
+
+
+def _afar(view: View, xyz: F64) -> bool:
+    """Whether points (M, 3) are farther from the sensor than what somebody shows to it."""
+    return view.eye is not None and float(np.linalg.norm(xyz.mean(axis=0) - view.eye)) > AFAR
 
 
 def _across_way(xyz: F64) -> float:
@@ -277,6 +300,15 @@ def _across(xyz: F64) -> float:
     along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
     length = np.where(along < ASIDE, length, length[:, -1:])
     return float(np.median(length.min(axis=1)))
+
+
+def _uneven(xyz: F64) -> float:
+    """Median distance of points (M, 3) from the plane through them."""
+    if len(xyz) < RINGS:
+        return np.inf
+    away = xyz - xyz.mean(axis=0)
+    normal = np.linalg.eigh(away.T @ away)[1][:, 0]
+    return float(np.median(np.abs(away @ normal)))
 
 
 def _colourless(view: View, indices: I64) -> bool:

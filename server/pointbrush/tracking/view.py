@@ -157,11 +157,7 @@ class View:
 
     @property
     def _reach(self) -> float:
-        """Metres from the middle of the points, along each axis, within which most of them lie."""
-        if not len(self.xyz):
-            return 0.0
-        away = np.abs(self.xyz - np.median(self.xyz, axis=0).astype(np.float64)).max(axis=1)
-        return float(np.quantile(away, MOST))
+        return reach_of(self.xyz)
 
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
@@ -184,6 +180,14 @@ class View:
         assert self.lens is not None  # noqa: S101
         local = world if self.T_world_frame is None else transform(self.T_frame_world, world)
         return self.lens.cells(local.astype(np.float32))
+
+
+def reach_of(xyz: F32) -> float:
+    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
+    if not len(xyz):
+        return 0.0
+    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
+    return float(np.quantile(away, MOST))
 
 
 @compiled

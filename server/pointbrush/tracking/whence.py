@@ -24,6 +24,9 @@ STEPS = (0.3, 0.005, 0.002)
 """First and last step there, and the last one by all points, in sizes of the scene."""
 HIDDEN = 0.05
 """Sizes of the scene behind another point from which a point would be hidden."""
+AT_MOST = 0.06
+"""Share of the points that may be hidden, outlines that they are: of what several sensors saw
+more than twice as many are, from wherever."""
 AHEAD, NARROW, STRAY = 0.6, 0.45, 0.002
 """Length of the mean ray of an image at least, cosine from it at most, and the share beyond."""
 
@@ -49,7 +52,8 @@ def find_camera(xyz: F32) -> F64 | None:
     likely = places[np.argsort(costs, kind="stable")[:BEST]]
     found = [_closer(many, place, gap, first, last) for place in likely]
     best = min(found, key=lambda place: _hidden(many, place, gap))
-    return _closer(every, best, gap, 2 * last, least)
+    place = _closer(every, best, gap, 2 * last, least)
+    return place if _hidden(every, place, gap) < AT_MOST else None
 
 
 def _thinned(xyz: F32, most: int) -> F64:
