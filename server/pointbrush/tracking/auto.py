@@ -45,6 +45,7 @@ from pointbrush.tracking.sharing import share_out
 from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
 from pointbrush.tracking.twins import Twins
 from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
 from pointbrush.tracking.witness import taught
 
 AGAIN = 0.3
@@ -119,7 +120,9 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         self.things[label] = thing
-        self._set_rivals(thing, view, self._around(thing, view, thing.model.xyz))
+        around = self._around(thing, view, thing.model.xyz)
+        thing.beside = Wardrobe.of(view.colour(around))
+        self._set_rivals(thing, view, around)
 
     def _around(self, thing: Thing, view: View, world: F64) -> I64:
         """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
@@ -132,7 +135,8 @@ class Run:
         some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
         colour = view.colour(some)
         if thing.weight > 0.0 and not thing.large and len(some):
-            others = ~thing.worn.rather(colour)  # what of the thing was missed is no rival
+            # What of the thing was missed is no rival.
+            others = ~(thing.worn.rather(colour) | thing.distinct(colour))
             some, colour = some[others], colour[others]
         thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)
 

@@ -228,7 +228,10 @@ def _was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -
 
 def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
     """Points beside the core, of its colour, that nothing unlabelled explains."""
-    rest = rest[unexplained(thing, view, place, rest)]
+    colour = view.colour(rest)
+    own = thing.distinct(colour)
+    may = own | (unexplained(thing, view, place, rest) & ~thing.strange(colour))
+    rest, own = rest[may], own[may]
     bends = thing.bends or thing.large
     weight = thing.weight * (0.2 if bends else 1.0)
     joined = connected(
@@ -237,6 +240,11 @@ def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64
         (3.0 if bends else 2.0) * thing.unit,
         8 if bends else 1,
     )
+    if own.any():  # Nothing else has its colours: it goes on as far as they do.
+        front = np.concatenate([core, rest[joined]])
+        more = np.flatnonzero(own & ~joined)
+        on = connected(view.xyz[front], view.xyz[rest[more]], 2.0 * thing.unit, STRIP)
+        joined[more[on]] = True
     return rest[joined]
 
 

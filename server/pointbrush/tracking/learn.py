@@ -114,15 +114,10 @@ def learn(
         if thing.stands:
             again = again.pick(~view.low[again.indices] | (again.gap < 0.9 * thing.model.spacing))
         xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-        thing.model.gather(
-            xyz,
-            view.colour(again.indices),
-            again.gap,
-            again.nearest,
-            own_eye,
-            # Nobody holds what a lidar on the move sees ever new sides of.
-            sure=place.whole or view.roams,
-        )
+        colour = view.colour(again.indices)
+        # Nobody holds what a lidar on the move sees ever new sides of.
+        sure = thing.distinct(colour) | (place.whole or view.roams)
+        thing.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
 
 

@@ -76,15 +76,16 @@ class Model:
         return _facing(xyz, seen, poses, np.asarray(eye, np.float64))
 
     def gather(
-        self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool
+        self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool | Mask
     ) -> None:
         """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``.
 
         Where the points are not ``sure``, new ones join only beside well confirmed ones: what
         holds an object moves with it, and must not become part of it bit by bit.
         """
+        sure = np.broadcast_to(sure, len(xyz))
         on = gap < 1.2 * self.spacing
-        self._hit(nearest[on], sure)
+        self._hit(nearest[on], sure[on])
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
@@ -95,16 +96,16 @@ class Model:
         self.xyz = np.vstack([self.xyz, xyz[new]])
         self.colour = np.vstack([self.colour, colour[new]])
         self.seen = np.vstack([self.seen, towards[new]])
-        self.hits = np.append(self.hits, np.full(len(new), SURE if sure else 1.0, np.float32))
+        self.hits = np.append(self.hits, np.where(sure[new], SURE, 1.0).astype(np.float32))
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
         self._keep(self._distinct())
 
-    def _hit(self, which: I64, sure: bool) -> None:
+    def _hit(self, which: I64, sure: Mask) -> None:
         """Confirm points; what was only ever seen beside a hand never counts as certain."""
-        before = self.hits.copy()
+        capped = self.hits < SURE
+        capped[which[sure]] = False
         self.hits[which] += 1
-        if not sure:
-            self.hits[(before < SURE) & (self.hits >= SURE)] = SURE - 1
+        self.hits[capped & (self.hits >= SURE)] = SURE - 1
 
     def miss(self, which: Mask) -> I64:
         """Count points that the sensor saw through; those seen through too often leave.

@@ -86,10 +86,13 @@ def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
 
 
 def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
-    """What the model may learn of ``found``: no new points that something unlabelled explains."""
-    if place.whole or thing.bends or thing.large:
+    """What the model may learn of ``found``: no new points that something unlabelled explains, or
+    of colours that the thing has not shown: what holds it may be where it bends."""
+    if place.whole or thing.large:
         return found
     keep = found.gap < 0.9 * thing.model.spacing
     new = np.flatnonzero(~keep)
-    keep[new] = unexplained(thing, view, place, found.indices[new])
+    keep[new] = ~thing.strange(view.colour(found.indices[new]))
+    if not thing.bends:
+        keep[new] &= unexplained(thing, view, place, found.indices[new])
     return found.pick(keep)

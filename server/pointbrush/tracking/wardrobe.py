@@ -16,6 +16,8 @@ RATHER = 10.0
 """How many times as common among those worn a colour is that is rather theirs."""
 COARSE = 3
 """Bins, each way, of the cells in which it is told how common a colour is among few."""
+OFTEN = 0.02
+"""Share of colours from which they are common."""
 RARE = 0.002
 """Share of colours that are nowhere among those worn."""
 
@@ -24,10 +26,12 @@ RARE = 0.002
 class Wardrobe:
     """``common`` (bins,): the share of a thing's points of about that colour.
 
-    ``usual``: how like itself it is, as ``likeness`` says it.
+    ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
+    says it.
     """
 
     common: F32
+    hues: F32
     usual: float
 
     @staticmethod
@@ -36,8 +40,9 @@ class Wardrobe:
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
         common = 27 * uniform_filter(share, 3, mode="constant").ravel()
+        hues = 9 * uniform_filter(share.sum(axis=2), 3, mode="constant").ravel()
         usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
-        return Wardrobe(common, usual)
+        return Wardrobe(common, hues, usual)
 
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
@@ -53,6 +58,15 @@ class Wardrobe:
         place = _flat(at // COARSE)
         _, number, count = np.unique(place, return_inverse=True, return_counts=True)
         return np.asarray(self.common[_flat(at)] > RATHER * count[number] / len(colour))
+
+    def only(self, colour: F32, beside: Wardrobe) -> Mask:
+        """Which of the colours (M, 3) are common here, and far commoner than ``beside`` it."""
+        at = _bins(colour)
+        return (self.common[at] > OFTEN) & (self.common[at] > RATHER * beside.common[at])
+
+    def strange(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) have no like here, be they brighter or darker."""
+        return np.asarray(self.hues[_bins(colour) // SHAPE[2]] <= RARE)
 
     def share(self, colour: F32) -> float:
         """Share of the colours (M, 3) that have their like."""
