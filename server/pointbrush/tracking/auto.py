@@ -9,7 +9,7 @@ background, the model, the motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 
@@ -113,6 +113,7 @@ class Run:
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
+        self._tell_apart(view, self.things)
         self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
@@ -120,9 +121,15 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         self.things[label] = thing
-        around = self._around(thing, view, thing.model.xyz)
-        thing.beside = Wardrobe.of(view.colour(around))
-        self._set_rivals(thing, view, around)
+        self._set_rivals(thing, view, self._around(thing, view, thing.model.xyz))
+
+    def _tell_apart(self, view: View, labels: Iterable[int]) -> None:
+        """Find the colours that are each thing's alone, of those beside it and of all things."""
+        for label in labels:
+            thing = self.things[label]
+            beside = view.colour(self._around(thing, view, thing.model.xyz))
+            others = [other.worn for other in self.things.values() if other is not thing]
+            thing.worn = thing.worn.apart_from([Wardrobe.of(beside), *others])
 
     def _around(self, thing: Thing, view: View, world: F64) -> I64:
         """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
@@ -174,6 +181,7 @@ class Run:
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
+            self._tell_apart(view, [label])
         self._look_around(view, places)
         self.hands.learn(view, self.background, self._shadow(view, places))
         return FrameResult(number, dict(view.labels), tracks)
@@ -283,6 +291,7 @@ class Run:
             shift[:3, 3] = view.xyz[points].mean(axis=0) - old
         pose = shift @ pose
         self._begin(view, thing.label, points)
+        self._tell_apart(view, [thing.label])
         again = self.things[thing.label]
         again.model.xyz = transform(inverse(pose), again.model.xyz)
         again.motion.centre, again.motion.poses = again.model.centre, [pose]

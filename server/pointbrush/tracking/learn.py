@@ -15,7 +15,7 @@ from pointbrush.tracking.model import MOST_BENT, SURE, Model
 from pointbrush.tracking.near import bounds, within
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
-from pointbrush.tracking.thing import SOFT, Thing
+from pointbrush.tracking.thing import DENSE, SOFT, Thing
 from pointbrush.tracking.view import View
 
 KNOWN, FEW = 100, 0.005
@@ -23,8 +23,10 @@ KNOWN, FEW = 100, 0.005
 SELDOM, HINT = 4, 0.25
 """Frames in one of which it is asked of a stiff thing, and the share of what makes a thing soft
 from which it is asked in all."""
-STRETCHED = 600
-"""Points at most that are bent to find out."""
+LOOSE = 0.15
+"""Cost of a fit from which that is asked in all of a thing that is seen by very many points."""
+STRETCHED, ONTO = 600, 6000
+"""Points at most that are bent to find out, and onto which."""
 OFF, ON = 1.5, 1.0
 """Units from the model at which a point is off its place, and on it."""
 SNAP = 0.7
@@ -124,7 +126,7 @@ def learn(
 def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
     """Take note of how much of a small thing bending alone explains."""
     stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
-    if stiff and _asked(thing, view):
+    if stiff and _asked(thing, view, place):
         thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
 
 
@@ -145,7 +147,7 @@ def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
         return 0.0
     some = known[:: -(-len(known) // STRETCHED)]
     world, colour = place.world[some], model.colour[some]
-    target = target_of(view, place.near, thing.weight)
+    target = target_of(view, place.near, thing.weight, ONTO)
     far = 3 * thing.unit
     off = target.nearest(world, colour, far)[0] > OFF * thing.unit
     if off.mean() < FEW:
@@ -155,9 +157,13 @@ def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
     return float(np.count_nonzero(again < ON * thing.unit) / len(off))
 
 
-def _asked(thing: Thing, view: View) -> bool:
-    """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it."""
-    return thing.strain > HINT * SOFT or (view.number + thing.label) % SELDOM == 0
+def _asked(thing: Thing, view: View, place: Place) -> bool:
+    """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it.
+
+    What is seen by very many points fits well while it is stiff.
+    """
+    speaks = thing.strain > HINT * SOFT or (place.cost > LOOSE and thing.size > DENSE)
+    return speaks or (view.number + thing.label) % SELDOM == 0
 
 
 def _claimed_again(

@@ -173,7 +173,7 @@ def _search(
     )
 
 
-def target_of(view: View, indices: I64, weight: float) -> Target:
-    """An even part of the points as a target of registration."""
-    some = indices[:: max(1, -(-len(indices) // TARGET))]
+def target_of(view: View, indices: I64, weight: float, most: int = TARGET) -> Target:
+    """An even part of the points, ``most`` of them, as a target of registration."""
+    some = indices[:: max(1, -(-len(indices) // most))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)

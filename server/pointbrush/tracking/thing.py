@@ -105,7 +105,7 @@ class Thing:
     the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
     ``glimpses`` of what lies around it.
     ``imaged`` whether the sensor sees depth images;
-    ``worn`` the colours it showed where it was painted, ``beside`` those that were around it.
+    ``worn`` the colours it showed where it was painted.
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
@@ -140,16 +140,15 @@ class Thing:
     broad: bool = False
     cut: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
-    beside: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     def distinct(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are the thing's, and of nothing that was painted beside it.
+        """Which of the colours (M, 3) are the thing's alone, as far as was seen when it was painted.
 
         None of what has no colour; large things and what a lidar sees are known by other means.
         """
         if self.weight == 0.0 or self.large:
             return np.zeros(len(colour), np.bool_)
-        return self.worn.only(colour, self.beside)
+        return self.worn.only(colour)
 
     def strange(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) the thing did not show where it was painted."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter
@@ -27,12 +28,13 @@ class Wardrobe:
     """``common`` (bins,): the share of a thing's points of about that colour.
 
     ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
-    says it.
+    says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
     """
 
     common: F32
     hues: F32
     usual: float
+    alone: Mask
 
     @staticmethod
     def of(colour: F32) -> Wardrobe:
@@ -42,7 +44,14 @@ class Wardrobe:
         common = 27 * uniform_filter(share, 3, mode="constant").ravel()
         hues = 9 * uniform_filter(share.sum(axis=2), 3, mode="constant").ravel()
         usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
-        return Wardrobe(common, hues, usual)
+        return Wardrobe(common, hues, usual, np.zeros(len(common), np.bool_))
+
+    def apart_from(self, others: Iterable[Wardrobe]) -> Wardrobe:
+        """The same, with the colours told that are its alone among ``others``."""
+        alone = self.common > OFTEN
+        for other in others:
+            alone &= self.common > RATHER * other.common
+        return replace(self, alone=alone)
 
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
@@ -59,10 +68,9 @@ class Wardrobe:
         _, number, count = np.unique(place, return_inverse=True, return_counts=True)
         return np.asarray(self.common[_flat(at)] > RATHER * count[number] / len(colour))
 
-    def only(self, colour: F32, beside: Wardrobe) -> Mask:
-        """Which of the colours (M, 3) are common here, and far commoner than ``beside`` it."""
-        at = _bins(colour)
-        return (self.common[at] > OFTEN) & (self.common[at] > RATHER * beside.common[at])
+    def only(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are its alone."""
+        return np.asarray(self.alone[_bins(colour)])
 
     def strange(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) have no like here, be they brighter or darker."""
