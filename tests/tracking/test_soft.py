@@ -27,6 +27,88 @@ def snake(frames: int, bend: float, every: int = 1) -> list[scenes.Frame]:
     return result
 
 
+def union(found: np.ndarray, truth: np.ndarray) -> float:
+    """IoU of a label's points with the (N,) truth."""
+    both = np.count_nonzero(truth[found])
+    return both / (np.count_nonzero(truth) + len(found) - both)
+
+
+def doors(frames: int) -> list[scenes.Frame]:
+    """Two doors of a cupboard; the left one opens, pushed by nobody."""
+    rng = np.random.default_rng(3)
+    upright, z = np.eye(3), 2.2
+    sides = [
+        scenes.Part(0, (120, 90, 60), np.array([0.0, 0.9, z + 0.3]), np.array([0.62, 0.9, 0.28]))
+    ]
+    sides[0].rot = upright
+    camera = scenes.Camera(scenes.Sensor(), scenes.room() + sides)
+    result = []
+    for number in range(frames):
+        turn = Rotation.from_euler("y", 0.09 * max(0, number - 2)).as_matrix()
+        hinge, half = np.array([-0.6, 0.9, z]), np.array([0.29, 0.85, 0.01])
+        left = scenes.Part(1, (90, 140, 160), hinge + turn @ [0.3, 0.0, 0.0], half, rot=turn)
+        right = scenes.Part(2, (95, 145, 165), np.array([0.3, 0.9, z]), half, rot=upright)
+        result.append(camera.shoot([left, right], rng))
+    return result
+
+
+def puppet(number: int, rng: np.random.Generator) -> scenes.Frame:
+    """A toy in a hand, all round, as several cameras see it together: no scene, no one place."""
+    ball = rng.normal(size=(6000, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    sway = np.array([0.03 * number, 0.02 * np.sin(number), 0.0])
+    nod = Rotation.from_euler("x", 0.5 * np.sin(0.5 * number)).as_matrix()
+    body = ball[:2000] * [0.09, 0.12, 0.07] + sway
+    head = (ball[2000:3000] * 0.06 + [0.0, 0.16, 0.0]) @ nod.T + sway
+    arm = ball[3000:4000] * [0.12, 0.035, 0.035] + [0.2, 0.0, 0.0] + sway
+    torso = ball[4000:] * [0.2, 0.4, 0.12] + [0.0, 0.0, 0.5]
+    xyz = np.vstack([body, head, arm, torso]) + [0.3, 1.0, 0.9]
+    tints = [(190, 140, 60), (200, 150, 90), (210, 160, 130), (60, 80, 150)]
+    rgb = np.repeat(np.array(tints), [2000, 1000, 1000, 2000], axis=0)
+    rgb = np.clip(rgb + rng.normal(0, 4, rgb.shape), 0, 255).astype(np.uint8)
+    truth = (np.arange(6000) < 3000).astype(np.uint16)
+    return scenes.Frame(xyz.astype(np.float32), rgb, truth)
+
+
+def close(frames: int) -> list[scenes.Frame]:
+    """A toy of 10,000 points that bows before the camera."""
+    rng = np.random.default_rng(8)
+    sensor = scenes.Sensor(384, 318, 275.0, origin=np.array([0.0, 1.0, 0.0]))
+    camera = scenes.Camera(sensor, scenes.room())
+    result = []
+    for number in range(frames):
+        bow, foot = 0.2 * number, np.array([0.015 * number - 0.1, 0.85, 0.42])
+        waist = foot + [0.0, 0.12, 0.0]
+        top = waist + 0.12 * np.array([np.sin(bow), np.cos(bow), 0.0])
+        parts = [
+            scenes.Part(1, (180, 60, 60), foot, waist, 0.055, 0.05),
+            scenes.Part(1, (60, 60, 180), waist, top, 0.05, 0.055),
+        ]
+        result.append(camera.shoot(parts, rng))
+    return result
+
+
+def test_a_door_that_opens_is_no_person_and_leaves_its_neighbour_alone() -> None:
+    frames = doors(14)
+    last = follow(frames)[-1]
+    for label in (1, 2):
+        assert union(last.assignments[label], frames[-1].truth == label) > 0.8
+
+
+def test_a_toy_seen_all_round_is_kept_apart_from_the_hand_that_moves_it() -> None:
+    rng = np.random.default_rng(1)
+    frames = [puppet(number, rng) for number in range(12)]
+    last = follow(frames)[-1]
+    assert union(last.assignments[1], frames[-1].truth == 1) > 0.9
+
+
+def test_a_toy_close_to_the_camera_is_followed_while_it_bends() -> None:
+    frames = close(9)
+    last = follow(frames)[-1]
+    assert union(last.assignments[1], frames[-1].truth == 1) > 0.9
+    assert last.tracks[1].confidence > 0.5
+
+
 def test_a_snake_that_waves_is_followed_to_its_ends() -> None:
     frames = snake(24, bend=0.3)
     last = follow(frames)[-1]

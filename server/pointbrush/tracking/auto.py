@@ -9,7 +9,7 @@ background, the model, the motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 
@@ -19,6 +19,7 @@ from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.astray import find_astray
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.belong import grow
+from pointbrush.tracking.beside import around, set_rivals, tell_apart
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.hands import Hands
@@ -35,17 +36,15 @@ from pointbrush.tracking.interface import (
     TrackState,
 )
 from pointbrush.tracking.locate import crop
-from pointbrush.tracking.near import bounds
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.rules import FEWEST, FrameRules
 from pointbrush.tracking.scene import Scene
 from pointbrush.tracking.settle import settle
 from pointbrush.tracking.sharing import share_out
-from pointbrush.tracking.thing import MOST_RIVALS, Rivals, Thing, begin
+from pointbrush.tracking.thing import Rivals, Thing, begin
 from pointbrush.tracking.twins import Twins
 from pointbrush.tracking.view import View
-from pointbrush.tracking.wardrobe import Wardrobe
 from pointbrush.tracking.witness import taught
 
 AGAIN = 0.3
@@ -113,7 +112,7 @@ class Run:
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
-        self._tell_apart(view, self.things)
+        tell_apart(self.things, view, self.things)
         self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
@@ -121,31 +120,7 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         self.things[label] = thing
-        self._set_rivals(thing, view, self._around(thing, view, thing.model.xyz))
-
-    def _tell_apart(self, view: View, labels: Iterable[int]) -> None:
-        """Find the colours that are each thing's alone, of those beside it and of all things."""
-        for label in labels:
-            thing = self.things[label]
-            beside = view.colour(self._around(thing, view, thing.model.xyz))
-            others = [other.worn for other in self.things.values() if other is not thing]
-            thing.worn = thing.worn.apart_from([Wardrobe.of(beside), *others])
-
-    def _around(self, thing: Thing, view: View, world: F64) -> I64:
-        """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
-        lo, hi = bounds(world)
-        margin = 0.5 * thing.model.radius + 4 * thing.unit
-        around = view.box(lo - margin, hi + margin)
-        return around[~view.labelled()[around]]
-
-    def _set_rivals(self, thing: Thing, view: View, indices: I64) -> None:
-        some = indices[:: max(1, -(-len(indices) // MOST_RIVALS))]
-        colour = view.colour(some)
-        if thing.weight > 0.0 and not thing.large and len(some):
-            # What of the thing was missed is no rival.
-            others = ~(thing.worn.rather(colour) | thing.distinct(colour))
-            some, colour = some[others], colour[others]
-        thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)
+        set_rivals(thing, view, around(thing, view, thing.model.xyz))
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""
@@ -181,7 +156,7 @@ class Run:
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
-            self._tell_apart(view, [label])
+            tell_apart(self.things, view, [label])
         self._look_around(view, places)
         self.hands.learn(view, self.background, self._shadow(view, places))
         return FrameResult(number, dict(view.labels), tracks)
@@ -260,7 +235,7 @@ class Run:
             before = taken[place.neutral]
             taken[place.neutral] = True
             beside = place.moving if place.beside is None else place.beside
-            self._set_rivals(self.things[label], view, beside[~taken[beside]])
+            set_rivals(self.things[label], view, beside[~taken[beside]])
             taken[place.neutral] = before
 
     def _shadow(self, view: View, places: dict[int, Place]) -> F64:
@@ -280,7 +255,7 @@ class Run:
         if pose is None:
             return self._reseed(thing, view, points)
         world = transform(pose, thing.model.xyz)
-        self._set_rivals(thing, view, self._around(thing, view, world))
+        set_rivals(thing, view, around(thing, view, world))
         return _painted(len(points), pose)
 
     def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:
@@ -291,7 +266,7 @@ class Run:
             shift[:3, 3] = view.xyz[points].mean(axis=0) - old
         pose = shift @ pose
         self._begin(view, thing.label, points)
-        self._tell_apart(view, [thing.label])
+        tell_apart(self.things, view, [thing.label])
         again = self.things[thing.label]
         again.model.xyz = transform(inverse(pose), again.model.xyz)
         again.motion.centre, again.motion.poses = again.model.centre, [pose]

@@ -244,7 +244,8 @@ def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64
     if own.any():  # Nothing else has its colours: it goes on as far as they do.
         front = np.concatenate([core, rest[joined]])
         more = np.flatnonzero(own & ~joined)
-        on = connected(view.xyz[front], view.xyz[rest[more]], 2.0 * thing.unit, STRIP)
+        at, beside = (view.xyz[points].astype(np.float64) for points in (front, rest[more]))
+        on = connected(at, beside, 2.0 * thing.unit, STRIP)
         joined[more[on]] = True
     return rest[joined]
 

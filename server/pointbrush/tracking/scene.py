@@ -43,9 +43,14 @@ class Scene:
         self._ahead = ThreadPoolExecutor(1) if ahead else None
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
-        self._pose_of = sensor_poses(frames, order)
         first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
-        self.lens, self._about = _sensor(first, others, moves=self._pose_of is not None)
+        self.lens: Lens | None = _fixed(first, others)
+        self._pose_of: Callable[[int], F64] | None = None
+        self._about: F64 | None = None
+        if self.lens is None:
+            self._pose_of = sensor_poses(frames, order)
+            moves = self._pose_of is not None
+            self.lens, self._about = _sensor(first, others, moves=moves)
         self.first = self._look(order[0])
         self._waver = Waver(0.004, 0.002)
         self.background: Background = TreeBackground(reach)
@@ -134,6 +139,21 @@ class Scene:
         return [self._look(number) for number in numbers]
 
 
+def _fixed(first: TrackFrame, others: Sequence[TrackFrame]) -> Lens | None:
+    """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
+
+    It is looked for where no frame tells it; the ``others`` were seen from there as well.
+    """
+    xyz = np.asarray(first.xyz)
+    told = first.viewpoint is not None or first.pose is not None
+    if told or reach_of(xyz) > FAR or find_lens(first) is not None:
+        return None
+    place = find_camera(xyz)
+    if place is None or any(find_lens(f, place=place) is None for f in others if len(f.xyz)):
+        return None
+    return find_lens(first, place=place)
+
+
 def _sensor(
     first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool
 ) -> tuple[Lens | None, F64 | None]:
@@ -149,8 +169,4 @@ def _sensor(
     later = [np.asarray(frame.xyz) for frame in others]
     if about is not None and any(len(p) >= FEWEST and shade_of(p, about) is None for p in later):
         about = None
-    if moves or (about is not None and reach_of(xyz) > FAR):
-        return None, about
-    place = find_camera(xyz)
-    lens = None if place is None else find_lens(first, place=place)
-    return lens, about if lens is None else None
+    return None, about

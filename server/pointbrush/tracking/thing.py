@@ -18,7 +18,6 @@ from pointbrush.tracking.registration import Target, inverse, transform
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
-MOST_RIVALS = 1000
 BENT, BENT_LARGE = 0.2, 0.05
 """Unexplained share from which a thing is taken to bend."""
 TALL, COARSE = 0.4, 12.0
@@ -142,7 +141,7 @@ class Thing:
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     def distinct(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are the thing's alone, as far as was seen when it was painted.
+        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start.
 
         None of what has no colour; large things and what a lidar sees are known by other means.
         """

@@ -27,6 +27,8 @@ HIDDEN = 0.05
 AT_MOST = 0.06
 """Share of the points that may be hidden, outlines that they are: of what several sensors saw
 more than twice as many are, from wherever."""
+PERHAPS = 0.4
+"""The same, far from the place, beyond which it is not looked for closer."""
 AHEAD, NARROW, STRAY = 0.6, 0.45, 0.002
 """Length of the mean ray of an image at least, cosine from it at most, and the share beyond."""
 
@@ -46,12 +48,14 @@ def find_camera(xyz: F32) -> F64 | None:
     places = middle + size * (np.array(AWAY)[:, None, None] * _all_round()).reshape(-1, 3)
     gap = HIDDEN * size
     costs = np.array([_hidden(few, place, gap) for place in places])
-    if costs.min() >= 1.0:
+    if costs.min() > PERHAPS:
         return None
     first, last, least = (step * size for step in STEPS)
     likely = places[np.argsort(costs, kind="stable")[:BEST]]
     found = [_closer(many, place, gap, first, last) for place in likely]
     best = min(found, key=lambda place: _hidden(many, place, gap))
+    if _hidden(many, best, gap) > 2 * AT_MOST:
+        return None
     place = _closer(every, best, gap, 2 * last, least)
     return place if _hidden(every, place, gap) < AT_MOST else None
 
