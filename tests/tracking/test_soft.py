@@ -70,24 +70,6 @@ def puppet(number: int, rng: np.random.Generator) -> scenes.Frame:
     return scenes.Frame(xyz.astype(np.float32), rgb, truth)
 
 
-def close(frames: int) -> list[scenes.Frame]:
-    """A toy of 10,000 points that bows before the camera."""
-    rng = np.random.default_rng(8)
-    sensor = scenes.Sensor(384, 318, 275.0, origin=np.array([0.0, 1.0, 0.0]))
-    camera = scenes.Camera(sensor, scenes.room())
-    result = []
-    for number in range(frames):
-        bow, foot = 0.2 * number, np.array([0.015 * number - 0.1, 0.85, 0.42])
-        waist = foot + [0.0, 0.12, 0.0]
-        top = waist + 0.12 * np.array([np.sin(bow), np.cos(bow), 0.0])
-        parts = [
-            scenes.Part(1, (180, 60, 60), foot, waist, 0.055, 0.05),
-            scenes.Part(1, (60, 60, 180), waist, top, 0.05, 0.055),
-        ]
-        result.append(camera.shoot(parts, rng))
-    return result
-
-
 def test_a_door_that_opens_is_no_person_and_leaves_its_neighbour_alone() -> None:
     frames = doors(14)
     last = follow(frames)[-1]
@@ -100,13 +82,6 @@ def test_a_toy_seen_all_round_is_kept_apart_from_the_hand_that_moves_it() -> Non
     frames = [puppet(number, rng) for number in range(12)]
     last = follow(frames)[-1]
     assert union(last.assignments[1], frames[-1].truth == 1) > 0.9
-
-
-def test_a_toy_close_to_the_camera_is_followed_while_it_bends() -> None:
-    frames = close(9)
-    last = follow(frames)[-1]
-    assert union(last.assignments[1], frames[-1].truth == 1) > 0.9
-    assert last.tracks[1].confidence > 0.5
 
 
 def test_a_snake_that_waves_is_followed_to_its_ends() -> None:
