@@ -24,9 +24,9 @@ from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
-REACH, UNLIKE = 1.2, 2.5
-"""A model claims points up to a reach and this many units away, in place; and in place and
-colour."""
+REACH, UNLIKE = 2.2, 3.5
+"""A model claims points this many reaches away, in place; and in place and colour.  Beyond the first
+it is a small thing's units: where its model is coarse, a hand beside it is not."""
 FIRM = 0.9
 """Reaches from well confirmed surface within which a point is the thing's in any case."""
 FOOT = 0.6
@@ -73,10 +73,12 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     lost |= _hardly(view, place)[near.indices] & (
         (near.cost > thing.reach) | (thing.model.hits[near.nearest] < SURE)
     )
-    unlike = (near.cost > thing.reach + UNLIKE * thing.unit) & (near.gap > 1.2 * thing.reach)
+    beyond = thing.reach if thing.large else thing.unit
+    unlike = near.cost > thing.reach + (UNLIKE - 1) * beyond
+    unlike &= near.gap > 1.2 * thing.reach
     if thing.stands:  # The ground touches what stands on it, and goes on.
         lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
-    found = near.pick(~lost & ~unlike & (near.gap < thing.reach + REACH * thing.unit))
+    found = near.pick(~lost & ~unlike & (near.gap < thing.reach + (REACH - 1) * beyond))
     # A pose is never exact: what lies on well confirmed surface is not asked.
     firm = (thing.model.hits[found.nearest] >= SURE) & (found.gap < FIRM * thing.reach)
     return found.pick(firm | ~_carved(thing, view, place, found.indices))

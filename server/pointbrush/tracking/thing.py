@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.carve import Glimpse
 from pointbrush.tracking.columns import NONE, columns, nearest
@@ -15,6 +14,17 @@ from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
 from pointbrush.tracking.pieces import solid
 from pointbrush.tracking.registration import Target, inverse, transform
+from pointbrush.tracking.shape import (
+    BETWEEN,
+    LEAST_NOISE,
+    across_rings,
+    across_way,
+    away_from,
+    colourless,
+    cut_off_by_edge,
+    texture,
+    uneven,
+)
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
@@ -28,13 +38,8 @@ SHEET = 0.016
 HALF, BROAD, AFAR = 0.25, 0.06, 1.5
 """Metres of radius, of deviation across, and from the sensor, from which what is painted is part
 of somebody: sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
-RIM, EDGE = 2, 0.15
-"""Pixels from the edge of the picture, and the share of what is painted that lies there."""
 VAGUE = 5.0
 """Units of radius that such a part has at least."""
-RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
-"""Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
-share of the way between rings that is a unit."""
 FLAT, STANDS = 0.3, 0.06
 """Share of its points on the ground from which a thing is taken to lie there, and up to which it
 was painted without the ground that it stands on."""
@@ -45,8 +50,6 @@ HARDLY = 0.2
 DENSE = 3000
 """Points from which a thing is looked at more coarsely than it is seen: so many points tell where
 it is, and a model and its targets have no more."""
-LEAST_NOISE = 0.03
-"""Colour noise is at least this, in the units of ``View.colour``."""
 
 
 SIDES = np.vstack([np.eye(3), -np.eye(3)])
@@ -235,12 +238,12 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
 def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
-    spacing, speckle = _texture(xyz, colour)
+    spacing, speckle = texture(xyz, colour)
     if not view.scans:  # nothing that is asked of a thing asks more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / DENSE)))
-    unit = max(spacing, noise, BETWEEN * _across(xyz))
+    unit = max(spacing, noise, BETWEEN * across_rings(xyz))
     weight = 0.0
-    if view.frame.rgb is not None and not _colourless(view, indices):
+    if view.frame.rgb is not None and not colourless(view, indices):
         weight = 0.5 * unit / max(speckle, LEAST_NOISE)
     model = Model.of(xyz, colour, view.eye, spacing)
     model.hits[:] = SURE
@@ -259,73 +262,9 @@ def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         imaged=view.lens is not None,
         worn=Wardrobe.of(colour),
         flat=low > FLAT,
-        sheet=_uneven(xyz) < SHEET * model.radius,
+        sheet=uneven(xyz) < SHEET * model.radius,
         stands=low < STANDS,
         scanned=view.scans,
-        broad=_across_way(xyz) > BROAD and _afar(view, xyz),
-        cut=_cut(view, indices),
+        broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
+        cut=cut_off_by_edge(view, indices),
     )
-
-
-def _cut(view: View, indices: I64) -> bool:
-    """Whether much of what is painted lies at the edge of the picture: there is more of it."""
-    if view.lens is None:
-        return False
-    row, column = np.divmod(view.cells[0], view.lens.shape[1])
-    aside = np.minimum(column - column.min(), column.max() - column)
-    away = np.minimum(aside, np.minimum(row - row.min(), row.max() - row))
-    return float((away[indices] < RIM).mean()) > EDGE
-
-
-def _afar(view: View, xyz: F64) -> bool:
-    """Whether points (M, 3) are farther from the sensor than what somebody shows to it."""
-    return view.eye is not None and float(np.linalg.norm(xyz.mean(axis=0) - view.eye)) > AFAR
-
-
-def _across_way(xyz: F64) -> float:
-    """Metres of deviation of points (M, 3) across the way in which they are longest."""
-    if len(xyz) < 3:
-        return 0.0
-    return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
-
-
-def _texture(xyz: F64, colour: F32) -> tuple[float, float]:
-    """Median distance and colour difference between neighbours."""
-    if len(xyz) < 3:
-        return 0.02, LEAST_NOISE
-    sample = np.arange(0, len(xyz), max(1, len(xyz) // 400))
-    distance, near = cKDTree(xyz).query(xyz[sample], k=2)
-    gaps = np.asarray(distance)[:, 1]
-    unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
-    return max(float(np.median(gaps)), 1e-4), float(np.median(unlike))
-
-
-def _across(xyz: F64) -> float:
-    """Median distance to the nearest point aside of the way to the nearest of all.
-
-    Lidars measure densely along a ring, and the next ring is far.
-    """
-    if len(xyz) < RINGS:
-        return 0.0
-    sample = xyz[:: max(1, len(xyz) // 400)]
-    distance, near = cKDTree(xyz).query(sample, k=RINGS)
-    way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
-    length = np.asarray(distance)[:, 1:] + 1e-9
-    along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
-    length = np.where(along < ASIDE, length, length[:, -1:])
-    return float(np.median(length.min(axis=1)))
-
-
-def _uneven(xyz: F64) -> float:
-    """Median distance of points (M, 3) from the plane through them."""
-    if len(xyz) < RINGS:
-        return np.inf
-    away = xyz - xyz.mean(axis=0)
-    normal = np.linalg.eigh(away.T @ away)[1][:, 0]
-    return float(np.median(np.abs(away @ normal)))
-
-
-def _colourless(view: View, indices: I64) -> bool:
-    """Whether many of the points were seen by no camera: exactly black."""
-    rgb = view.frame.rgb
-    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > 0.1
