@@ -25,8 +25,8 @@ from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
 
 REACH, UNLIKE = 2.2, 3.5
-"""A model claims points this many reaches away, in place; and in place and colour.  Beyond the first
-it is a small thing's units: where its model is coarse, a hand beside it is not."""
+"""A model claims points this many reaches away, in place; and in place and colour.  Of a small
+thing all but the first are units: where its model is coarse, a hand beside it is not."""
 FIRM = 0.9
 """Reaches from well confirmed surface within which a point is the thing's in any case."""
 FOOT = 0.6
