@@ -224,6 +224,8 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     do not matter.
     """
     thing = _made(view, label, indices, noise, rivals)
+    if thing.large:  # what hangs together with it is found as finely as it is seen
+        thing = _made(view, label, indices, noise, rivals, most=len(indices))
     if view.lens is None:
         return thing
     kept = solid(view.xyz[indices].astype(np.float64), thing.unit)
@@ -235,12 +237,14 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     return thing
 
 
-def _made(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
+def _made(
+    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int = DENSE
+) -> Thing:
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     spacing, speckle = texture(xyz, colour)
     if not view.scans:  # nothing that is asked of a thing asks more points than these
-        spacing *= float(np.sqrt(max(1.0, len(indices) / DENSE)))
+        spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
     unit = max(spacing, noise, BETWEEN * across_rings(xyz))
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
