@@ -57,6 +57,12 @@ class Motion:
             return 0.0
         return float(np.linalg.norm(self._at(-1) - self._at(-2)))
 
+    @property
+    def even(self) -> F64:
+        """(3,) where the centre is in the next frame if its last step is repeated."""
+        here = self._at(-1)
+        return here if len(self.poses) < 2 else here + self.gap * (here - self._at(-2))
+
     def slow(self, unit: float) -> bool:
         """Whether it stays nearly where it is: only then can it be where something else was."""
         return len(self.poses) > 1 and self.speed < unit

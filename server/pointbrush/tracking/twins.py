@@ -31,6 +31,10 @@ FRAMES, SMOOTHER = 4, 0.25
 """Frames before and after that are compared; and what the ways of both may be off even motion as
 they are, over what they would be swapped, to tell that they are right."""
 
+CLEARLY = 0.3
+"""Share of the way between two within which both are found where even motion led, clearly
+themselves: the squares of their ways are under UNEVEN then."""
+
 Pair = tuple[int, int]
 
 
@@ -67,7 +71,7 @@ class Twins:
         at = {n: _middle(things[n], place) for n, place in places.items() if things[n].handy}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
-            if pair not in self.meetings and _near(things, at, pair):
+            if pair not in self.meetings and _may_be_changed(things, at, pair):
                 for label in pair:
                     if label not in ahead:
                         ahead[label] = _predicted(things[label])
@@ -117,10 +121,17 @@ def _predicted(thing: Thing) -> F64:
     return np.asarray(poses[:, :3, :3] @ thing.motion.centre + poses[:, :3, 3])
 
 
-def _near(things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair) -> bool:
-    """Whether two are so close to each other that one may be where the other was going."""
+def _may_be_changed(things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair) -> bool:
+    """Whether two are near, and not both clearly nearer to where they were going than to the other.
+
+    Asked of all pairs in each frame, before all their predictions are made.
+    """
+    one, other = (things[n] for n in pair)
     apart = float(np.linalg.norm(at[pair[0]] - at[pair[1]]))
-    return apart < sum(things[n].model.radius + things[n].motion.speed for n in pair)
+    if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
+        return False
+    off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
+    return off > CLEARLY * apart or apart < 3 * ROUGHLY * max(one.unit, other.unit)
 
 
 def _off(ahead: F64, at: F64) -> float:
