@@ -135,7 +135,7 @@ def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tu
     Thin parts and rims of what stays in its place are known; of what has just been painted little
     is known but that it is there.
     """
-    if thing.motion.fresh or thing.motion.slow(thing.unit):
+    if thing.motion.fresh or thing.motion.rests(thing.unit):
         return found, new
     count = len(found.indices)
     points = np.concatenate([found.indices, new])
