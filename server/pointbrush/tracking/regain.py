@@ -31,8 +31,9 @@ BESIDE, LONELY = 2.5, 6.0
 FEW, SHARP = 0.2, 0.2
 """Share of its points up to which others may be near a piece, as flying pixels are, or a piece may
 lie where the sensor looked through; cost of a fit up to which that can be told."""
-ALIKE = 0.7
-"""Share of a piece's colours that the thing showed where it was painted."""
+ALIKE, RARER = 0.7, 2.0
+"""Share of a piece's colours that the thing showed where it was painted, and how much rarer they
+may be there, in the mean logarithm, than its own usually are: its edge has those of hands."""
 
 
 def lost_pieces(
@@ -75,7 +76,8 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
     xyz = view.xyz[points].astype(np.float64)
     if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
         return False
-    if thing.worn.share(view.colour(points)) < ALIKE:
+    colour, worn = view.colour(points), thing.worn
+    if worn.share(colour) < ALIKE or worn.likeness(colour) < worn.usual - RARER:
         return False
     if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
         return False
