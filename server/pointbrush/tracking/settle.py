@@ -12,6 +12,7 @@ from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn, stretch
 from pointbrush.tracking.place import Place
+from pointbrush.tracking.regain import RARER
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -41,7 +42,8 @@ def settle(
     pose = None if place is None else place.pose
     verdict = judge(thing, view, pose, None if place is None else place.world, found)
     pose = thing.motion.poses[-1] if place is None else place.pose
-    if place is None or found is None or not _seen(thing, view, place, verdict):
+    seen = place is not None and _seen(thing, view, place, verdict)
+    if place is None or found is None or not seen or _unlike(thing, view, place, found):
         thing.missing += 1
         thing.motion.gap += 1
         lost = thing.missing > PATIENCE
@@ -83,6 +85,14 @@ def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
     if view.lens is None and np.array_equal(place.pose, thing.motion.poses[-1]):
         clear = verdict.inliers > STAYED
     return verdict.found and (thing.missing == 0 or thing.large or clear)
+
+
+def _unlike(thing: Thing, view: View, place: Place, found: Claim) -> bool:
+    """Whether what hides a small thing was found in its place: it fits badly, and its colours are
+    hardly those that the thing was painted with."""
+    if thing.weight == 0.0 or thing.large or place.cost < SOUND:
+        return False
+    return thing.worn.likeness(view.colour(found.indices)) < thing.worn.usual - RARER
 
 
 def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
