@@ -32,6 +32,8 @@ TRIES, TRIES_FRESH = 6, 18
 STILL, STILL_FIRST, AS_WELL = 1.0, 3.0, 0.03
 """Units by which a thing at rest seems to move at most, more before a lidar in the first frames,
 since it slips along its rings; and what it may cost more to leave it."""
+OPEN = 0.6
+"""Share of what faces the sensor from which a thing is seen well enough to tell how it moves."""
 SAME = 1.0
 """Units by which no point of the model moves between two guesses that are one when judged."""
 DOUBT, DOUBT_LARGE = 0.27, 0.6
@@ -91,7 +93,7 @@ def register(search: Search) -> tuple[F64, float]:
     elif min(scores) > doubt:
         search.vain = search.thing.vain
     best = poses[np.argmin(scores)]
-    if search.view.lens is None and _rests(search, best, float(np.min(scores))):
+    if _rests(search, best, float(np.min(scores))):
         best = motion.poses[-1]
         return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
     # What no point can be paired with is left out.
@@ -126,12 +128,23 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
     What half hides it would push it away bit by bit.
     """
-    last, some = search.thing.motion.poses[-1], search.thing.model.xyz[search.few]
-    moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
-    still = STILL_FIRST if search.thing.scanned and search.thing.motion.fresh else STILL
-    if moved > still * search.thing.unit or search.thing.bends:
+    thing, last = search.thing, search.thing.motion.poses[-1]
+    if thing.bends:
         return False
-    return float(_scores(search, last[None])[0]) < score + AS_WELL
+    if search.view.lens is None:
+        some = thing.model.xyz[search.few]
+        moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
+        still = STILL_FIRST if thing.scanned and thing.motion.fresh else STILL
+        may = bool(moved <= still * thing.unit)
+    else:
+        may = thing.handy and thing.motion.rests(thing.unit) and _hidden(search, last)
+    return may and float(_scores(search, last[None])[0]) < score + AS_WELL
+
+
+def _hidden(search: Search, pose: F64) -> bool:
+    """Whether other things hide most of what faces the sensor at a pose (4, 4)."""
+    at = look(search.thing, search.view, search.few, pose[None])
+    return float(at.seen.mean()) < OPEN * float(at.facing[0])
 
 
 def _asked(search: Search) -> bool:
