@@ -12,14 +12,20 @@ from pointbrush.tracking.thing import Rivals, Thing
 from pointbrush.tracking.view import View
 from pointbrush.tracking.wardrobe import Wardrobe
 
+REACH = 1.0
+"""Metres about a thing within which whoever may hold it is."""
 MOST = 1000
 """Rivals kept of those beside a thing."""
 
 
 def around(thing: Thing, view: View, world: F64) -> I64:
     """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
+    return _unlabelled(view, world, 0.5 * thing.model.radius + 4 * thing.unit)
+
+
+def _unlabelled(view: View, world: F64, margin: float) -> I64:
+    """The unlabelled points in a box around ``world`` (M, 3) and ``margin`` metres beside."""
     lo, hi = bounds(world)
-    margin = 0.5 * thing.model.radius + 4 * thing.unit
     near = view.box(lo - margin, hi + margin)
     return near[~view.labelled()[near]]
 
@@ -38,9 +44,14 @@ def set_rivals(thing: Thing, view: View, indices: I64) -> None:
 
 
 def tell_apart(things: Mapping[int, Thing], view: View, labels: Iterable[int]) -> None:
-    """Find the colours that some things alone have, of all ``things`` and what is beside them."""
+    """Find the colours that some things alone have, of all ``things`` and what is about them.
+
+    Hands that may hold a thing later are within their reach of it, and are few of the points there.
+    """
     for label in labels:
         thing = things[label]
         beside = view.colour(around(thing, view, thing.model.xyz))
         others = [other.worn for other in things.values() if other is not thing]
+        about = view.colour(_unlabelled(view, thing.model.xyz, REACH))
         thing.worn = thing.worn.apart_from([Wardrobe.of(beside), *others])
+        thing.worn = thing.worn.commoner_than(about, thing.size)

@@ -232,7 +232,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if not kept.all():
         without = _made(view, label, indices[kept], noise, rivals)
         thing = thing if without.large else without
-    if thing.large:  # it stays that, however little of it is seen
+    if thing.large and (thing.broad or thing.cut):  # it stays that, however little of it is seen
         thing.extent = max(thing.model.radius, TALL)
     return thing
 

@@ -53,6 +53,12 @@ class Wardrobe:
             alone &= self.common > RATHER * other.common
         return replace(self, alone=alone)
 
+    def commoner_than(self, colour: F32, size: float) -> Wardrobe:
+        """The same, with no colour its alone that is not more points' of a thing of ``size`` points
+        than of those that have the colours (M, 3)."""
+        other = Wardrobe.of(colour)
+        return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
+
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
         return np.asarray(np.log(self.common[_bins(colour)] + RARE), np.float32)
