@@ -37,7 +37,7 @@ def set_rivals(thing: Thing, view: View, indices: I64) -> None:
     """
     some = indices[:: max(1, -(-len(indices) // MOST))]
     colour = view.colour(some)
-    if thing.weight > 0.0 and not thing.large and len(some):
+    if thing.dyed and len(some):
         others = ~(thing.worn.rather(colour) | thing.distinct(colour))
         some, colour = some[others], colour[others]
     thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)

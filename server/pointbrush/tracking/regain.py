@@ -31,9 +31,8 @@ BESIDE, LONELY = 2.5, 6.0
 FEW, SHARP = 0.2, 0.2
 """Share of its points up to which others may be near a piece, as flying pixels are, or a piece may
 lie where the sensor looked through; cost of a fit up to which that can be told."""
-ALIKE, RARER = 0.7, 2.0
-"""Share of a piece's colours that the thing showed where it was painted, and how much rarer they
-may be there, in the mean logarithm, than its own usually are: its edge has those of hands."""
+ALIKE = 0.7
+"""Share of a piece's colours that the thing showed where it was painted."""
 
 
 def lost_pieces(
@@ -76,8 +75,8 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
     xyz = view.xyz[points].astype(np.float64)
     if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
         return False
-    colour, worn = view.colour(points), thing.worn
-    if worn.share(colour) < ALIKE or worn.likeness(colour) < worn.usual - RARER:
+    colour = view.colour(points)
+    if thing.worn.share(colour) < ALIKE or thing.worn.unlike(colour):
         return False
     if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
         return False

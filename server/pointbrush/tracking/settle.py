@@ -12,7 +12,6 @@ from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn, stretch
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.regain import RARER
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -90,9 +89,9 @@ def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
 def _unlike(thing: Thing, view: View, place: Place, found: Claim) -> bool:
     """Whether what hides a small thing was found in its place: it fits badly, and its colours are
     hardly those that the thing was painted with."""
-    if thing.weight == 0.0 or thing.large or place.cost < SOUND:
+    if not thing.dyed or place.cost < SOUND:
         return False
-    return thing.worn.likeness(view.colour(found.indices)) < thing.worn.usual - RARER
+    return thing.worn.unlike(view.colour(found.indices))
 
 
 def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:

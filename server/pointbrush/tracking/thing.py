@@ -143,18 +143,20 @@ class Thing:
     cut: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
-    def distinct(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start.
+    @property
+    def dyed(self) -> bool:
+        """Whether it is known by its colours; large things and what a lidar sees are otherwise."""
+        return self.weight > 0.0 and not self.large
 
-        None of what has no colour; large things and what a lidar sees are known by other means.
-        """
-        if self.weight == 0.0 or self.large:
+    def distinct(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start."""
+        if not self.dyed:
             return np.zeros(len(colour), np.bool_)
         return self.worn.only(colour)
 
     def strange(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) the thing did not show where it was painted."""
-        if self.weight == 0.0 or self.large:
+        if not self.dyed:
             return np.zeros(len(colour), np.bool_)
         return self.worn.strange(colour)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import uniform_filter
 
+from pointbrush.tracking.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
 
 BIN = 0.028
@@ -19,6 +20,9 @@ COARSE = 3
 """Bins, each way, of the cells in which it is told how common a colour is among few."""
 OFTEN = 0.02
 """Share of colours from which they are common."""
+RARER = 2.0
+"""How much rarer colours may be than its own usually are, in the mean logarithm, to be like them:
+the edge of what is painted has those of hands."""
 RARE = 0.002
 """Share of colours that are nowhere among those worn."""
 
@@ -67,12 +71,18 @@ class Wardrobe:
         """Mean logarithm of how common the colours (M, 3) are."""
         return float(self.each(colour).mean()) if len(colour) else -np.inf
 
+    def unlike(self, colour: F32) -> bool:
+        """Whether the colours (M, 3) are much rarer here than its own usually are."""
+        return self.likeness(colour) < self.usual - RARER
+
     def rather(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
         at = _at(colour)
         place = _flat(at // COARSE)
-        _, number, count = np.unique(place, return_inverse=True, return_counts=True)
-        return np.asarray(self.common[_flat(at)] > RATHER * count[number] / len(colour))
+        number = numbered(place)
+        return np.asarray(
+            self.common[_flat(at)] > RATHER * np.bincount(number)[number] / len(colour)
+        )
 
     def only(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) are its alone."""
