@@ -22,6 +22,7 @@ from pointbrush.tracking.belong import grow
 from pointbrush.tracking.beside import around, set_rivals, tell_apart
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.figures import hang_together
+from pointbrush.tracking.footing import painted_with_ground, with_ground
 from pointbrush.tracking.hands import Hands
 from pointbrush.tracking.interface import (
     F32,
@@ -119,6 +120,7 @@ class Run:
 
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
+        thing.grounded = painted_with_ground(view, indices)
         self.things[label] = thing
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
 
@@ -159,7 +161,9 @@ class Run:
             tell_apart(self.things, view, [label])
         self._look_around(view, places)
         self.hands.learn(view, self.background, self._shadow(view, places))
-        return FrameResult(number, dict(view.labels), tracks)
+        found = with_ground(view, things, places, free)
+        tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
+        return FrameResult(number, found, tracks)
 
     def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""

@@ -113,7 +113,7 @@ def learn(
         again = _claimed_again(thing, view, place, found, grown, number)
         if not place.whole:
             again = again.pick(again.cost < 2 * thing.reach)
-        if thing.stands:
+        if not thing.flat:
             again = again.pick(~view.low[again.indices] | (again.gap < 0.9 * thing.model.spacing))
         xyz = transform(back, view.xyz[again.indices].astype(np.float64))
         colour = view.colour(again.indices)

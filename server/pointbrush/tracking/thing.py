@@ -40,9 +40,8 @@ HALF, BROAD, AFAR = 0.25, 0.06, 1.5
 of somebody: sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
 VAGUE = 5.0
 """Units of radius that such a part has at least."""
-FLAT, STANDS = 0.3, 0.06
-"""Share of its points on the ground from which a thing is taken to lie there, and up to which it
-was painted without the ground that it stands on."""
+FLAT = 0.6
+"""Share of its points on the ground from which a thing is taken to lie there."""
 SOFT = 0.006
 """Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
@@ -111,7 +110,8 @@ class Thing:
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
-    door is; ``flat`` whether it lies on the ground, ``stands`` whether it was painted without it;
+    door is; ``flat`` whether it lies on the ground, ``grounded`` whether it was painted with that
+    under it;
     ``scanned`` whether a lidar sees it, ``away`` metres from that; ``broad`` whether it was painted
     as broad as part of somebody, ``cut`` off by the edge of the picture.
     """
@@ -136,11 +136,11 @@ class Thing:
     astray: int = 0
     flat: bool = False
     sheet: bool = False
-    stands: bool = True
     away: float = 0.0
     scanned: bool = False
     broad: bool = False
     cut: bool = False
+    grounded: bool = False
     worn: Wardrobe = field(default_factory=lambda: Wardrobe.of(np.empty((0, 3), np.float32)))
 
     @property
@@ -269,7 +269,6 @@ def _made(
         worn=Wardrobe.of(colour),
         flat=low > FLAT,
         sheet=uneven(xyz) < SHEET * model.radius,
-        stands=low < STANDS,
         scanned=view.scans,
         broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
         cut=cut_off_by_edge(view, indices),

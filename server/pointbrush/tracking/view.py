@@ -19,7 +19,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.lens import I32, Lens
 from pointbrush.tracking.near import Runs, in_box, runs_of
 from pointbrush.tracking.registration import inverse, transform
-from pointbrush.tracking.shade import Shade, shade_of
+from pointbrush.tracking.shade import Shade, axis_up, shade_of
 
 FAR, MOST = 15.0, 0.95
 """Metres farther than depth cameras measure, and the share of the points that lie nearer."""
@@ -56,7 +56,7 @@ class View:
     def prepare(self) -> None:
         """Work out what several threads will ask for."""
         _ = self.xyz, self.frame.rgb
-        _ = self.depth if self.lens is not None else (self.shade, self.low)
+        _ = self.depth if self.lens is not None else (self.shade, self.ground)
 
     @cached_property
     def eye(self) -> F64 | None:
@@ -132,12 +132,22 @@ class View:
     @cached_property
     def low(self) -> Mask:
         """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
+        return self.ground if self.roams else np.zeros(len(self.xyz), np.bool_)
+
+    @cached_property
+    def ground(self) -> Mask:
+        """(N,) points that a lidar sees of the ground; none where no lidar is."""
         xyz = np.asarray(self.frame.xyz, np.float32)
-        if not self.roams:
+        if not self.scans:
             return np.zeros(len(xyz), np.bool_)
         if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
             xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
         return on_ground(xyz)
+
+    @cached_property
+    def up(self) -> int:
+        """The axis of the world that points up, or down, before a lidar."""
+        return axis_up(self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye))
 
     @cached_property
     def roams(self) -> bool:
