@@ -18,6 +18,7 @@ from pointbrush.tracking.connect import blob, connected
 from pointbrush.tracking.flying import flying
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
+from pointbrush.tracking.near import close_to
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.regain import lost_pieces
 from pointbrush.tracking.registration import inverse, transform
@@ -37,6 +38,8 @@ WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
 STRIP = 20
 """Steps by which the surface that another object uncovers may go on in a frame."""
+SAMPLE, TOUCH = 2000, 3.0
+"""Points of a thing of which its border is told, and units within which others touch them."""
 MAINLY = 0.3
 """Share of what another object uncovers from which it may be a thing's."""
 YIELD = 0.7
@@ -126,7 +129,17 @@ def grow(
             new = together(new, place.uncovered)
         taken[new] = True
         claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
+    for label, new in grown.items():
+        if not things[label].dyed:
+            own, rest = np.concatenate([claims[label].indices, new]), places[label].moving
+            places[label].border = _border(view, own, rest[~taken[rest]], things[label].unit)
     return grown, taken
+
+
+def _border(view: View, own: I64, rest: I64, unit: float) -> float:
+    """Share of a thing's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
+    some = view.xyz[own[:: max(1, len(own) // SAMPLE)]]
+    return float(close_to(some, view.xyz[rest], TOUCH * unit).mean()) if len(some) else 0.0
 
 
 def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tuple[Claim, I64]:

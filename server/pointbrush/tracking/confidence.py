@@ -32,6 +32,9 @@ POINTLIKE = 1.0
 """Units over radius from which a thing is one place, that anything may be at."""
 SHRUNK = 3.5
 """Weight of a changed size of what bends: its model follows whatever is taken for it."""
+BORDER = 13.0
+"""Weight of the border of what has no colours: what holds it touches little of it, and where it is
+cut through its own surface, or the hand that it took in through an arm, much of it touches."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
 """Trust that a frame can give back: what has been in doubt may have become another's, and what a
 lidar shows of the two hardly differs."""
@@ -50,7 +53,7 @@ class Evidence:
     ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
     a lidar; ``soft`` whether the thing bends; ``left`` points that move beside it and are not its,
     over its own; ``bend`` share that one motion does not explain; ``coarse`` its unit, over its
-    radius.
+    radius; ``border`` share of its points that touch moving ones that are nobody's.
     """
 
     inliers: float
@@ -71,6 +74,7 @@ class Evidence:
     left: float = 0.0
     bend: float = 0.0
     coarse: float = 0.05
+    border: float = 0.0
 
 
 def likelihood(evidence: Evidence, body: bool = False) -> float:
@@ -98,6 +102,7 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
         odds = float(BODY_WEIGHTS @ features) + BODY_OFFSET - BODY_MIDDLE
     else:
         odds = float(WEIGHTS @ features[:-1]) + OFFSET - MIDDLE
+        odds -= BORDER * evidence.border
         odds -= SHRUNK * features[5] if evidence.soft else 0.0
         odds += FEW * min(0.0, _log(evidence.points / MANY, 7.0)) if evidence.pixels else 0.0
     return _squashed(odds)

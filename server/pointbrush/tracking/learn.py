@@ -63,6 +63,7 @@ def evidence(
         left=(_beside(thing, view, place, points) + 1) / (len(points) + 1),
         bend=thing.bend,
         coarse=thing.unit / max(thing.model.radius, thing.unit),
+        border=place.border,
     )
 
 

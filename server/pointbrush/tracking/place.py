@@ -36,5 +36,7 @@ class Place:
     """Points near the model that nothing unlabelled explains: rivals of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points that another label hid a moment ago."""
+    border: float = 0.0
+    """Share of its points that touch moving points that are nobody's; of what has no colours."""
     beside: I64 | None = None
     """Points of other moving things beside a large one; None where that is not known."""
