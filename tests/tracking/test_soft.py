@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import scenes
 from conftest import follow
 from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking import learn
+from pointbrush.tracking.judge import Verdict
+from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.place import Place
+from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.view import View
 
 
 def snake(frames: int, bend: float, every: int = 1) -> list[scenes.Frame]:
@@ -126,3 +134,20 @@ def test_what_is_cut_through_its_own_surface_is_not_sure_of_itself() -> None:
     strip, whole = (follow(board(8, painted))[-1].tracks[1] for painted in (0.06, 0.4))
     assert strip.confidence < 0.5
     assert whole.confidence > 0.9
+
+
+def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.MonkeyPatch) -> None:
+    frame = snake(1, bend=0.0)[0]
+    view = View(3, frame, find_lens(frame))
+    mine, none = np.flatnonzero(frame.truth == 1), np.empty(0, np.int64)
+    thing = begin(view, 1, mine, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
+    xyz = thing.model.xyz
+    box = (xyz.min(axis=0), xyz.max(axis=0))
+    place = Place(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
+    verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
+    monkeypatch.setattr(learn, "strained", lambda *_: 0.5)  # a wrong pose
+    learn.stretch(thing, view, place, verdict)
+    assert not thing.soft
+    for _ in range(6):
+        learn.stretch(thing, view, place, verdict)
+    assert thing.soft

@@ -6,12 +6,15 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.assign import claim
 from pointbrush.tracking.background import ImageBackground
 from pointbrush.tracking.belong import grow, own_points
 from pointbrush.tracking.lens import find_lens
+from pointbrush.tracking.model import SURE
 from pointbrush.tracking.pieces import solid
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.scenery import NEAR
+from pointbrush.tracking.settle import hides
 from pointbrush.tracking.thing import Rivals, begin
 from pointbrush.tracking.view import View
 from pointbrush.tracking.waver import Waver, measure_waver
@@ -95,6 +98,36 @@ def test_what_is_alone_is_taken_whole_though_it_is_longer_than_it_was_known_to_b
     truth = view.frame.truth == 1
     assert truth[grown[1]].mean() > 0.95
     assert len(grown[1]) + len(core.indices) > 0.9 * truth.sum()
+
+
+def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> None:
+    rng = np.random.default_rng(3)
+    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+    parts = club(1, np.array([0.0, 1.4, 1.9]), np.eye(3))
+    parts[1].label = 2
+    hand = scenes.Part(3, (210, 160, 130), np.array([0.3, 1.4, 1.9]), np.array([0.4, 1.4, 1.9]))
+    hand.ra = hand.rb = 0.05
+    frame = camera.shoot([*parts, hand], rng)
+    view = View(0, frame, find_lens(frame))
+    painted, turned, skin = (np.flatnonzero(frame.truth == label) for label in (1, 2, 3))
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    thing = begin(view, 1, painted, 0.004, none)
+    both = begin(view, 1, np.concatenate([painted, turned]), 0.004, none).model
+
+    def taken_for_another(points: np.ndarray, whole: bool = False) -> bool:
+        xyz, colour = view.xyz[points].astype(float), view.colour(points)
+        found = claim(view, points, xyz, colour, thing.weight, 0.1)
+        place = Place(np.eye(4), xyz, (xyz.min(0), xyz.max(0)), points, points, points, cost=0.3)
+        place.whole = whole
+        return hides(thing, view, place, found)
+
+    assert taken_for_another(turned)
+    assert taken_for_another(skin)
+    assert not taken_for_another(turned, whole=True)  # alone in the air
+    thing.model = both
+    both.hits[:] = SURE
+    assert not taken_for_another(turned)
+    assert taken_for_another(skin)
 
 
 def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:

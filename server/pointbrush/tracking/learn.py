@@ -25,6 +25,8 @@ SELDOM, HINT = 4, 0.25
 from which it is asked in all."""
 LOOSE = 0.15
 """Cost of a fit from which that is asked in all of a thing that is seen by very many points."""
+AGAIN = 1.5
+"""Times what makes a thing soft that one frame can say: a wrong pose bends anything, but once."""
 STRETCHED, ONTO = 600, 6000
 """Points at most that are bent to find out, and onto which."""
 OFF, ON = 1.5, 1.0
@@ -128,7 +130,8 @@ def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
     """Take note of how much of a small thing bending alone explains."""
     stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
     if stiff and _asked(thing, view, place):
-        thing.strain += 0.2 * (strained(thing, view, place, verdict) - thing.strain)
+        now = min(strained(thing, view, place, verdict), AGAIN * SOFT)
+        thing.strain += 0.2 * (now - thing.strain)
 
 
 def _settled_on(world: F64, view: View, found: Claim) -> F64:

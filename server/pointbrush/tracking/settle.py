@@ -11,10 +11,12 @@ from pointbrush.tracking.confidence import REGAIN, REGAIN_SCANNED, likelihood
 from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.judge import Verdict, judge
 from pointbrush.tracking.learn import evidence, learn, stretch
+from pointbrush.tracking.model import SURE
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
 
 PATIENCE = 45
 """Frames that a thing is looked for before it is lost."""
@@ -25,6 +27,9 @@ DOUBTFUL, REGAINED = 0.4, 0.6
 it ends an occlusion."""
 SCRAP = 0.05
 """Share of the size of a large thing under which what is seen of it tells no motion."""
+LESS = 0.6
+"""How much rarer, in the mean logarithm, colours may be on the known surface than its own usually
+are: half as common. It is known better than what was painted, and of all sides."""
 STAYED = 0.35
 """Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
@@ -42,7 +47,7 @@ def settle(
     verdict = judge(thing, view, pose, None if place is None else place.world, found)
     pose = thing.motion.poses[-1] if place is None else place.pose
     seen = place is not None and _seen(thing, view, place, verdict)
-    if place is None or found is None or not seen or _unlike(thing, view, place, found):
+    if place is None or found is None or not seen or hides(thing, view, place, found):
         thing.missing += 1
         thing.motion.gap += 1
         lost = thing.missing > PATIENCE
@@ -86,12 +91,19 @@ def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
     return verdict.found and (thing.missing == 0 or thing.large or clear)
 
 
-def _unlike(thing: Thing, view: View, place: Place, found: Claim) -> bool:
-    """Whether what hides a small thing was found in its place: it fits badly, and its colours are
-    hardly those that the thing was painted with."""
-    if not thing.dyed or place.cost < SOUND:
+def hides(thing: Thing, view: View, place: Place, found: Claim) -> bool:
+    """Whether what was found hides a small thing, and is not the thing: it fits badly, and has
+    hardly the colours that were painted, nor those of the known surface, another side's too.
+
+    What is alone in the air hides nothing.
+    """
+    if not thing.dyed or place.cost < SOUND or place.whole:
         return False
-    return thing.worn.unlike(view.colour(found.indices))
+    colour = view.colour(found.indices)
+    if not thing.worn.unlike(colour):
+        return False
+    known = Wardrobe.of(thing.model.colour[thing.model.hits >= SURE])
+    return known.likeness(colour) < known.usual - LESS
 
 
 def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
