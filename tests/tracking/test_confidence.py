@@ -42,6 +42,14 @@ def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     assert likelihood(replace(alone, left=0.1, bend=0.2)) < likelihood(alone)
 
 
+def test_what_suddenly_changes_before_a_lidar_is_trusted_less() -> None:
+    """Who takes another's place shows more or less of himself, and what the model does not know."""
+    before = replace(GOOD, pixels=False, scans=True, left=0.05)
+    assert likelihood(replace(before, change=0.4)) < likelihood(before) - 0.1
+    assert likelihood(replace(before, change=2.5)) < likelihood(before) - 0.1
+    assert likelihood(replace(before, grown=0.6)) < likelihood(before) - 0.1
+
+
 def test_what_is_all_in_one_place_is_not_trusted() -> None:
     """Points that are the same are told from nothing else that is there."""
     for seen in (GOOD, replace(GOOD, pixels=False, scans=True)):

@@ -11,9 +11,16 @@ from conftest import follow
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.assign import Claim, claim
 from pointbrush.tracking.ego import sensor_poses
 from pointbrush.tracking.grid import cells_of
+from pointbrush.tracking.judge import Verdict, judge
+from pointbrush.tracking.learn import learn
+from pointbrush.tracking.near import bounds
+from pointbrush.tracking.place import Place
 from pointbrush.tracking.scene import Scene
+from pointbrush.tracking.thing import Rivals, Thing, begin
+from pointbrush.tracking.view import View
 
 
 @pytest.fixture(scope="module")
@@ -82,3 +89,36 @@ def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves() -> N
         assert view.scans
         assert view.roams
         assert 0.2 < view.low.mean() < 0.9
+
+
+def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:
+    """A box of which a lidar at rest sees one end only, densely, after its whole side."""
+    rng = np.random.default_rng(1)
+    side = rng.uniform((0, 5, -1), (8, 5.01, 0.5), (800, 3))
+    end = rng.uniform((0, 5, -1), (0.3, 5.01, 0.5), (300, 3))
+    walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
+    xyz = np.concatenate([end, side, walls]).astype(np.float32)
+    view = View(0, scenes.Frame(xyz), None, np.eye(4))
+    thing = begin(view, 1, np.arange(1100), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
+    here = np.arange(300)
+    world = thing.model.xyz
+    place = Place(np.eye(4), world, bounds(world), here, here, here, 0.1)
+    found = claim(view, here, world, thing.model.colour, 0.0, 3 * thing.unit)
+    return thing, view, place, found, judge(thing, view, np.eye(4), world, found)
+
+
+def test_what_shows_many_of_its_points_is_there_though_most_of_it_is_hidden() -> None:
+    """What hides it is known too coarsely to tell which part of it should be seen."""
+    thing, _, _, found, verdict = half_hidden()
+    assert thing.scanned
+    assert len(found.indices) > 250
+    assert verdict.inliers < 0.25
+    assert verdict.found
+
+
+def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
+    thing, view, place, found, verdict = half_hidden()
+    thing.bend = 0.5
+    learn(thing, view, place, found, np.empty(0, np.int64), verdict)
+    assert thing.bends
+    assert np.ptp(thing.model.xyz[:, 0]) > 7.5

@@ -15,6 +15,9 @@ from pointbrush.tracking.view import View
 FEWEST = 10
 """Model points that must face the sensor for their sides to be a criterion."""
 
+STILL_THERE = 0.25
+"""Share of the points that it had in the last frame from which what a lidar sees is there."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
@@ -63,6 +66,8 @@ def judge(
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
     enough = len(found.indices) >= max(4, 0.01 * thing.size)
-    good = enough and inliers > 0.25
+    # What hides it from a lidar is known too coarsely to tell all that should be seen.
+    much = thing.scanned and len(found.indices) > STILL_THERE * thing.last
+    good = enough and (inliers > 0.25 or much)
     confidence = float(np.clip(inliers * min(1.0, 0.4 + visible), 0, 1))
     return Verdict(good, inliers, confidence, hidden, through, visible)

@@ -12,7 +12,7 @@ from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.locate import target_of
 from pointbrush.tracking.model import MOST_BENT, SURE, Model
-from pointbrush.tracking.near import bounds, within
+from pointbrush.tracking.near import bounds, close_to, within
 from pointbrush.tracking.place import Place
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import DENSE, SOFT, Thing
@@ -98,7 +98,10 @@ def learn(
         points = np.concatenate([found.indices, grown])
         xyz = transform(back, view.xyz[points].astype(np.float64))
         colour = view.colour(points)
-        old = np.flatnonzero(verdict.hidden & (thing.model.misses < 15))
+        unseen = verdict.hidden
+        if thing.scanned:  # what hides it from a lidar is known too coarsely
+            unseen = unseen | ~close_to(place.world, view.xyz[points], 2.5 * thing.unit)
+        old = np.flatnonzero(unseen & (thing.model.misses < 15))
         kept = thing.model
         new = Model.of(xyz, colour, own_eye, kept.spacing, MOST_BENT)
         new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
