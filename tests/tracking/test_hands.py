@@ -17,10 +17,10 @@ FIRST, LAST = 5, 8
 
 
 @pytest.fixture(scope="module")
-def stored(passing: list[scenes.Frame], tmp_path_factory: pytest.TempPathFactory) -> Sequence:
-    frames = [PointFrame(f.xyz, rgb=f.rgb, label=f.truth) for f in passing[FIRST : LAST + 1]]
-    target = tmp_path_factory.mktemp("hands") / "passing"
-    import_frames(frames, target, sequence_id="passing", name="passing", fps=30.0)
+def stored(tabletop: list[scenes.Frame], tmp_path_factory: pytest.TempPathFactory) -> Sequence:
+    frames = [PointFrame(f.xyz, rgb=f.rgb, label=f.truth) for f in tabletop[FIRST : LAST + 1]]
+    target = tmp_path_factory.mktemp("hands") / "tabletop"
+    import_frames(frames, target, sequence_id="tabletop", name="tabletop", fps=30.0)
     return open_sequence(target)
 
 

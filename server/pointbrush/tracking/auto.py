@@ -9,7 +9,7 @@ background, the model, the motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 
@@ -17,9 +17,10 @@ import numpy as np
 
 from pointbrush.tracking.assign import Claim, together
 from pointbrush.tracking.astray import find_astray
-from pointbrush.tracking.background import Background
+from pointbrush.tracking.background import Background, ImageBackground
 from pointbrush.tracking.belong import grow
 from pointbrush.tracking.beside import around, set_rivals, tell_apart
+from pointbrush.tracking.company import Company
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.figures import hang_together
 from pointbrush.tracking.footing import painted_with_ground, with_ground
@@ -96,6 +97,7 @@ class Run:
         self.known, self.options, self.labels = known, options, labels
         self.hands, self.twins = hands, Twins()
         self.things: dict[int, Thing] = {}
+        self.company: Company | None = None
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
 
     @property
@@ -115,6 +117,7 @@ class Run:
             self._begin(view, seed.label, np.sort(seed.indices))
         tell_apart(self.things, view, self.things)
         self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
+        self._gather(view, self.things)
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
 
@@ -123,6 +126,43 @@ class Run:
         thing.grounded = painted_with_ground(view, indices)
         self.things[label] = thing
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
+
+    def _gather(self, view: View, labels: Iterable[int]) -> None:
+        """People before a depth camera at rest are followed together."""
+        bodies = {n: self.things[n] for n in labels if self.things[n].body}
+        if bodies and isinstance(self.background, ImageBackground):
+            self.company = Company.of(view, bodies, self.background)
+
+    def _among_people(
+        self,
+        view: View,
+        fixed: Mapping[int, I64],
+        settled: Mapping[int, tuple[TrackState, I64]],
+        free: Mask,
+    ) -> dict[int, tuple[TrackState, I64]]:
+        """How people fared who are followed together, and what each of them has."""
+        if self.company is None:
+            return {}
+        left = free.copy()
+        for _, points in settled.values():
+            left[points] = False
+        found = self.company.step(view, self.background, left)
+        for label, (track, _) in found.items():
+            thing = self.things[label]
+            thing.stopped = track.state == "lost" and not self.options.continue_lost
+            if thing.stopped:
+                self.company.drop(label)
+        return {label: each for label, each in found.items() if label not in fixed}
+
+    def _accompanied(self, label: int) -> bool:
+        return self.company is not None and label in self.company.labels
+
+    def _join(self, view: View, label: int) -> None:
+        """Somebody who was painted in the middle of a run is followed among the others."""
+        if self.company is None:
+            self._gather(view, [label])
+        elif self.things[label].body:
+            self.company.put(view, label, self.things[label])
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""
@@ -145,7 +185,7 @@ class Run:
         free = rules.free(self.labels)
         for points in fixed.values():
             free[points] = False
-        sought = [t for n, t in things.items() if n not in fixed]
+        sought = [t for n, t in things.items() if not (n in fixed or self._accompanied(n))]
         absent = [thing for thing in sought if thing.absent]
         places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
@@ -153,12 +193,14 @@ class Run:
         self.twins.meet(things, places)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)
+        settled |= self._among_people(view, fixed, settled, free)
         view.labels = dict(fixed)
         tracks = self._conclude(view, rules, fixed, again, settled)
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
             tell_apart(self.things, view, [label])
+            self._join(view, label)
         self._look_around(view, places)
         self.hands.learn(view, self.background, self._shadow(view, places))
         found = with_ground(view, things, places, free)
@@ -221,6 +263,7 @@ class Run:
         for label, thing in self.things.items():
             if label in fixed:
                 tracks[label] = self._repainted(thing, view, fixed[label])
+                self._join(view, label)
             elif label in again:
                 tracks[label] = self._emerge(thing, view, again[label])
                 view.labels[label] = again[label]
@@ -255,7 +298,7 @@ class Run:
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
         self.twins.forget(thing.label)
-        pose = taught(thing, view, points)
+        pose = None if self._accompanied(thing.label) else taught(thing, view, points)
         if pose is None:
             return self._reseed(thing, view, points)
         world = transform(pose, thing.model.xyz)

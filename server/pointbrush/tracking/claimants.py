@@ -1,0 +1,168 @@
+"""Whose each cell before a known scene is, by where everybody is expected and by what they wear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.agreement import agreed
+from pointbrush.tracking.figure import FEWEST, Figure
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.pieces import parts
+from pointbrush.tracking.stage import Stage
+
+LIMBS, SWING, MOST = 0.06, 0.4, 0.3
+"""Metres by which limbs move anyhow, and share of the fastest step, of so many metres at most."""
+UNSEEN, LONG = 0.04, 8
+"""Metres more a frame unseen, of so many frames at most."""
+SHADE = 0.06
+"""Difference of colour that counts as much as that distance."""
+CAP = 4.0
+"""Cost of a cell that is nowhere near a figure."""
+WORN, LESS, RARE = 0.35, 0.5, 4.0
+"""Weight of clothes, how much rarer colours may be than usual ones, and what counts at most."""
+HIDDEN = 1.0
+"""What it costs to be somebody's who was hidden."""
+ROUND, BEYOND, REACH = 0.25, 0.2, 2.0
+"""Metres from his middle, along the ground, that hold a body; deviation beyond; cost at most."""
+ROUNDS, DOUBT = 3, 0.15
+"""Times that strides are mended, and the visible share at which they are believed half."""
+BEFORE = 0.15
+"""Metres by which something has to be nearer to hide him."""
+FITS, FITTING = 0.8, 0.2
+"""Share of the cap that fits, and of its cells that must fit for a body to be anybody's."""
+SURE = 0.9
+"""Probability from which an outline far from everybody is somebody's."""
+APART, PART = 0.35, 0.5
+"""Metres that nothing lies from the rest of somebody, if it has less than this share of it."""
+KNOWN, BESIDE = 0.15, 0.5
+"""Metres from his surface, and from his middle, within which it may lie all the same."""
+CLOSE = 1.0
+"""Cost less than another's by which a cell is disputed."""
+
+
+@dataclass(eq=False)
+class Shares:
+    """``stride`` (K, 3) metres of each figure; ``cost`` (N, K) of a cell to be his, ``chance``."""
+
+    stride: F64
+    cost: F64
+    chance: F64
+
+    def disputed(self, cells: I64, who: int) -> float:
+        """Share of somebody's cells that hardly less are another's."""
+        others = np.delete(self.cost[cells], who, axis=1)
+        if not others.shape[1] or not len(cells):
+            return 0.0
+        return float((others.min(axis=1) < self.cost[cells, who] + CLOSE).mean())
+
+
+def shared_out(stage: Stage, figures: Sequence[Figure], stride: F64) -> Shares:
+    """Give the cells of a ``stage`` owners, mending the strides (K, 3) by who has what."""
+    clothes = _clothes(stage, figures)
+    steps = [float(np.linalg.norm(f.step)) for f in figures if not f.missing]
+    swing = LIMBS + SWING * min(max([0.02, *steps]), MOST)
+    stride = stride.copy()
+    for _ in range(ROUNDS):
+        cost = np.full((len(stage.owner), len(figures)), CAP)
+        near = []
+        for k, figure in enumerate(figures):
+            within = swing + UNSEEN * min(figure.missing, LONG)
+            cost[:, k], nearest = _place(stage, figure, stride[k], within)
+            near.append(nearest)
+        cost += clothes
+        chance = agreed(cost, stage.links)
+        who = chance.argmax(axis=1)
+        for k, figure in enumerate(figures):
+            stride[k] += _mended(stage, figure, stride[k], who == k, chance[:, k], near[k], swing)
+    stage.owner = np.array([f.label for f in figures], np.int64)[who]
+    _leave(stage, cost.min(axis=1), chance.max(axis=1))
+    for k, figure in enumerate(figures):
+        _drop(stage, figure, stride[k])
+    return Shares(stride, cost, chance)
+
+
+def _clothes(stage: Stage, figures: Sequence[Figure]) -> F64:
+    """(N, K) what the colours of each cell cost."""
+    cost = np.zeros((len(stage.owner), len(figures)))
+    for k, figure in enumerate(figures):
+        if stage.tints is not None and figure.worn is not None:
+            rare = figure.worn.usual - LESS - figure.worn.each(stage.tints)
+            sums = np.bincount(
+                stage.cells.cell, weights=np.clip(rare, 0.0, RARE), minlength=len(cost)
+            )
+            cost[:, k] = WORN * sums / stage.cells.count
+    return cost
+
+
+def _place(stage: Stage, figure: Figure, stride: F64, within: float) -> tuple[F64, I64]:
+    """(N,) what it costs each cell to be his there, and his cell next to it, -1 for none."""
+    own, seen = (figure.xyz + stride) / within, stage.cells.middle / within
+    if stage.tints is not None:
+        own = np.hstack([own, figure.colour / SHADE])
+        seen = np.hstack([seen, stage.cells.colour / SHADE])
+    gap, near = cKDTree(own).query(seen, distance_upper_bound=np.sqrt(2 * CAP))
+    cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, CAP) ** 2, CAP)
+    middle = np.median((figure.xyz + stride) @ stage.flat, axis=0)
+    away = np.linalg.norm(stage.ground - middle, axis=1)
+    cost += np.minimum(REACH, 0.5 * (np.maximum(0.0, away - ROUND) / BEYOND) ** 2)
+    cost += HIDDEN * (figure.missing > 0)
+    return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)
+
+
+def _mended(
+    stage: Stage, figure: Figure, stride: F64, own: Mask, chance: F64, near: I64, swing: float
+) -> F64:
+    """(3,) how far off a stride is, by the cells he has and by the surface he should show."""
+    cells = np.flatnonzero(own & (near >= 0) & stage.cells.solid)
+    if len(cells) < max(FEWEST, 0.03 * figure.size):
+        return np.zeros(3)
+    there = figure.xyz + stride
+    seen = stage.cells.middle[cells]
+    weight = chance[cells] * np.sqrt(stage.cells.count[cells])
+    off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
+    at, depth = stage.view.project(there)
+    shown = (stage.view.depth[at] > depth - BEFORE) & (at >= 0)
+    gap, nearest = map(np.asarray, cKDTree(seen).query(there[shown], 1, 0, 2, 2.5 * swing))
+    met = np.isfinite(gap)
+    if np.count_nonzero(met) > FEWEST:
+        off = (off + (seen[nearest[met]] - there[shown][met]).mean(axis=0)) / 2
+    share = float(shown.mean())
+    return np.asarray(off * share / (share + DOUBT))
+
+
+def _leave(stage: Stage, cost: F64, chance: F64) -> None:
+    """What hangs together and hardly fits anybody is nobody's yet."""
+    inside = stage.bodies >= 0
+    fits = cost < FITS * CAP
+    if inside.any():
+        body = stage.bodies[inside]
+        bad = np.bincount(body, weights=fits[inside]) < FITTING * np.bincount(body)
+        stage.owner[inside] = np.where(bad[body], 0, stage.owner[inside])
+    stage.owner[~inside & ~fits & (chance <= SURE)] = 0
+
+
+def _drop(stage: Stage, figure: Figure, stride: F64) -> None:
+    """Take from a figure what lies apart from the rest of it, and not where he should be."""
+    cells = np.flatnonzero(stage.owner == figure.label)
+    if len(cells) < FEWEST:
+        return
+    some = np.zeros(len(stage.owner), np.bool_)
+    some[cells] = True
+    part = parts(stage.cells.touching, some)[cells]
+    count = np.bincount(part)
+    if len(count) < 2:
+        return
+    there = figure.xyz + stride
+    middles = stage.cells.middle[cells]
+    gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles)[0])
+    known = np.asarray(cKDTree(there).query(middles)[0] < KNOWN)
+    middle = np.median(there @ stage.flat, axis=0)
+    known &= np.linalg.norm(stage.ground[cells] - middle, axis=1) < BESIDE
+    for number in np.flatnonzero(count < PART * count.max()).tolist():
+        piece = part == number
+        if gap[piece].min() > APART and known[piece].mean() < 0.5:
+            stage.owner[cells[piece]] = 0

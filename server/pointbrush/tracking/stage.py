@@ -1,0 +1,103 @@
+"""What moves before a scene that is known, in cells, and what people are told apart by there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pointbrush.tracking.background import Background
+from pointbrush.tracking.foreground import Foreground
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.locate import PATIENT
+from pointbrush.tracking.pieces import parts
+from pointbrush.tracking.view import View
+from pointbrush.tracking.ways import Ways
+
+CHANGE = 0.08
+"""Change of colour, in the units of ``View.colour``, at which cells agree a third as much."""
+SAMPLE = 400
+"""Points whose colours are compared."""
+LEANING = 0.7
+"""Cosine of the image's downward axis and the way people stand under which that is not known."""
+
+
+def across(view: View, people: Iterable[F64]) -> F64:
+    """(3, 2) directions along the ground, to the right and ahead of the sensor.
+
+    People (M, 3) each are longest upright; where they are not, the image's rows tell.
+    """
+    assert view.lens is not None  # noqa: S101
+    spread = np.zeros((3, 3))
+    for xyz in people:
+        away = xyz - xyz.mean(axis=0)
+        spread += away.T @ away / len(xyz)
+    right, down, ahead = view.T_picture_world[:3, :3]
+    up = np.linalg.eigh(spread)[1][:, 2]
+    up = up * np.sign(-up @ down)
+    if -up @ down < LEANING:
+        up = -down
+    flat = np.stack([way - (way @ up) * up for way in (right, ahead)], axis=1)
+    return np.asarray(flat / np.linalg.norm(flat, axis=0))
+
+
+@dataclass(eq=False)
+class Stage:
+    """The ``cells`` of a frame, each with an ``owner`` (N,): a label, less than 0 for who has
+    none, 0 for nobody."""
+
+    view: View
+    cells: Foreground
+    flat: F64
+    owner: I64 = field(init=False)
+
+    def __post_init__(self) -> None:
+        """At first all are nobody's."""
+        self.owner = np.zeros(len(self.cells.count), np.int64)
+
+    @staticmethod
+    def of(view: View, background: Background, free: Mask, size: float, flat: F64) -> Stage:
+        """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
+        some = np.flatnonzero(free)
+        some = some[~background.static(view, some)[0]]
+        moving = ~background.scenery(view, some, PATIENT) | (background.again(view, some) != 0)
+        return Stage(view, Foreground.of(view, some[moving], size), flat)
+
+    @cached_property
+    def tints(self) -> F32 | None:
+        """(M, 3) the colour of each point; None where a recording has none."""
+        return None if self.view.frame.rgb is None else self.view.colour(self.cells.indices)
+
+    @cached_property
+    def ground(self) -> F64:
+        """(N, 2) where each cell is along the ground."""
+        return np.asarray(self.cells.middle @ self.flat)
+
+    @cached_property
+    def bodies(self) -> I64:
+        """(N,) number of what each solid cell hangs together with, -1 for the others."""
+        return np.asarray(parts(self.cells.touching, self.cells.solid))
+
+    @cached_property
+    def links(self) -> Ways:
+        """From each cell to the solid ones that touch it, and how much it agrees with them."""
+        one = np.concatenate([self.cells.touching[:, 0], self.cells.touching[:, 1]])
+        other = np.concatenate([self.cells.touching[:, 1], self.cells.touching[:, 0]])
+        leads = self.cells.solid[other]
+        one, other = one[leads], other[leads]
+        order = np.argsort(one, kind="stable")
+        one, other = one[order], other[order]
+        start = np.searchsorted(one, np.arange(len(self.owner) + 1))
+        change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
+        return Ways(start.astype(np.int64), other, np.exp(-change / CHANGE).astype(np.float64))
+
+    def some(self, cells: I64) -> F32 | None:
+        """Colours (S, 3) of some of the points of the ``cells`` (C,)."""
+        if self.tints is None:
+            return None
+        mask = np.zeros(len(self.owner), np.bool_)
+        mask[cells] = True
+        tints = self.tints[mask[self.cells.cell]]
+        return tints[:: max(1, len(tints) // SAMPLE)]

@@ -1,0 +1,108 @@
+"""People before a camera at rest, followed together with those whom nobody labelled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+import scenes
+from conftest import follow
+
+from pointbrush.tracking import FrameResult
+from pointbrush.tracking.agreement import agreed
+from pointbrush.tracking.figure import Figure
+from pointbrush.tracking.looks import Looks
+from pointbrush.tracking.stage import Stage
+from pointbrush.tracking.ways import Ways
+
+RATE = 5.0
+SURE = Looks(fit=0.5, disputed=0.0, size=0.9, change=1.0, shown=0.9, like=0.0, back=False)
+
+
+def overlap(found: np.ndarray, truth: np.ndarray) -> float:
+    mask = np.zeros(len(truth), np.bool_)
+    mask[found] = True
+    return float((mask & truth).sum() / (mask | truth).sum())
+
+
+def crossing(stranger: bool, frames: int = 12) -> list[scenes.Frame]:
+    """1 and 2 cross, one behind the other, five frames a second; a third comes in later."""
+    rng = np.random.default_rng(7)
+    sensor = scenes.Sensor(192, 168, 130.0, origin=np.array([0.0, 1.3, 0.0]))
+    camera = scenes.Camera(sensor, scenes.room())
+    made = []
+    for i in range(frames):
+        t = i / RATE
+        one, two = np.array([1.1 * t - 1.1, 0, 2.4]), np.array([1.2 - 1.1 * t, 0, 3.2])
+        parts = scenes.person(1, one, np.pi / 2, 7.0 * t, (60, 110, 200))
+        parts += scenes.person(2, two, -np.pi / 2, 7.0 * t + 1, (190, 80, 60))
+        if stranger:
+            three = np.array([3.2 - 1.4 * t, 0, 2.8])
+            parts += scenes.person(3, three, -np.pi / 2, 8.0 * t + 2, (70, 160, 80))
+        made.append(camera.shoot(parts, rng))
+    return made
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["alone", "stranger"])
+def colourless(request: pytest.FixtureRequest) -> list[scenes.Frame]:
+    return [replace(frame, rgb=None) for frame in crossing(request.param)]
+
+
+@pytest.fixture(scope="module")
+def found(colourless: list[scenes.Frame]) -> list[FrameResult]:
+    return follow(colourless)
+
+
+def test_people_who_cross_keep_their_labels_without_colour(
+    colourless: list[scenes.Frame], found: list[FrameResult]
+) -> None:
+    for label in (1, 2):
+        truths = [colourless[result.frame].truth == label for result in found]
+        shares = [
+            overlap(result.assignments[label], truth)
+            for result, truth in zip(found, truths, strict=True)
+            if truth.sum() > 300 and label in result.assignments
+        ]
+        assert len(shares) >= len(found) - 3
+        assert np.mean(shares) > 0.85
+
+
+def test_no_label_goes_over_to_a_stranger(
+    colourless: list[scenes.Frame], found: list[FrameResult]
+) -> None:
+    for result in found:
+        strange = colourless[result.frame].truth == 3
+        for points in result.assignments.values():
+            assert strange[points].sum() <= 0.1 * len(points)
+
+
+def test_what_touches_agrees_unless_it_costs_too_much() -> None:
+    # Five cells in a row: the first is surely one's, the last the other's, the rest undecided.
+    cost = np.array([[0.0, 9.0], [1.0, 1.0], [1.0, 1.0], [1.2, 1.0], [9.0, 0.0]])
+    start = np.array([0, 1, 3, 5, 7, 8])
+    end = np.array([1, 0, 2, 1, 3, 2, 4, 3])
+    apart = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 1.0, 1.0])
+    assert agreed(cost, Ways(start, end, apart)).argmax(axis=1).tolist() == [0, 0, 0, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"fit": 3.0}, {"disputed": 0.8}, {"size": 0.1}, {"change": 0.3}, {"like": -2.0}],
+    ids=lambda change: next(iter(change)),
+)
+def test_what_fits_badly_is_trusted_less(change: dict[str, float]) -> None:
+    assert SURE.likelihood() > 0.9
+    assert replace(SURE, **change).likelihood() < SURE.likelihood() - 0.02
+
+
+def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
+    left, right = np.zeros((5, 3)), np.tile([1.6, 0.0, 3.0], (5, 1))
+    middle = np.vstack([left, right])
+    cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
+    stage = SimpleNamespace(owner=np.ones(10, np.int64), cells=cells, ground=middle[:, [0, 2]])
+    figure = Figure(1, middle, middle.astype(np.float32), 0, missing=1)
+    figure.follow(cast(Stage, stage), np.zeros(3), 1)
+    assert len(figure.xyz) == 5
