@@ -229,6 +229,17 @@ def any_near_each(grid: Columns, xyz: F64, tint: F32, most: float) -> Mask:
 
 
 @compiled
+def nearer_than(grid: Columns, xyz: F64, tint: F32, weight: float, most: F64) -> Mask:
+    """Which of the points (M, 3) have one less than ``most`` (M,) metres away; see ``nearest``."""
+    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    for i in range(len(xyz)):
+        if len(grid.tint):
+            colour = toned(tint, i, weight)
+        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most[i])
+    return found
+
+
+@compiled
 def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
     """Distances (M, 3) below ``most`` metres, and indices (M, 3), of the three nearest in place.
 

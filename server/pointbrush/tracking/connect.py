@@ -59,6 +59,8 @@ def flood(core: F64, rest: F64, reach: float, most: int, low: F64, high: F64) ->
         return joined, True
     first, grid = 0, columns(rest, NONE, 0.0)
     steps = int(reach / grid.size) + 1
+    # Of each column those that have not joined, so that none is asked again.
+    left, ends = np.arange(len(rest)), grid.start[1:].copy()
     for _ in range(STEPS):
         last = count
         if first == last:
@@ -73,18 +75,23 @@ def flood(core: F64, rest: F64, reach: float, most: int, low: F64, high: F64) ->
             at = rest[order[k]]
             row = int((at[grid.axes[0]] - grid.low[0]) / grid.size)
             column = int((at[grid.axes[1]] - grid.low[1]) / grid.size)
-            left, right = max(column - steps, 0), min(column + steps, grid.across - 1)
+            low_, high_ = max(column - steps, 0), min(column + steps, grid.across - 1)
             for other in range(max(row - steps, 0), min(row + steps, grid.along - 1) + 1):
-                start = grid.start[other * grid.across + left]
-                stop = grid.start[other * grid.across + right + 1]
-                for i in range(start, stop):
-                    square = 0.0
-                    for a in range(3):
-                        square += (grid.xyz[i, a] - at[a]) ** 2
-                    if square < reach * reach and not joined[grid.order[i]]:
-                        joined[grid.order[i]] = True
-                        order[count] = grid.order[i]
-                        count += 1
+                for here in range(other * grid.across + low_, other * grid.across + high_ + 1):
+                    i = grid.start[here]
+                    while i < ends[here]:
+                        point, square = grid.order[left[i]], 0.0
+                        for a in range(3):
+                            square += (rest[point, a] - at[a]) ** 2
+                        if not joined[point] and square >= reach * reach:
+                            i += 1
+                            continue
+                        if not joined[point]:
+                            joined[point] = True
+                            order[count] = point
+                            count += 1
+                        ends[here] -= 1
+                        left[i] = left[ends[here]]
         first = last
     return joined, False
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from pointbrush.tracking.carve import Glimpse
-from pointbrush.tracking.columns import NONE, columns, nearest
+from pointbrush.tracking.columns import NONE, columns, nearer_than, nearest
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
@@ -91,9 +91,8 @@ class Rivals:
             if not len(rest):
                 break
             at = xyz[rest] if back is None else transform(back, xyz[rest])
-            most = float(within[rest].max())
-            distance, _ = self.target.nearest(at, colour[rest], most)
-            explained[rest] = distance < within[rest]
+            grid, weight = self.target.columns, self.target.weight
+            explained[rest] = nearer_than(grid, at, colour[rest], weight, within[rest])
         return explained
 
 
