@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from pointbrush.tracking.columns import NONE, columns, nearest, nearest_three, pairs
+from pointbrush.tracking.columns import NONE, columns, nearer_than, nearest, nearest_three, pairs
 from pointbrush.tracking.connect import STEPS, flood
 from pointbrush.tracking.grid import numbered, perhaps_near
 from pointbrush.tracking.near import RUN, close_to, in_box, runs_of
@@ -32,6 +32,15 @@ def clouds(least: int = 0) -> st.SearchStrategy[NDArray[np.float64]]:
 
 def apart(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linalg.norm(a[:, None] - b, axis=2)
+
+
+@given(clouds(), clouds(1), st.sampled_from([0.0112, 0.5012, 2.0012]))
+def test_each_is_asked_as_far_as_its_own_reach(
+    wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
+) -> None:
+    each = np.where(np.arange(len(wanted)) % 2, most, 0.3012)
+    found = nearer_than(columns(points, NONE, 0.0), wanted, NONE, 0.0, each)
+    assert np.array_equal(found, apart(wanted, points).min(axis=1) < each)
 
 
 @given(clouds(), clouds(1), st.sampled_from([0.0112, 0.5012, 2.0012, np.inf]), st.booleans())

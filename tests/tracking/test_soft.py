@@ -12,7 +12,7 @@ from pointbrush.tracking import learn
 from pointbrush.tracking.judge import Verdict
 from pointbrush.tracking.lens import find_lens
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.thing import Rivals, begin
+from pointbrush.tracking.thing import DENSE, Rivals, begin
 from pointbrush.tracking.view import View
 
 
@@ -150,4 +150,9 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     assert not thing.soft
     for _ in range(6):
         learn.stretch(thing, view, place, verdict)
+    assert thing.soft
+    thing.strain, thing.size = 0.0, 2.0 * DENSE  # many points are seldom posed wrongly
+    learn.stretch(thing, view, place, verdict)
+    assert not thing.soft
+    learn.stretch(thing, view, place, verdict)
     assert thing.soft
