@@ -153,6 +153,4 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     assert thing.soft
     thing.strain, thing.size = 0.0, 2.0 * DENSE  # many points are seldom posed wrongly
     learn.stretch(thing, view, place, verdict)
-    assert not thing.soft
-    learn.stretch(thing, view, place, verdict)
     assert thing.soft

@@ -25,9 +25,9 @@ SELDOM, HINT = 4, 0.25
 from which it is asked in all."""
 LOOSE = 0.15
 """Cost of a fit from which that is asked in all of a thing that is seen by very many points."""
-AGAIN, AGAIN_DENSE = 1.5, 4.0
+AGAIN = 1.5
 """Times what makes a thing soft that one frame can say: a wrong pose bends anything, but once. What
-very many points show is seldom posed wrongly, and two frames are enough."""
+very many points show is seldom posed wrongly, and is taken at its word."""
 STRETCHED, ONTO = 600, 6000
 """Points at most that are bent to find out, and onto which."""
 OFF, ON = 1.5, 1.0
@@ -134,8 +134,8 @@ def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
     """Take note of how much of a small thing bending alone explains."""
     stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
     if stiff and _asked(thing, view, place):
-        most = AGAIN_DENSE if thing.size > DENSE else AGAIN
-        now = min(strained(thing, view, place, verdict), most * SOFT)
+        most = np.inf if thing.size > DENSE else AGAIN * SOFT
+        now = min(strained(thing, view, place, verdict), most)
         thing.strain += 0.2 * (now - thing.strain)
 
 
