@@ -20,7 +20,7 @@ from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model import SURE
 from pointbrush.tracking.near import close_to
 from pointbrush.tracking.place import Place
-from pointbrush.tracking.regain import lost_pieces
+from pointbrush.tracking.regain import crumbs, lost_pieces
 from pointbrush.tracking.registration import inverse, transform
 from pointbrush.tracking.thing import Thing
 from pointbrush.tracking.view import View
@@ -129,6 +129,8 @@ def grow(
             new = together(new, place.uncovered)
         taken[new] = True
         claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
+        place.rim = crumbs(thing, view, place, together(core, new), taken, background)
+        taken[place.rim] = True
     for label, new in grown.items():
         if not things[label].dyed:
             own, rest = np.concatenate([claims[label].indices, new]), places[label].moving

@@ -24,8 +24,8 @@ SHRUNK, MOST = 0.85, 1.1
 given pieces."""
 SELDOM = 4
 """Frames in one of which what rests is asked for parts that it has not lost but never had."""
-LEAST = 0.01
-"""Share of its size that a piece has at least."""
+LEAST, FEWEST = 0.01, 5.0
+"""Share of its size, and number of points, that a piece has at least."""
 BESIDE, LONELY = 2.5, 6.0
 """Units between a thing and what touches it, and around a piece where nothing else may be."""
 FEW, SHARP = 0.2, 0.2
@@ -43,16 +43,13 @@ def lost_pieces(
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
     what never moves, or no colour.
     """
-    none = np.empty(0, np.int64)
     turn = (view.number + thing.label) % SELDOM == 0 and thing.motion.slow(thing.unit)
     tells = view.lens is not None and thing.weight > 0.0 and not thing.bends
     if not tells or (len(core) > SHRUNK * thing.size and not turn):
-        return none
-    rest = place.around[~taken[place.around]]
-    rest = rest[~(background.static(view, rest)[0] | background.drawn_on(view, rest))]
-    least = max(5.0, LEAST * thing.size)
+        return _NONE
+    rest, least = _apart(view, place.around[~taken[place.around]], background), _least(thing)
     if len(rest) < least:
-        return none
+        return _NONE
     xyz = view.xyz[rest].astype(np.float64)
     piece = pieces(xyz, thing.unit)
     size = np.bincount(piece)
@@ -60,7 +57,7 @@ def lost_pieces(
     lo, hi = place.box
     edge = BESIDE * thing.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
-    found, left = [none], MOST * thing.size - len(core)
+    found, left = [_NONE], MOST * thing.size - len(core)
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
         mine = piece == one
         points = rest[mine]
@@ -68,6 +65,34 @@ def lost_pieces(
             found.append(points)
             left -= len(points)
     return np.sort(np.concatenate(found))
+
+
+def crumbs(
+    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
+) -> I64:
+    """The points (M,), sorted, of smaller pieces beside a thing at rest.
+
+    Its rim, as a rule: what is so small is no hand's.  It is the thing's in this frame, but teaches
+    the model nothing, which would creep on over what it stands on.
+    """
+    rest = place.around[~taken[place.around]]
+    if view.lens is None or not thing.motion.rests(thing.unit) or thing.bends or not len(rest):
+        return _NONE
+    rest = _apart(view, rest, background)
+    piece = pieces(view.xyz[rest].astype(np.float64), thing.unit)
+    points = rest[np.bincount(piece)[piece] < _least(thing)]
+    xyz = view.xyz[core].astype(np.float64)
+    return np.sort(points[close_to(view.xyz[points], xyz, BESIDE * thing.unit)])
+
+
+def _apart(view: View, points: I64, background: Background) -> I64:
+    """Those of the points (M,) that lie before what never moves."""
+    return points[~(background.static(view, points)[0] | background.drawn_on(view, points))]
+
+
+def _least(thing: Thing) -> float:
+    """How many points a piece has at least."""
+    return max(FEWEST, LEAST * thing.size)
 
 
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
@@ -89,3 +114,6 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
         place.cost < SHARP
         and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean()) < FEW
     )
+
+
+_NONE: I64 = np.empty(0, np.int64)

@@ -80,7 +80,7 @@ def settle(
         remember(thing.glimpses, view, place.pose, place.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
     track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
-    return track, points
+    return track, together(points, place.rim)
 
 
 def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
