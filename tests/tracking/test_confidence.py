@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
+import pytest
+import scenes
+from conftest import follow
+
+from pointbrush.tracking import TrackState, auto
 from pointbrush.tracking.confidence import Evidence, likelihood
+from pointbrush.tracking.settle import settle
+from pointbrush.tracking.thing import Thing
 
 GOOD = Evidence(
     inliers=1.0,
@@ -54,3 +63,28 @@ def test_what_is_all_in_one_place_is_not_trusted() -> None:
     """Points that are the same are told from nothing else that is there."""
     for seen in (GOOD, replace(GOOD, pixels=False, scans=True)):
         assert likelihood(replace(seen, coarse=1.0)) == 0.0
+
+
+def test_colours_that_always_differ_so_much_are_not_held_against_a_thing() -> None:
+    dear = replace(GOOD, cost=2.4)
+    assert likelihood(dear) < 0.9 < likelihood(replace(dear, usual=2.4))
+    assert likelihood(replace(dear, cost=4.8, usual=2.4)) == likelihood(dear)
+    assert likelihood(replace(GOOD, usual=0.5)) == likelihood(GOOD)
+
+
+def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    learnt = []
+
+    def noted(thing: Thing, *rest: Any) -> tuple[TrackState, np.ndarray]:
+        before = thing.usual
+        found = settle(thing, *rest)
+        place = rest[1]
+        learnt.append((place is not None and place.whole, thing.usual != before))
+        return found
+
+    monkeypatch.setattr(auto, "settle", noted)
+    follow(scenes.juggling(5, 8))
+    assert any(changed for _, changed in learnt)
+    assert all(whole for whole, changed in learnt if changed)

@@ -36,6 +36,9 @@ SHRUNK = 3.5
 BORDER = 13.0
 """Weight of the border of what has no colours: what holds it touches little of it, and where it is
 cut through its own surface, or the hand that it took in through an arm, much of it touches."""
+USUAL = 1.2
+"""Usual cost in place and colour from which a thing's is taken as a multiple of it: one whose
+colours hardly vary beside each other shows all shading as a difference."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
 """Trust that a frame can give back: what has been in doubt may have become another's, and what a
 lidar shows of the two hardly differs."""
@@ -51,6 +54,7 @@ class Evidence:
     the most and over the last; ``grown`` share of points that the model does not explain;
     ``whole`` whether the thing moves alone; ``share`` of the moving points around;
     ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
+    ``usual`` what ``cost`` mostly was where the thing was alone in the air;
     ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
     a lidar; ``soft`` whether the thing bends; ``left`` points that move beside it and are not its,
     over its own; ``bend`` share that one motion does not explain; ``coarse`` its unit, over its
@@ -68,6 +72,7 @@ class Evidence:
     whole: bool
     share: float
     worn: float
+    usual: float = USUAL
     points: int = MANY
     pixels: bool = True
     scans: bool = False
@@ -89,7 +94,7 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
             evidence.inliers,
             evidence.sure,
             evidence.gap,
-            evidence.cost,
+            evidence.cost * min(1.0, USUAL / evidence.usual),
             min(evidence.fit, 1.0),
             abs(_log(evidence.size, 2.0)),
             abs(_log(evidence.change, 1.0)),

@@ -59,6 +59,7 @@ def evidence(
         whole=place.whole,
         share=m / max(len(place.moving), 1),
         worn=thing.worn.likeness(view.colour(some)) - thing.worn.usual if thing.body else 0.0,
+        usual=thing.usual,
         points=count,
         pixels=view.lens is not None,
         scans=thing.scanned,

@@ -25,6 +25,8 @@ SOUND = 0.25
 DOUBTFUL, REGAINED = 0.4, 0.6
 """Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
 it ends an occlusion."""
+GRADUAL = 0.1
+"""Share of a frame in what a thing's points usually cost."""
 SCRAP = 0.05
 """Share of the size of a large thing under which what is seen of it tells no motion."""
 LESS = 0.6
@@ -60,7 +62,10 @@ def settle(
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     points = together(found.indices, grown)
-    here = likelihood(evidence(thing, view, place, found, points, verdict), thing.body)
+    told = evidence(thing, view, place, found, points, verdict)
+    here = likelihood(told, thing.body)
+    if place.whole and place.cost < SOUND:
+        thing.usual += GRADUAL * (told.cost - thing.usual)
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
     trust = min(here, thing.trust + regain, place.most)
     thing.trust, thing.last = trust, len(points)

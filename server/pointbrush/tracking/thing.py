@@ -9,6 +9,7 @@ import numpy as np
 
 from pointbrush.tracking.carve import Glimpse
 from pointbrush.tracking.columns import NONE, columns, nearer_than, nearest
+from pointbrush.tracking.confidence import USUAL
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model import SURE, Model
 from pointbrush.tracking.motion import Motion
@@ -106,6 +107,7 @@ class Thing:
     ``glimpses`` of what lies around it.
     ``imaged`` whether the sensor sees depth images;
     ``worn`` the colours it showed where it was painted.
+    ``usual`` the mean cost in place and colour, in reaches, of its points alone in the air;
     ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
@@ -126,6 +128,7 @@ class Thing:
     bend: float = 0.0
     stopped: bool = False
     trust: float = 1.0
+    usual: float = USUAL
     last: int = 0
     extent: float = 0.0
     glimpses: list[Glimpse] = field(default_factory=list)
