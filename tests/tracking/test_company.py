@@ -79,6 +79,24 @@ def test_no_label_goes_over_to_a_stranger(
             assert strange[points].sum() <= 0.1 * len(points)
 
 
+def test_what_they_hold_and_they_share_the_points_where_they_touch() -> None:
+    rng = np.random.default_rng(3)
+    sensor = scenes.Sensor(192, 168, 160.0, origin=np.array([0.0, 1.3, 0.0]))
+    camera = scenes.Camera(sensor, scenes.room())
+    frames = []
+    for i in range(12):
+        at = np.array([0.06 * i - 0.35, 0, 2.0])
+        held = at + np.array([0.06 * np.sin(0.5 * i), 1.15 + 0.1 * np.cos(0.5 * i), -0.4])
+        hands = [held + np.array([side, 0, 0.06]) for side in (0.1, -0.1)]
+        parts = scenes.person(1, at, np.pi, 2.0 * i / RATE, (60, 110, 200), arms=hands)
+        ball = scenes.Part(2, (220, 190, 60), held, held + 1e-3, 0.1, 0.1)
+        frames.append(camera.shoot([*parts, ball], rng))
+    for result in follow(frames)[1:]:
+        truth = frames[result.frame].truth
+        assert overlap(result.assignments[2], truth == 2) > 0.88
+        assert overlap(result.assignments[1], truth == 1) > 0.85
+
+
 def test_what_touches_agrees_unless_it_costs_too_much() -> None:
     # Five cells in a row: the first is surely one's, the last the other's, the rest undecided.
     cost = np.array([[0.0, 9.0], [1.0, 1.0], [1.0, 1.0], [1.2, 1.0], [9.0, 0.0]])

@@ -128,9 +128,13 @@ class Run:
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
 
     def _gather(self, view: View, labels: Iterable[int]) -> None:
-        """People before a depth camera at rest are followed together."""
+        """People before a depth camera at rest are followed together.
+
+        Not where they hold what is tracked too: it and their hands are told apart by one claim.
+        """
         bodies = {n: self.things[n] for n in labels if self.things[n].body}
-        if bodies and isinstance(self.background, ImageBackground):
+        alone = all(thing.body for thing in self.things.values())
+        if bodies and alone and isinstance(self.background, ImageBackground):
             self.company = Company.of(view, bodies, self.background)
 
     def _among_people(
