@@ -13,9 +13,13 @@ from conftest import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.agreement import agreed
+from pointbrush.tracking.comers import come_back
 from pointbrush.tracking.figure import Figure
+from pointbrush.tracking.foreground import Foreground
 from pointbrush.tracking.looks import Looks
 from pointbrush.tracking.stage import Stage
+from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
 from pointbrush.tracking.ways import Ways
 
 RATE = 5.0
@@ -121,6 +125,67 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     middle = np.vstack([left, right])
     cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
     stage = SimpleNamespace(owner=np.ones(10, np.int64), cells=cells, ground=middle[:, [0, 2]])
+    stage.cells_of, stage.area = lambda _: np.arange(10), len
     figure = Figure(1, middle, middle.astype(np.float32), 0, missing=1)
     figure.follow(cast(Stage, stage), np.zeros(3), 1)
     assert len(figure.xyz) == 5
+
+
+RED, BLUE = np.array([0.4, 0.0, 0.5], np.float32), np.array([-0.4, 0.1, 0.5], np.float32)
+
+
+def body(right: float, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middles (30, 3) of cells 0.1 m apart, three metres away, and their colours."""
+    across, up = np.meshgrid(np.arange(3) / 10, np.arange(10) / 10)
+    middle = np.stack([right + across.ravel(), up.ravel(), np.full(30, 3.0)], axis=1)
+    return middle, np.tile(colour, (30, 1))
+
+
+def staged(*bodies: tuple[np.ndarray, np.ndarray]) -> Stage:
+    """The bodies, five points in each cell."""
+    middle, colour = (np.vstack(each) for each in zip(*bodies, strict=True))
+    many = np.full(len(middle), 5)
+    cell = np.repeat(np.arange(len(middle)), 5)
+    cells = Foreground(np.arange(len(cell)), cell, many, middle, colour, 0.1, many)
+    view = SimpleNamespace(
+        frame=SimpleNamespace(rgb=True),
+        colour=lambda points: colour[cell[points]],
+        depth=np.full(1, np.inf),
+        project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
+    )
+    return Stage(cast(View, view), cells, np.eye(3)[:, [0, 2]])
+
+
+def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Figure:
+    middle, tints = body(right, colour)
+    figure = Figure(label, middle, tints, 0, Wardrobe.of(tints))
+    figure.well, figure.area = well, 30 * 5 * 9.0
+    return figure
+
+
+def test_who_was_not_met_where_he_was_expected_is_missing_in_the_same_frame() -> None:
+    near, gone = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, RED, well=2)
+    stage = staged(body(0.1, RED))
+    come_back(stage, [near, gone], 30, now=10)
+    assert np.all(stage.owner == 1)
+
+
+def test_who_is_missing_is_looked_for_in_what_another_has_by_clothes() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, BLUE, well=5)
+    stage = staged(body(0.0, RED), body(0.3, BLUE))
+    stage.owner[:] = 1
+    come_back(stage, [both, gone], 30, now=10)
+    assert np.mean(stage.owner[:30] == 1) > 0.6
+    assert np.all(stage.owner[33:] == 2)
+
+
+def test_scraps_are_not_where_somebody_was_well_seen() -> None:
+    figure = somebody(1, 0.0, RED, well=4)
+    stage = staged(body(2.0, RED), body(0.2, RED))
+    # One point in a cell, of a few that lie elsewhere, is hardly anything of him.
+    stage.cells.count[:30] = 1
+    stage.owner[:10] = 1
+    figure.follow(stage, np.array([2.0, 0.0, 0.0]), 9)
+    assert figure.well == 4
+    come_back(stage, [figure], 30, now=10)
+    assert np.all(stage.owner[30:] == 1)

@@ -1,7 +1,8 @@
 """Who comes: bodies that nobody has are those who are missing, parts of who is there, or others.
 
 Others are followed as well, without a label, so that no label goes over to them: who was there
-while somebody was in sight is not him.
+while somebody was in sight is not him.  Of two who come out from behind each other as one body, one
+may have both: what he has in the clothes of the other is looked for too.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ SMALLEST, SHARE = 12, 0.12
 """Cells, and share of the usual number, from which a body may be somebody new."""
 BACK, BACK_SHARE = 6, 0.05
 """The same, from which it may be somebody who was missing."""
+AWHILE, PART, RATHER = 3, 0.2, 0.7
+"""Frames missing, share of the usual number, and how much more like his clothes, in the mean
+logarithm, from which a part of another is his."""
 WHOLE = 0.7
 """Share of what hangs together that must be nobody's."""
 NEAR, FARTHER, LONG = 0.3, 0.2, 10
@@ -40,14 +44,14 @@ def come_back(stage: Stage, figures: Sequence[Figure], usual: float, now: int) -
 
     Gives the numbers of those without a label who were one of them.
     """
-    gone = [f for f in figures if f.named and f.elsewhere]
-    offers = _offers(stage, figures, usual) if gone else []
+    gone = [f for f in figures if f.named and f.elsewhere(stage, now)]
+    offers = _offers(stage, figures, gone, usual, now) if gone else []
     ranked = []
     for figure in gone:
         for number, (cells, other) in enumerate(offers):
-            if other is not None and other.since <= now - max(figure.missing, figure.scraps):
+            if not _may_be(figure, other):
                 continue
-            cost = _cost(stage, figure, cells, other)
+            cost = _cost(stage, figure, cells, other, now)
             if cost is not None:
                 ranked.append((cost, figure.label, number))
     found: set[int] = set()
@@ -60,15 +64,25 @@ def come_back(stage: Stage, figures: Sequence[Figure], usual: float, now: int) -
         found.add(label)
         given.add(number)
         cells, other = offers[number]
-        if other is not None:
+        taken = np.zeros(len(stage.owner), np.bool_)
+        taken[cells] = True
+        if other is None or not other.named:
+            bodies = np.unique(stage.bodies[cells])
+            taken |= np.isin(stage.bodies, bodies[bodies >= 0]) & np.isin(stage.owner, young)
+        if other is not None and not other.named:
             gone_on.add(other.label)
-        bodies = np.unique(stage.bodies[cells])
-        whole = np.isin(stage.bodies, bodies[bodies >= 0]) & np.isin(stage.owner, young)
         stage.owner[stage.owner == label] = 0
-        stage.owner[cells] = label
-        stage.owner[whole] = label
+        stage.owner[taken] = label
         _back(figures, label)
     return gone_on
+
+
+def _may_be(figure: Figure, other: Figure | None) -> bool:
+    """Whether what is nobody's, or an ``other``'s, may be somebody's who is missing: who has no
+    label and was there while he was in sight is not he."""
+    if other is None or other.named:
+        return other is not figure
+    return other.since > figure.well
 
 
 def _back(figures: Sequence[Figure], label: int) -> None:
@@ -78,9 +92,9 @@ def _back(figures: Sequence[Figure], label: int) -> None:
 
 
 def _offers(
-    stage: Stage, figures: Sequence[Figure], usual: float
+    stage: Stage, figures: Sequence[Figure], gone: Sequence[Figure], usual: float, now: int
 ) -> list[tuple[I64, Figure | None]]:
-    """Cells of the bodies that may be somebody's who is missing, and whose they were."""
+    """Cells that may be somebody's who is ``gone``, and whose they were."""
     part = parts(stage.cells.touching, (stage.owner == 0) & stage.cells.solid)
     count = np.bincount(part[part >= 0])
     large = np.flatnonzero(count >= max(BACK, BACK_SHARE * usual)).tolist()
@@ -89,13 +103,37 @@ def _offers(
         cells = np.flatnonzero(stage.owner == figure.label)
         if not figure.named and not figure.missing and len(cells):
             offers.append((cells, figure))
+    if stage.tints is not None:
+        for figure in (f for f in gone if f.well < now - AWHILE):
+            offers += _dressed_as(stage, figures, figure, usual)
     return offers
 
 
-def _cost(stage: Stage, figure: Figure, cells: I64, other: Figure | None) -> float | None:
+def _dressed_as(
+    stage: Stage, figures: Sequence[Figure], who: Figure, usual: float
+) -> list[tuple[I64, Figure | None]]:
+    """What others have and is dressed as somebody who is missing, rather than as they are."""
+    if who.worn is None:
+        return []
+    found: list[tuple[I64, Figure | None]] = []
+    his = stage.unlike(who.worn)
+    for other in figures:
+        if other is who or not other.named or other.worn is None:
+            continue
+        mask = (stage.owner == other.label) & stage.cells.solid
+        mask &= stage.smooth(stage.unlike(other.worn) - his) > RATHER
+        part = parts(stage.cells.touching, mask)
+        count = np.bincount(part[part >= 0])
+        large = np.flatnonzero(count >= max(BACK, PART * usual)).tolist()
+        found += [(np.flatnonzero(part == n), other) for n in large]
+    return found
+
+
+def _cost(stage: Stage, figure: Figure, cells: I64, other: Figure | None, now: int) -> float | None:
     """How unlikely a body is somebody missing; None where it cannot be he."""
-    reach = NEAR + FARTHER * min(figure.missing, LONG)
-    gap = _least(figure.xyz + figure.step, stage.cells.middle[cells])
+    reach = NEAR + FARTHER * min(now - 1 - figure.well, LONG)
+    there = np.vstack([figure.xyz + figure.step, figure.known])
+    gap = _least(there, stage.cells.middle[cells])
     like = figure.likeness(stage.some(cells))
     if gap > reach or like < -UNLIKE:
         return None

@@ -14,7 +14,7 @@ from pointbrush.tracking.wardrobe import Wardrobe
 FEWEST, HARDLY = 4, 0.02
 """Cells, and share of the most that there were, under which somebody is not seen."""
 SCRAP = 0.3
-"""The same, under which he may be elsewhere."""
+"""Share of the most that showed of him under which he may be elsewhere."""
 WIDE = 0.6
 """Metres along the ground from his middle within which his surface is remembered."""
 APART, BEHIND = 2.0, 0.1
@@ -36,8 +36,9 @@ class Figure:
     """``label``, less than 0 for who has none; ``xyz`` (S, 3) and ``colour`` of his surface.
 
     ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``size`` the most cells
-    he had, ``last`` in the last frame; ``missing`` frames since he was seen, ``scraps`` for which
-    hardly anything of him was; ``since`` the frame he came in, ``back`` the one he came back in.
+    he had, ``last`` in the last frame, ``area`` the most that showed of him; ``missing`` frames
+    since he was seen; ``well`` the last in which more than scraps of him were, ``known`` (S, 3)
+    his surface then; ``since`` the frame he came in, ``back`` the one he came back in.
     """
 
     label: int
@@ -48,26 +49,28 @@ class Figure:
     step: F64 = field(default_factory=lambda: np.zeros(3))
     went: F64 = field(default_factory=lambda: np.zeros(3))
     size: float = 0.0
+    area: float = 0.0
     last: int = 0
     age: int = 0
     missing: int = 0
-    scraps: int = 0
+    well: int = 0
+    known: F64 = field(init=False)
     back: int = -(2**20)
     trust: float = 1.0
 
     def __post_init__(self) -> None:
         """What he starts with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
+        self.well, self.known = self.since, self.xyz
 
     @property
     def named(self) -> bool:
         """Whether he has a label."""
         return self.label > 0
 
-    @property
-    def elsewhere(self) -> bool:
-        """Whether he may be where nobody is expected."""
-        return self.missing > 0 or self.last < SCRAP * self.size
+    def elsewhere(self, stage: Stage, now: int) -> bool:
+        """Whether he may be where he was not expected: too little of him was there, or is."""
+        return self.well < now - 1 or stage.area(stage.cells_of(self.label)) < SCRAP * self.area
 
     def likeness(self, colour: F32 | None) -> float:
         """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
@@ -77,7 +80,7 @@ class Figure:
 
     def follow(self, stage: Stage, step: F64, now: int) -> None:
         """Take in the cells he has in a frame, ``step`` (3,) metres on."""
-        cells = np.flatnonzero((stage.owner == self.label) & stage.cells.solid)
+        cells = stage.cells_of(self.label)
         if len(cells) < max(FEWEST, HARDLY * self.size):
             self._hide()
             return
@@ -94,8 +97,12 @@ class Figure:
             self.step = step.copy() if self.age == 0 else (1 - NEW) * self.step + NEW * step
         self.went = self.went + step
         self.last = len(cells)
-        self.scraps = self.scraps + 1 if self.last < SCRAP * self.size else 0
         self.size = max(SHRINKS * self.size, float(self.last))
+        # Of what is nobody, many cells may hold a few points each.
+        area = stage.area(cells)
+        self.area = max(SHRINKS * self.area, area)
+        if area >= SCRAP * self.area:
+            self.well, self.known = now, self.xyz
         self.missing, self.age = 0, self.age + 1
 
     def _hide(self) -> None:

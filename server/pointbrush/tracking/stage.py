@@ -14,6 +14,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.locate import PATIENT
 from pointbrush.tracking.pieces import parts
 from pointbrush.tracking.view import View
+from pointbrush.tracking.wardrobe import Wardrobe
 from pointbrush.tracking.ways import Ways
 
 CHANGE = 0.08
@@ -92,6 +93,36 @@ class Stage:
         start = np.searchsorted(one, np.arange(len(self.owner) + 1))
         change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
         return Ways(start.astype(np.int64), other, np.exp(-change / CHANGE).astype(np.float64))
+
+    def cells_of(self, label: int) -> I64:
+        """The solid cells of an owner."""
+        return np.flatnonzero((self.owner == label) & self.cells.solid)
+
+    def area(self, cells: I64) -> float:
+        """How much surface the ``cells`` (C,) show, in pixels a metre away."""
+        return float(self.areas[cells].sum())
+
+    @cached_property
+    def areas(self) -> F64:
+        """(N,) the same of each cell."""
+        return np.asarray(self.cells.count * self.view.project(self.cells.middle)[1] ** 2)
+
+    def unlike(self, worn: Wardrobe) -> F64:
+        """(N,) how much rarer the colours of each cell are than usual ones among those worn."""
+        assert self.tints is not None  # noqa: S101
+        rare = worn.usual - worn.each(self.tints)
+        sums = np.bincount(self.cells.cell, weights=rare, minlength=len(self.owner))
+        return np.asarray(sums / self.cells.count)
+
+    def smooth(self, each: F64) -> F64:
+        """(N,) the mean of ``each`` cell's value and those of the ones that it touches."""
+        one, other = self.cells.touching.T
+        sums = each.copy()
+        np.add.at(sums, one, each[other])
+        np.add.at(sums, other, each[one])
+        return np.asarray(
+            sums / (1 + np.bincount(self.cells.touching.ravel(), minlength=len(each)))
+        )
 
     def some(self, cells: I64) -> F32 | None:
         """Colours (S, 3) of some of the points of the ``cells`` (C,)."""
