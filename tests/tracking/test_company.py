@@ -13,7 +13,8 @@ from conftest import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.agreement import agreed
-from pointbrush.tracking.comers import come_back
+from pointbrush.tracking.comers import come_back, mistakable
+from pointbrush.tracking.company import Company
 from pointbrush.tracking.figure import Figure
 from pointbrush.tracking.foreground import Foreground
 from pointbrush.tracking.looks import Looks
@@ -177,6 +178,36 @@ def test_who_is_missing_is_looked_for_in_what_another_has_by_clothes() -> None:
     come_back(stage, [both, gone], 30, now=10)
     assert np.mean(stage.owner[:30] == 1) > 0.6
     assert np.all(stage.owner[33:] == 2)
+
+
+@pytest.mark.parametrize(("wear", "doubted"), [(RED, True), (BLUE, False)])
+def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
+    wear: np.ndarray, doubted: bool
+) -> None:
+    found, gone = somebody(1, 0.0, RED, well=5), somebody(2, 0.2, wear, well=5)
+    found.missing = gone.missing = 4
+    stage = staged(body(0.1, RED))
+    stage.owner[:] = 1
+    assert mistakable(stage, [found, gone], found, 10) == doubted
+    company = Company([found, gone], 0.1, stage.flat, 30.0, 10)
+    company.doubt(stage, found, SURE)
+    assert found.doubted == doubted
+    # Alone, in his own clothes, he is himself again.
+    company.drop(2)
+    company.doubt(stage, found, SURE)
+    assert not found.doubted
+
+
+def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
+    company = Company([both, gone], 0.1, np.eye(3)[:, [0, 2]], 30.0, 10)
+    stage = staged(body(0.0, RED), body(0.3, RED))
+    stage.owner[:30] = 1
+    company.doubt(stage, both, replace(SURE, size=1.0))
+    assert not both.doubted
+    stage.owner[:] = 1
+    company.doubt(stage, both, replace(SURE, size=2.0))
+    assert both.doubted
 
 
 def test_scraps_are_not_where_somebody_was_well_seen() -> None:

@@ -13,7 +13,9 @@ from pointbrush.tracking.interface import F64
 from pointbrush.tracking.ways import Ways
 
 SWEEPS, FIRM = 30, 8.0
-"""Sweeps over the cells, and how much all neighbours of a cell weigh against its own cost."""
+"""Most sweeps over the cells, and how much all neighbours of a cell weigh against its own cost."""
+SETTLED = 0.02
+"""Change of probability under which a sweep was the last."""
 ENOUGH = 3.0
 """Neighbours from which they have their full weight."""
 
@@ -29,6 +31,7 @@ def agreed(cost: F64, links: Ways) -> F64:
     for i in range(count):
         _normalised(-cost[i], share[i])
     for sweep in range(SWEEPS):
+        change = 0.0
         for turn in range(count):
             i = turn if sweep % 2 == 0 else count - 1 - turn
             now[:] = 0.0
@@ -40,7 +43,12 @@ def agreed(cost: F64, links: Ways) -> F64:
             scale = FIRM * min(1.0, total / ENOUGH) / total if total > 0.0 else 0.0
             for k in range(many):
                 now[k] = scale * now[k] - cost[i, k]
-            _normalised(now, share[i])
+            _normalised(now, now)
+            for k in range(many):
+                change = max(change, abs(now[k] - share[i, k]))
+                share[i, k] = now[k]
+        if change < SETTLED:
+            break
     return share
 
 

@@ -104,7 +104,10 @@ def _place(stage: Stage, figure: Figure, stride: F64, within: float) -> tuple[F6
     if stage.tints is not None:
         own = np.hstack([own, figure.colour / SHADE])
         seen = np.hstack([seen, stage.cells.colour / SHADE])
-    gap, near = cKDTree(own).query(seen, distance_upper_bound=np.sqrt(2 * CAP))
+    reach = np.sqrt(2 * CAP)
+    close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
+    gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
+    gap[close], near[close] = cKDTree(own).query(seen[close], distance_upper_bound=reach)
     cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, CAP) ** 2, CAP)
     middle = np.median((figure.xyz + stride) @ stage.flat, axis=0)
     away = np.linalg.norm(stage.ground - middle, axis=1)

@@ -31,6 +31,8 @@ NEAR, FARTHER, LONG = 0.3, 0.2, 10
 """Metres from where somebody missing should be, more a frame, up to so many frames."""
 CLOTHES, NAMELESS = 0.5, 0.5
 """Weight of clothes against the way, and what a body costs that was followed without a label."""
+TOLD = 0.3
+"""How much more like his clothes than another's what somebody has is certainly not the other's."""
 AROUND = 0.6
 """Metres along the ground around somebody in sight within which what comes into sight is his."""
 JOINED, TOUCHES = 0.3, 0.1
@@ -131,14 +133,29 @@ def _dressed_as(
 
 def _cost(stage: Stage, figure: Figure, cells: I64, other: Figure | None, now: int) -> float | None:
     """How unlikely a body is somebody missing; None where it cannot be he."""
-    reach = NEAR + FARTHER * min(now - 1 - figure.well, LONG)
-    there = np.vstack([figure.xyz + figure.step, figure.known])
-    gap = _least(there, stage.cells.middle[cells])
+    away = far_from(stage, figure, cells, now)
     like = figure.likeness(stage.some(cells))
-    if gap > reach or like < -UNLIKE:
+    if away > 1.0 or like < -UNLIKE:
         return None
     nameless = NAMELESS if stage.tints is None and other is not None else 0.0
-    return gap / reach - CLOTHES * like + nameless
+    return away - CLOTHES * like + nameless
+
+
+def far_from(stage: Stage, figure: Figure, cells: I64, now: int) -> float:
+    """Share of the way that somebody missing may have gone at which a body is."""
+    there = np.vstack([figure.xyz + figure.step, figure.known])
+    reach = NEAR + FARTHER * min(max(now - 1 - figure.well, 0), LONG)
+    return _least(there, stage.cells.middle[cells]) / reach
+
+
+def mistakable(stage: Stage, figures: Sequence[Figure], figure: Figure, now: int) -> bool:
+    """Whether what somebody has may as well be another's, who is missing near it."""
+    cells = stage.cells_of(figure.label)
+    some = stage.some(cells)
+    like = figure.likeness(some)
+    rivals = [f for f in figures if f.named and f is not figure and f.elsewhere(stage, now)]
+    rivals = [f for f in rivals if some is None or like - f.likeness(some) < TOLD]
+    return len(cells) > 0 and any(far_from(stage, f, cells, now) < 1.0 for f in rivals)
 
 
 def newcomers(stage: Stage, figures: Sequence[Figure], usual: float, now: int) -> list[Figure]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from pointbrush.tracking.background import Background
 from pointbrush.tracking.claimants import BEFORE, CAP, Shares, shared_out
-from pointbrush.tracking.comers import come_back, merge, newcomers
+from pointbrush.tracking.comers import come_back, merge, mistakable, newcomers
 from pointbrush.tracking.confidence import REGAIN
 from pointbrush.tracking.figure import Figure
 from pointbrush.tracking.figures import CELL, FINE
@@ -29,6 +29,11 @@ from pointbrush.tracking.view import View
 
 FORGOTTEN = 5
 """Frames unseen after which who has no label is forgotten."""
+GROWN, LIKE = 1.3, 0.7
+"""Times as many cells as people have that are too many for one, and how much less like his clothes
+what he has may be to be his without doubt."""
+DOUBTED = 0.4
+"""Confidence of what may be another's at most."""
 
 
 @dataclass(eq=False)
@@ -96,11 +101,23 @@ class Company:
         for k, figure in enumerate(figures):
             stride = figure.step if shares is None else shares.stride[k]
             looks = _looks(stage, figure, shares, k, stride)
+            if looks is not None and figure.named:
+                self.doubt(stage, figure, looks)
             figure.follow(stage, stride, self.now)
             if figure.named:
                 found[figure.label] = _state(stage, figure, looks)
         self.figures = [f for f in self.figures if f.named or f.missing < FORGOTTEN]
         return found
+
+    def doubt(self, stage: Stage, figure: Figure, looks: Looks) -> None:
+        """Doubt who is found again, or much larger, where another may be; and on, until his
+        clothes tell."""
+        other = mistakable(stage, self.figures, figure, self.now)
+        most = GROWN * max(figure.first, self.usual)
+        if other and (figure.missing > 0 or looks.size * figure.size > most):
+            figure.doubted = True
+        elif not other and stage.tints is not None and looks.like > -LIKE:
+            figure.doubted = False
 
 
 def _looks(
@@ -134,5 +151,7 @@ def _state(stage: Stage, figure: Figure, looks: Looks | None) -> tuple[TrackStat
         state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
         return state, points[:0]
     figure.trust = min(looks.likelihood(), figure.trust + REGAIN)
+    if figure.doubted:
+        figure.trust = min(figure.trust, DOUBTED)
     state = TrackState(pose, 0.0, looks.shown, figure.trust, len(points), "tracked")
     return state, np.sort(points)

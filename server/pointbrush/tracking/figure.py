@@ -35,10 +35,11 @@ SHRINKS = 0.98
 class Figure:
     """``label``, less than 0 for who has none; ``xyz`` (S, 3) and ``colour`` of his surface.
 
-    ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``size`` the most cells
-    he had, ``last`` in the last frame, ``area`` the most that showed of him; ``missing`` frames
-    since he was seen; ``well`` the last in which more than scraps of him were, ``known`` (S, 3)
-    his surface then; ``since`` the frame he came in, ``back`` the one he came back in.
+    ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``first`` the cells he
+    came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
+    of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
+    were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
+    came back in; ``doubted`` whether he may be another.
     """
 
     label: int
@@ -57,11 +58,13 @@ class Figure:
     known: F64 = field(init=False)
     back: int = -(2**20)
     trust: float = 1.0
+    doubted: bool = False
+    first: float = field(init=False)
 
     def __post_init__(self) -> None:
         """What he starts with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
-        self.well, self.known = self.since, self.xyz
+        self.first, self.well, self.known = self.size, self.since, self.xyz
 
     @property
     def named(self) -> bool:
