@@ -17,7 +17,7 @@ from pointbrush.samples import Recording, generate
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 
 FRAMES = 5
-"""Frames of a juggler and his pins: seconds of work in which every loop has its turn."""
+"""Frames of a juggler and his pins: seconds of work in which nearly every loop has its turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +48,7 @@ class _Frame:
 def prepare() -> None:
     """Track small samples by every method; by the paper's, whose loops are few, a step."""
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
+    track(generate("walking", 1, 2), "auto")
     track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
     for method in METHODS.keys() - {"auto"}:
         track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
