@@ -121,12 +121,7 @@ class Second:
 
     def __init__(self, frames: Frames) -> None:
         """``frames`` has to pickle."""
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            pipesize=PIPE,
-        )
+        self._process = _spare.pop() if _spare and _spare[-1].poll() is None else _begun()
         assert self._process.stdin is not None  # noqa: S101  (piped)
         assert self._process.stdout is not None  # noqa: S101
         self._line = _Line(self._process.stdout, self._process.stdin)
@@ -193,6 +188,24 @@ class Second:
         for end in (self._process.stdin, self._process.stdout):
             with suppress(OSError):
                 end.close()  # type: ignore[union-attr]  # piped
+
+
+def make_ready() -> None:
+    """Begin a process for the next ``Second``, whose run need not wait for its imports."""
+    if not _spare:
+        _spare.append(_begun())
+
+
+_spare: list[subprocess.Popen[bytes]] = []
+
+
+def _begun() -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        pipesize=PIPE,
+    )
 
 
 def _name_parts(names: _Names, label: int, values: Iterable[object], parts: Sequence[str]) -> None:

@@ -159,8 +159,12 @@ def require_method(method: str) -> None:
 
 
 def load_default_method() -> None:
-    """Import what a run needs, for which a worker's first run would wait."""
+    """Import what a run needs, and begin its second process: a worker's first run would wait."""
     METHODS["auto"]()
+    # Here, since the server's own process does without what is compiled.
+    from pointbrush.tracking.second import make_ready
+
+    make_ready()
 
 
 @dataclass
