@@ -53,6 +53,10 @@ AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
 
 
+LIMB = 0.1
+"""Metres between points up to which they may be somebody's: limbs are no thicker."""
+
+
 @dataclass(frozen=True)
 class AutoTracker:
     """The default method."""
@@ -130,10 +134,11 @@ class Run:
     def _gather(self, view: View, labels: Iterable[int]) -> None:
         """People before a depth camera at rest are followed together.
 
-        Not where they hold what is tracked too: it and their hands are told apart by one claim.
+        Not where they hold what is tracked too: it and their hands are told apart by one claim; nor
+        where points too far apart to be limbs are a label.
         """
         bodies = {n: self.things[n] for n in labels if self.things[n].body}
-        alone = all(thing.body for thing in self.things.values())
+        alone = all(thing.body and thing.unit < LIMB for thing in self.things.values())
         if bodies and alone and isinstance(self.background, ImageBackground):
             self.company = Company.of(view, bodies, self.background)
 
