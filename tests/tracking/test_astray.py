@@ -9,7 +9,7 @@ import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.wardrobe import Wardrobe
+from pointbrush.tracking.objects.colours import ColourHistogram
 
 SKIN, BLUE, GREEN = (210, 160, 130), (40, 90, 200), (60, 160, 70)
 TURN = 0.5
@@ -82,7 +82,7 @@ def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
     def some(colour: np.ndarray, count: int) -> np.ndarray:
         return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
 
-    worn = Wardrobe.of(some(blue, 400))
+    worn = ColourHistogram.of(some(blue, 400))
     beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
     rather = worn.rather(beside)
     assert rather[:20].mean() > 0.8

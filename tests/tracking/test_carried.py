@@ -10,12 +10,12 @@ import scenes
 from conftest import follow
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.charting import chart_of
-from pointbrush.tracking.ego import sensor_poses
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.registration import inverse, transform
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.background.mapping import chart_of
+from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_the_scene_is_charted_without_who_moves_and_who_is_labelled(
     back = inverse(carried[0].pose)
     views = [View(i, f, lens, back @ f.pose) for i, f in enumerate(carried)]
     views[0].labels = {n: np.flatnonzero(carried[0].truth == n) for n in (1, 2)}
-    chart = chart_of(views, Waver(0.001, 0.001))
+    chart = chart_of(views, DepthNoise(0.001, 0.001))
     for view, frame in zip(views, carried, strict=True):
         cell, depth = view.cells
         there = depth > chart.drawn(view)[cell] - 0.05

@@ -6,9 +6,9 @@ import numpy as np
 import scenes
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.carve import Glimpse, carved, remember
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.view import View
+from pointbrush.tracking.objects.free_space import Glimpse, carved, remember
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 CENTRE = np.array([0.0, 1.0, 1.6])
 

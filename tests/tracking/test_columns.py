@@ -11,12 +11,19 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from pointbrush.tracking.columns import NONE, columns, nearer_than, nearest, nearest_three, pairs
-from pointbrush.tracking.connect import STEPS, flood
-from pointbrush.tracking.grid import numbered, perhaps_near
-from pointbrush.tracking.near import RUN, close_to, in_box, runs_of
-from pointbrush.tracking.pieces import parts
-from pointbrush.tracking.ways import reach, ways_over
+from pointbrush.tracking.geometry.columns import (
+    NONE,
+    columns,
+    nearer_than,
+    nearest,
+    nearest_three,
+    pairs,
+)
+from pointbrush.tracking.geometry.components import parts
+from pointbrush.tracking.geometry.grid import numbered, perhaps_near
+from pointbrush.tracking.geometry.near import RUN, close_to, in_box, runs_of
+from pointbrush.tracking.geometry.paths import paths_over, reach
+from pointbrush.tracking.segmentation.connectivity import STEPS, flood
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
@@ -99,7 +106,7 @@ def test_parts_and_ways(points: NDArray[np.float64], most: float, seed: int) -> 
     assert np.array_equal(parts(links, some)[some], first)
     assert (parts(links, some)[~some] == -1).all()
     source = np.flatnonzero(some)[:2]
-    way, origin = reach(ways_over(links, length, some), source, some)
+    way, origin = reach(paths_over(links, length, some), source, some)
     every = coo_matrix((length, tuple(links.T)), shape=(count, count)).tocsr()[some][:, some]
     expected = dijkstra(every, directed=False, indices=np.arange(len(source)))
     np.testing.assert_allclose(way[some], expected.min(axis=0, initial=np.inf))

@@ -11,9 +11,9 @@ import scenes
 from conftest import follow
 
 from pointbrush.tracking import TrackState, auto
-from pointbrush.tracking.confidence import Evidence, likelihood
-from pointbrush.tracking.settle import settle
-from pointbrush.tracking.thing import Thing
+from pointbrush.tracking.objects.confidence import Evidence, likelihood
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.update.settle import settle
 
 GOOD = Evidence(
     inliers=1.0,

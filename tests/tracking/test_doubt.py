@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking import fit
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.locate import among
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
+from pointbrush.tracking.fitting import fit
+from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 
 @pytest.mark.parametrize("moves", [True, False])

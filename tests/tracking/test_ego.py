@@ -9,10 +9,10 @@ import pytest
 import scenes
 from conftest import follow
 
-from pointbrush.tracking.ego import sensor_poses
-from pointbrush.tracking.recovery import shifts
-from pointbrush.tracking.registration import transform
-from pointbrush.tracking.shade import find_eye, shade_of
+from pointbrush.tracking.fitting.recovery import shifts
+from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.range_image import find_eye, range_image_of
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_the_sensor_is_found_where_no_surface_hides_another(street: list[scenes.
 
 def test_what_lies_behind_a_car_is_hidden(street: list[scenes.Frame]) -> None:
     frame = street[0]
-    shade = shade_of(frame.xyz, np.zeros(3))
+    shade = range_image_of(frame.xyz, np.zeros(3))
     assert shade is not None
     car = frame.xyz[frame.truth == 4].astype(np.float64)
     inside = car[np.abs(car - np.median(car, axis=0)).max(axis=1) < 0.5]
@@ -111,7 +111,7 @@ def test_the_height_of_a_fine_lidar_is_found(height: float) -> None:
 def test_beyond_the_edges_of_what_a_lidar_sees_all_is_hidden() -> None:
     xyz = fine_lidar()
     ahead = np.abs(np.arctan2(xyz[:, 1], xyz[:, 0])) < np.pi / 4
-    shade = shade_of(xyz[ahead], np.zeros(3))
+    shade = range_image_of(xyz[ahead], np.zeros(3))
     assert shade is not None
     assert not shade.hides(0.8 * xyz[ahead].astype(np.float64), 0.1).any()
     aside = np.abs(np.arctan2(xyz[:, 1], xyz[:, 0])) > np.radians(50)
@@ -120,7 +120,7 @@ def test_beyond_the_edges_of_what_a_lidar_sees_all_is_hidden() -> None:
 
 def test_a_thing_that_came_nearer_does_not_hide_itself(street: list[scenes.Frame]) -> None:
     frame = street[0]
-    shade = shade_of(frame.xyz, np.zeros(3))
+    shade = range_image_of(frame.xyz, np.zeros(3))
     assert shade is not None
     car = frame.xyz[frame.truth == 4].astype(np.float64)
     behind = car + 1.5 * car / np.linalg.norm(car, axis=1, keepdims=True)

@@ -11,14 +11,14 @@ import scenes
 from conftest import follow
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.assign import Claim
-from pointbrush.tracking.crowd import reclaim, recognised
-from pointbrush.tracking.figures import undisputed
-from pointbrush.tracking.foreground import Foreground
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.thing import Rivals, Thing, begin
-from pointbrush.tracking.view import View
-from pointbrush.tracking.wardrobe import Wardrobe
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.people.bodies import undisputed
+from pointbrush.tracking.people.foreground import Foreground
+from pointbrush.tracking.people.returning import reclaim, recognised
+from pointbrush.tracking.segmentation.assign import Claim
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 STEP = 0.01
 SIZE = 3 * STEP
@@ -86,7 +86,7 @@ class Strip:
         none = np.zeros(len(self.x), np.bool_)
         sure = np.full(len(self.x), certain)
         nobody, others = none if outside is None else outside, none if other is None else other
-        clothes = dict.fromkeys(cores, Wardrobe.of(np.empty((0, 3), np.float32)))
+        clothes = dict.fromkeys(cores, ColourHistogram.of(np.empty((0, 3), np.float32)))
         longest = dict.fromkeys(cores, far)
         return self.cells.spread(cores, nobody, others, sure, longest, clothes)
 

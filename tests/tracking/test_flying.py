@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.assign import claim
-from pointbrush.tracking.background import ImageBackground
-from pointbrush.tracking.belong import grow
-from pointbrush.tracking.flying import flying
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.segmentation.assign import claim
+from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.flying_pixels import flying
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 BLUE, SKIN, UNIT = (40, 90, 200), (210, 160, 130), 0.01
 
@@ -63,7 +63,9 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     places = {1: Place(step, world, box, around, around, around, 0.05)}
     claims = {1: claim(view, core, world, thing.model.colour, thing.weight, 0.05)}
     unknown = np.full_like(view.depth, np.nan)
-    still = ImageBackground(Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown))
+    still = ImageBackground(
+        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+    )
     free = np.ones(len(view.xyz), np.bool_)
     grown, _ = grow({1: thing}, view, places, claims, free, still)
     assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pointbrush.tracking.belong import own_points
-from pointbrush.tracking.fit import find
-from pointbrush.tracking.footing import painted_with_ground, with_ground
-from pointbrush.tracking.ground import on_ground
-from pointbrush.tracking.locate import among
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
+from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.segmentation.belong import own_points
+from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
+from pointbrush.tracking.sensor.ground import on_ground
+from pointbrush.tracking.sensor.view import View
 
 NO_RIVALS = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 KERB = 0.13

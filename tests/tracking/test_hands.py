@@ -11,7 +11,7 @@ import scenes
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import Sequence, import_frames, open_sequence
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions
-from pointbrush.tracking.second import Second
+from pointbrush.tracking.parallel.second_process import SecondProcess
 
 FIRST, LAST = 5, 8
 
@@ -55,13 +55,13 @@ def test_two_processes_find_what_one_finds(
     stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     answers = []
-    answer = Second.answer
+    answer = SecondProcess.answer
 
-    def counted(second: Second) -> Any:
+    def counted(second: SecondProcess) -> Any:
         answers.append(answer(second))
         return answers[-1]
 
-    monkeypatch.setattr(Second, "answer", counted)
+    monkeypatch.setattr(SecondProcess, "answer", counted)
     assert_same(run(stored, 2), alone)
     assert len(answers) >= len(stored) - 1
 
@@ -70,12 +70,12 @@ def test_two_processes_find_what_one_finds(
 def test_a_run_goes_on_when_the_second_process_ends(
     stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch, when: str
 ) -> None:
-    do = getattr(Second, when)
+    do = getattr(SecondProcess, when)
 
-    def ended(second: Second, *given: Any, **how: Any) -> Any:
+    def ended(second: SecondProcess, *given: Any, **how: Any) -> Any:
         second._process.kill()
         second._process.wait()
         return do(second, *given, **how)
 
-    monkeypatch.setattr(Second, when, ended)
+    monkeypatch.setattr(SecondProcess, when, ended)
     assert_same(run(stored, 2), alone)

@@ -9,12 +9,12 @@ import pytest
 import scenes
 from conftest import follow
 
+from pointbrush.tracking.background.last_seen import LastSeen
 from pointbrush.tracking.disputes import placed
-from pointbrush.tracking.held import Held
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.locate import among
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
+from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 NO_RIVALS = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
@@ -90,7 +90,7 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
     def owned(*labels: int) -> np.ndarray:
         return np.array(labels, np.int32)
 
-    held = Held.nothing(4)
+    held = LastSeen.nothing(4)
     held.learn(seen(2, 2, 2, 4), owned(7, 7, 7, 0), limit, unknown)
     held.learn(seen(1, 1, 2, 4), owned(3, 3, 7, 0), limit, unknown)
     missed = held.learn(seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown)

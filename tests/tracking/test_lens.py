@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.scene import Scene
-from pointbrush.tracking.view import View
+from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 TILTED = scenes.Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
 

@@ -11,16 +11,16 @@ from conftest import follow
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.assign import Claim, claim
-from pointbrush.tracking.ego import sensor_poses
-from pointbrush.tracking.grid import cells_of
-from pointbrush.tracking.judge import Verdict, judge
-from pointbrush.tracking.learn import learn
-from pointbrush.tracking.near import bounds
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.scene import Scene
-from pointbrush.tracking.thing import Rivals, Thing, begin
-from pointbrush.tracking.view import View
+from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.fitting.judge import Verdict, judge
+from pointbrush.tracking.geometry.grid import cells_of
+from pointbrush.tracking.geometry.near import bounds
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.segmentation.assign import Claim, claim
+from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.learn import learn
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.motion import Motion
+from pointbrush.tracking.objects.motion import Motion
 
 
 def flight(i: int) -> np.ndarray:

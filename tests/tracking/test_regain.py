@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.assign import cut_off
-from pointbrush.tracking.background import ImageBackground
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.motion import MEMORY
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.regain import crumbs, lost_pieces
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.objects.motion import MEMORY
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.segmentation.assign import cut_off
+from pointbrush.tracking.segmentation.regain import crumbs, lost_pieces
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 BLUE, SKIN = (40, 90, 200), (210, 160, 130)
 
@@ -33,7 +33,7 @@ def shot(
     first = View(0, empty, lens)
     unknown = np.full_like(first.depth, np.nan)
     background = ImageBackground(
-        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     background.learn(first, first=True)
     box = scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), np.array([0.1, 0.12, 0.1]), rot=np.eye(3))

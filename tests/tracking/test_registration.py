@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.registration import (
+from pointbrush.tracking.geometry.registration import (
     Target,
     best_rigid_motion,
     icp,

@@ -6,9 +6,9 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background import ImageBackground
-from pointbrush.tracking.lens import Lens
-from pointbrush.tracking.scenery import (
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
+from pointbrush.tracking.background.scenery import (
     BLOCK,
     LEAST,
     MOST,
@@ -17,8 +17,8 @@ from pointbrush.tracking.scenery import (
     farthest,
     wavering,
 )
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver, measure_waver
+from pointbrush.tracking.sensor.lens import Lens
+from pointbrush.tracking.sensor.view import View
 
 SHAPE = (96, 128)
 
@@ -91,7 +91,7 @@ def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
         (depth + rng.normal(0, 0.002 + 0.001 * depth**2)).astype(np.float32) for _ in range(2)
     )
     other[:2400] += 0.3  # the nearest eighth has moved on
-    waver = measure_waver(one, other)
+    waver = measure_noise(one, other)
     true = 0.002 + 0.001 * depth**2
     np.testing.assert_allclose(waver(depth.astype(np.float32))[2400:], true[2400:], rtol=0.2)
 
@@ -134,7 +134,7 @@ def filmed(number: int, depth: np.ndarray, thing: np.ndarray) -> View:
 
 def unknown_scene() -> ImageBackground:
     nothing = np.full(48 * 64 + 1, np.nan, np.float32)
-    return ImageBackground(Waver(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
+    return ImageBackground(DepthNoise(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
 
 
 def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:

@@ -8,12 +8,12 @@ import scenes
 from conftest import follow
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking import learn
-from pointbrush.tracking.judge import Verdict
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.thing import DENSE, Rivals, begin
-from pointbrush.tracking.view import View
+from pointbrush.tracking.fitting.judge import Verdict
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import DENSE, Rivals, begin
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update import learn
 
 
 def snake(frames: int, bend: float, every: int = 1) -> list[scenes.Frame]:

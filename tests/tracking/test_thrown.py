@@ -6,18 +6,18 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.assign import claim
-from pointbrush.tracking.background import ImageBackground
-from pointbrush.tracking.belong import grow, own_points
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.model import SURE
-from pointbrush.tracking.pieces import solid
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.scenery import NEAR
-from pointbrush.tracking.settle import hides
-from pointbrush.tracking.thing import Rivals, begin
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver, measure_waver
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
+from pointbrush.tracking.background.scenery import NEAR
+from pointbrush.tracking.geometry.components import solid
+from pointbrush.tracking.objects.model import SURE
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.segmentation.assign import claim
+from pointbrush.tracking.segmentation.belong import grow, own_points
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.settle import hides
 
 BLUE, GREEN = (40, 90, 200), (60, 160, 70)
 
@@ -77,7 +77,7 @@ def test_what_is_alone_is_taken_whole_though_it_is_longer_than_it_was_known_to_b
     first, view = View(0, frames[0], lens), View(1, frames[1], lens)
     unknown = np.full_like(first.depth, np.nan)
     background = ImageBackground(
-        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     mine = np.flatnonzero(first.frame.truth == 1)
     first.labels = {1: mine}
@@ -138,10 +138,10 @@ def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:
         disparity = 580 * 0.075 / true + rng.normal(0, 0.04, len(true))
         return (580 * 0.075 / (np.round(disparity * 8) / 8)).astype(np.float32)
 
-    waver = measure_waver(image(), image())
+    waver = measure_noise(image(), image())
     for depth in (2.0, 5.0):
         step = depth**2 / (8 * 580 * 0.075)
         assert step < NEAR * float(waver(np.float32(depth))) < 2.5 * step
     # Without steps nothing has changed.
     smooth = [(true + rng.normal(0, 0.01, len(true))).astype(np.float32) for _ in range(2)]
-    assert 0.008 < float(measure_waver(*smooth)(np.float32(3.0))) < 0.012
+    assert 0.008 < float(measure_noise(*smooth)(np.float32(3.0))) < 0.012

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.thing import Rivals, Thing, begin
-from pointbrush.tracking.twins import FRAMES, Twins
-from pointbrush.tracking.view import View
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.swaps import FRAMES, Swaps
 
 BLUE, RED = (40, 90, 200), (200, 60, 40)
 NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
@@ -36,7 +36,7 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
     In the frame in which they meet they are found a share ``meant`` of the way off where they were
     going, towards each other; ``swapped``: from there on each is found where the other is.
     """
-    things, twins, result = pair(colour), Twins(), []
+    things, twins, result = pair(colour), Swaps(), []
     start = {n: thing.motion.centre.copy() for n, thing in things.items()}
     for number in range(1, 12):
         places = {}

@@ -6,10 +6,10 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background import ImageBackground
-from pointbrush.tracking.lens import find_lens
-from pointbrush.tracking.view import View
-from pointbrush.tracking.waver import Waver
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
 
 STILL, AWAY = 5, 9
 
@@ -67,7 +67,7 @@ def test_what_passes_behind_a_thing_is_not_what_it_uncovers() -> None:
     lens = find_lens(empty)
     unknown = np.full_like(View(0, empty, lens).depth, np.nan)
     background = ImageBackground(
-        Waver(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     background.learn(View(0, empty, lens), first=True)
     for number in range(3):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scenes
 
-from pointbrush.tracking.view import View
+from pointbrush.tracking.sensor.view import View
 
 
 def test_crops_are_the_same_with_a_pose() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numba.core import event
 
 from pointbrush.samples import generate
-from pointbrush.tracking.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.work.prepare import prepare, track
 
 

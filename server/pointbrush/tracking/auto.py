@@ -1,10 +1,11 @@
 """`auto`: every object as a surface that moves, is hidden and comes back; all at once.
 
-In each frame: predict where each object is (motion.py), register its model there in place and
-colour to what did not stand still (background.py, registration.py), bend it where it is not
-rigid (nonrigid.py), let all objects claim points together against what is known to be unlabelled
-(assign.py), judge the fit by what the sensor should have seen (judge.py), and learn: the
-background, the model, the motion.
+In each frame: predict where each object is (objects/motion.py), register its model there in place
+and colour (fitting/, geometry/registration.py) to what did not stand still (background/), bend it
+where it is not rigid (geometry/deformation.py), let all objects claim points together against what
+is known to be unlabelled (segmentation/), judge the fit by what the sensor should have seen
+(fitting/judge.py), and learn (update/): the background, the model, the motion.  People are
+followed together (people/).
 """
 
 from __future__ import annotations
@@ -15,16 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, together
-from pointbrush.tracking.astray import find_astray
-from pointbrush.tracking.background import Background, ImageBackground
-from pointbrush.tracking.belong import grow
-from pointbrush.tracking.beside import around, set_rivals, tell_apart
-from pointbrush.tracking.company import Company
+from pointbrush.tracking.background.depth_background import Background, ImageBackground
+from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
-from pointbrush.tracking.figures import hang_together
-from pointbrush.tracking.footing import painted_with_ground, with_ground
-from pointbrush.tracking.hands import Hands
+from pointbrush.tracking.fitting.relocation import find_astray
+from pointbrush.tracking.fitting.search import crop
+from pointbrush.tracking.fitting.sharing import share_out
+from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -37,17 +35,20 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.locate import crop
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import inverse, transform
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.parallel.workers import Workers
+from pointbrush.tracking.people.bodies import hang_together
+from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.rules import FEWEST, FrameRules
-from pointbrush.tracking.scene import Scene
-from pointbrush.tracking.settle import settle
-from pointbrush.tracking.sharing import share_out
-from pointbrush.tracking.thing import Rivals, Thing, begin
-from pointbrush.tracking.twins import Twins
-from pointbrush.tracking.view import View
-from pointbrush.tracking.witness import taught
+from pointbrush.tracking.segmentation.assign import Claim, together
+from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
+from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.swaps import Swaps
+from pointbrush.tracking.update.corrections import taught
+from pointbrush.tracking.update.settle import settle
 
 AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
@@ -71,7 +72,7 @@ class AutoTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         labels = [seed.label for seed in seeds]
-        with Hands(frames if options.processes > 1 else None) as hands:
+        with Workers(frames if options.processes > 1 else None) as hands:
             run = Run(frames, [*options.before, *order], labels, known, options, hands)
             with closing(run.scene):
                 if options.before:
@@ -96,12 +97,12 @@ class Run:
         labels: list[int],
         known: Known,
         options: TrackOptions,
-        hands: Hands,
+        hands: Workers,
     ) -> None:
         self.known, self.options, self.labels = known, options, labels
-        self.hands, self.twins = hands, Twins()
+        self.hands, self.twins = hands, Swaps()
         self.things: dict[int, Thing] = {}
-        self.company: Company | None = None
+        self.group: Group | None = None
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
 
     @property
@@ -140,7 +141,7 @@ class Run:
         bodies = {n: self.things[n] for n in labels if self.things[n].body}
         alone = all(thing.body and thing.unit < LIMB for thing in self.things.values())
         if bodies and alone and isinstance(self.background, ImageBackground):
-            self.company = Company.of(view, bodies, self.background)
+            self.group = Group.of(view, bodies, self.background)
 
     def _among_people(
         self,
@@ -150,28 +151,28 @@ class Run:
         free: Mask,
     ) -> dict[int, tuple[TrackState, I64]]:
         """How people fared who are followed together, and what each of them has."""
-        if self.company is None:
+        if self.group is None:
             return {}
         left = free.copy()
         for _, points in settled.values():
             left[points] = False
-        found = self.company.step(view, self.background, left)
+        found = self.group.step(view, self.background, left)
         for label, (track, _) in found.items():
             thing = self.things[label]
             thing.stopped = track.state == "lost" and not self.options.continue_lost
             if thing.stopped:
-                self.company.drop(label)
+                self.group.drop(label)
         return {label: each for label, each in found.items() if label not in fixed}
 
     def _accompanied(self, label: int) -> bool:
-        return self.company is not None and label in self.company.labels
+        return self.group is not None and label in self.group.labels
 
     def _join(self, view: View, label: int) -> None:
         """Somebody who was painted in the middle of a run is followed among the others."""
-        if self.company is None:
+        if self.group is None:
             self._gather(view, [label])
         elif self.things[label].body:
-            self.company.put(view, label, self.things[label])
+            self.group.put(view, label, self.things[label])
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""

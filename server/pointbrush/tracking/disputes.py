@@ -6,19 +6,19 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from pointbrush.tracking.assign import Claim, decide, without
-from pointbrush.tracking.background import Background
-from pointbrush.tracking.belong import own_points
-from pointbrush.tracking.crowd import reclaim, recognised
-from pointbrush.tracking.figures import undisputed
-from pointbrush.tracking.fit import find
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.judge import judge
+from pointbrush.tracking.fitting.search import Search, crop
+from pointbrush.tracking.geometry.registration import transform, transform_each
 from pointbrush.tracking.interface import I64, Mask
-from pointbrush.tracking.judge import judge
-from pointbrush.tracking.locate import Search, crop
-from pointbrush.tracking.place import Place
-from pointbrush.tracking.registration import transform, transform_each
-from pointbrush.tracking.thing import Thing
-from pointbrush.tracking.view import View
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.people.bodies import undisputed
+from pointbrush.tracking.people.returning import reclaim, recognised
+from pointbrush.tracking.segmentation.assign import Claim, decide, without
+from pointbrush.tracking.segmentation.belong import own_points
+from pointbrush.tracking.sensor.view import View
 
 KEPT = 0.85
 """A thing that keeps less than this share of its claim is looked for elsewhere."""

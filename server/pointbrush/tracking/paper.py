@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.geometry.registration import Pair, icp, transform
 from pointbrush.tracking.interface import (
     F64,
     I64,
@@ -26,7 +27,6 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.registration import Pair, icp, transform
 from pointbrush.tracking.rules import FrameRules
 
 REACH = 1.2

@@ -162,7 +162,7 @@ def load_default_method() -> None:
     """Import what a run needs, and begin its second process: a worker's first run would wait."""
     METHODS["auto"]()
     # Here, since the server's own process does without what is compiled.
-    from pointbrush.tracking.second import make_ready
+    from pointbrush.tracking.parallel.second_process import make_ready
 
     make_ready()
 

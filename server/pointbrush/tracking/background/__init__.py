@@ -1,0 +1,1 @@
+"""What stood still and is unlabelled, for each kind of sensor."""

@@ -1,0 +1,276 @@
+"""What stood still and is unlabelled: such points are no object's, however near it comes.
+
+Here with a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
+that distance (measured on the recording itself).  Without one see ``point_background.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.background.last_seen import LastSeen
+from pointbrush.tracking.background.pixel_tests import (
+    HIDDEN,
+    Images,
+    before,
+    scenery,
+    stood,
+    uncovered,
+)
+from pointbrush.tracking.background.scenery import NEAR, continued, drawn_on, farthest, wavering
+from pointbrush.tracking.geometry.windows import least_around, widened
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.sensor.view import View
+
+ROUGHLY = 0.93
+"""Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
+RARELY, MOSTLY = 0.25, 0.5
+"""Share of the frames that must show the scene, and show what lies off the scene drawn on."""
+FAINT = 0.5
+"""Deviations from which a point may be of something that touches the background there."""
+ROOM = 0.15
+"""Share of a thing's length behind which nothing is a side of it."""
+
+
+class Background(Protocol):
+    """Knows the past; ``learn`` a frame after its labels are decided."""
+
+    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
+        """Which of the points (M,) are background, and which an unlabelled thing at rest."""
+
+    def faint(self, view: View, indices: I64) -> Mask:
+        """Which of the background's points (M,) may be of something that touches it there."""
+
+    def revealed(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie behind all that was ever seen there.
+
+        They are the scene behind something that has moved on, or what that had hidden.
+        """
+
+    def scenery(self, view: View, indices: I64, frames: int) -> Mask:
+        """Which of the points (M,) are background, by what is known of each place's noise.
+
+        Also what has just been uncovered where the scene goes on, and what, where no background
+        has been seen, has stood still for so many ``frames``, labelled or not.
+        """
+
+    def certain(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie before a background that has been seen."""
+
+    def drawn_on(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) lie where the scene goes on behind the first objects."""
+
+    def uncovered(self, view: View) -> tuple[I64, I64]:
+        """The points (M,) that something labelled hid two frames ago, and its label (M,).
+
+        They were there in the last frame too: who passes with what he holds is not.
+        Without background, and what lies where the scene goes on behind the first objects.
+        """
+
+    def again(self, view: View, indices: I64) -> I64:
+        """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
+
+        0 for none, and where the scene behind is known.
+        """
+
+    def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
+        """Take in a frame whose ``labels`` are decided; ``first``: by a person.
+
+        ``keep`` (M, 3) where something is though it claimed no point there.
+        """
+
+
+@dataclass(eq=False)
+class ImageBackground:
+    """The farthest depth of every pixel, and the last; the sensor stands still."""
+
+    waver: DepthNoise
+    depth: F32
+    last: F32
+    scale: F32
+    """How many times ``waver`` each cell wavers."""
+    scene: F32 = field(init=False)
+    """The depth behind all that ever moves, as far as the recording shows it; NaN elsewhere."""
+    hidden: F32 = field(init=False)
+    """Where the scene should be behind what was labelled in the first frame."""
+    nearest: F32 | None = None
+    """See ``least``; None where ``depth`` has changed since."""
+    anchor: F32 = field(init=False)
+    """The depth that each cell, labelled or not, has had for ``age`` frames."""
+    age: NDArray[np.int32] = field(init=False)
+    previous: F32 = field(init=False)
+    """The last frame's depth, labelled or not."""
+    owner: NDArray[np.int32] = field(init=False)
+    """The last frame's label of each cell, 0 for none."""
+    hiding: F32 = field(init=False)
+    """The depth in the frame before the last."""
+    hider: NDArray[np.int32] = field(init=False)
+    """The label of each cell in the frame before the last."""
+    held: LastSeen = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Nothing is known of hidden places before the first frame."""
+        self.hidden = self.previous = self.scene = np.full_like(self.depth, np.nan)
+        self.hiding = self.hidden
+        self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
+        self.owner = np.zeros(len(self.depth), np.int32)
+        self.hider = np.zeros(len(self.depth), np.int32)
+        self.held = LastSeen.nothing(len(self.depth))
+
+    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
+        """See ``Background``."""
+        return stood(*view.cells, indices, self.depth, self.last, *self._waver)
+
+    def faint(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        before = (self.depth[cell] - depth) / self.waver(depth)
+        return np.asarray((before > FAINT) & (before <= NEAR))
+
+    @property
+    def _waver(self) -> tuple[float, float]:
+        return self.waver.still, self.waver.growing
+
+    def revealed(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return np.asarray(depth > self.depth[cell] + NEAR * self.waver(depth))
+
+    def scenery(self, view: View, indices: I64, frames: int) -> Mask:
+        """See ``Background``."""
+        nearest = self._before(view)
+        return scenery(*view.cells, indices, frames, nearest, *self._waver, self._images)
+
+    def calm(self, first: View, others: Sequence[View]) -> None:
+        """Measure the noise of each place on the first frames; ``first`` has labels."""
+        if first.lens is None or not others:
+            return
+        start = first.depth.copy()
+        for points in first.labels.values():
+            start[first.cells[0][points]] = np.nan
+        images = [start[:-1], *(view.depth[:-1] for view in others)]
+        self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.lens.shape)
+
+    @property
+    def _known(self) -> F32:
+        """The scene's depth, and where the recording does not show it what was learnt so far."""
+        return np.where(np.isfinite(self.scene), self.scene, self.depth)
+
+    def survey(self, first: View, others: Sequence[View]) -> None:
+        """Look through a recording for what its moving things uncover.
+
+        ``first`` has labels and has been learnt.  What took the place of something labelled may
+        be another side of it, or somebody else: it is scenery where the scene around goes on, or
+        where it lies well behind, stays, and goes on beside what is labelled.
+        """
+        scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
+        scene[count < max(2.0, RARELY * (1 + len(others)))] = np.nan
+        shape = first.lens.shape if first.lens else (1, len(scene))
+        known = np.isfinite(scene)
+        for points in first.labels.values():
+            known[first.cells[0][points]] = False
+        joined = continued(scene, known, shape)
+        for points in first.labels.values():
+            cell, depth = first.cells[0][points], first.cells[1][points]
+            apart = ROOM * float(np.ptp(first.xyz[points], axis=0).max())
+            behind = scene[cell] > depth + NEAR * self.waver(depth)
+            behind &= scene[cell] > ROUGHLY * self.hidden[cell]
+            stays = count[cell] > MOSTLY * (1 + len(others))
+            stays &= joined[cell] & (scene[cell] > depth + apart)
+            scene[cell[~(behind | stays)]] = np.nan
+        self.scene[:-1] = scene
+        # At an outline pixels lie between the thing and the scene, and are neither's.
+        self.depth[self.depth < ROUGHLY * self.hidden] = np.nan
+        self.nearest = None
+
+    def certain(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        nearest = self._before(view)
+        return before(*view.cells, indices, nearest, self.scale, *self._waver)
+
+    def _before(self, view: View) -> F32:
+        """The depth that something has to come before in each cell to be no part of the scene."""
+        if view.lens is None:
+            return np.full_like(self.depth, np.nan)
+        if self.nearest is None:
+            self.nearest = least(self._known, view.lens.shape)
+        return self.nearest
+
+    @property
+    def _images(self) -> Images:
+        return Images(
+            self.scene, self.depth, self.hidden, self.previous, self.anchor, self.age, self.scale
+        )
+
+    def drawn_on(self, view: View, indices: I64) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return np.asarray(depth > HIDDEN * self.hidden[cell] - NEAR * self.waver(depth))
+
+    def uncovered(self, view: View) -> tuple[I64, I64]:
+        """See ``Background``."""
+        points = uncovered(*view.cells, self.hider, self.hiding, *self._waver, self._images)
+        return points, self.hider[view.cells[0][points]].astype(np.int64)
+
+    def again(self, view: View, indices: I64) -> I64:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        return self.held.again(cell, depth, NEAR * self.waver(depth))
+
+    def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
+        """See ``Background``."""
+        seen = view.depth.copy()
+        height, width = view.lens.shape if view.lens else (0, 0)
+        cell = view.cells[0]
+        self.owner, self.hider = self.hider, self.owner
+        self.owner[:] = 0
+        for label, points in view.labels.items():
+            self.owner[cell[points]] = label
+        labelled = self.owner != 0
+        # What shows behind a depth, and is a thing's, shows that something had only passed there.
+        limit = np.float32(NEAR) * self.waver(seen)
+        self.depth[labelled & (seen > self.depth + limit)] = np.nan
+        labelled |= self.held.learn(seen, self.owner, limit, self._known)
+        if keep is not None and len(keep):
+            labelled[view.project(keep)[0]] = True
+            labelled[-1] = False
+        if first and view.lens is not None:
+            beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
+            self.hidden = np.append(beyond, np.float32(np.nan))
+        self.hiding, self.previous = self.previous, view.depth
+        moved = ~(np.abs(seen - self.anchor) < limit * self.scale) & ~np.isnan(seen)
+        self.age += 1
+        self.age *= ~moved
+        np.copyto(self.anchor, seen, where=moved)
+        if not first and labelled.any():
+            # What a run missed at an object's rim must not become background.
+            image = labelled[:-1].reshape(height, width)
+            rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
+            top, left = max(rows[0] - 3, 0), max(columns[0] - 3, 0)
+            part = image[top : rows[-1] + 4, left : columns[-1] + 4]
+            part[...] = widened(part, 3)
+        seen[labelled] = np.nan
+        change = seen - self.depth
+        # Comparing with NaN is false: neither holds where the cell shows nothing now.
+        same = np.abs(change) < limit
+        farther = (change > limit) | (np.isnan(self.depth) & ~np.isnan(seen))
+        self.last = seen
+        change *= np.float32(0.2)
+        np.add(self.depth, change, out=self.depth, where=same)
+        np.copyto(self.depth, seen, where=farther)
+        self.nearest = None
+
+
+def least(known: F32, shape: tuple[int, int]) -> F32:
+    """The least of each cell's and its neighbours' depth: at an edge either is seen."""
+    least = known.copy()
+    depth = np.nan_to_num(known[:-1], nan=np.inf).reshape(shape)
+    least[:-1] = least_around(depth).ravel()
+    least[np.isnan(known)] = np.nan
+    return least

@@ -1,0 +1,114 @@
+"""What stood still, point by point: compiled loops over what is known of each cell.
+
+``cells`` and ``depths`` (N,) of all points of a frame; ``still`` and ``growing`` are those of the
+``DepthNoise``.  Comparing with NaN is false: nothing holds where nothing is known.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.background.scenery import NEAR
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.sensor.lens import I32
+
+HIDDEN = 0.985
+"""Share of its depth at which the scene drawn on behind an object begins."""
+
+
+class Images(NamedTuple):
+    """What ``ImageBackground`` knows of each cell, for compiled loops."""
+
+    scene: F32
+    depth: F32
+    hidden: F32
+    previous: F32
+    anchor: F32
+    age: NDArray[np.int32]
+    scale: F32
+
+
+@compiled
+def stood(
+    cells: I32, depths: F32, indices: I64, known: F32, last: F32, still: float, growing: float
+) -> tuple[Mask, Mask]:
+    """See ``Background.static``."""
+    count = len(indices)
+    far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    for i in range(count):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth)
+        # Comparing with NaN is false: neither holds where nothing is known.
+        far[i] = depth - known[cell] > -limit
+        rest[i] = abs(depth - last[cell]) < limit
+    return far, rest
+
+
+@compiled
+def before(
+    cells: I32, depths: F32, indices: I64, least: F32, scale: F32, still: float, growing: float
+) -> Mask:
+    """See ``Background.certain``."""
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth) * scale[cell]
+        result[i] = depth < least[cell] - limit
+    return result
+
+
+@compiled
+def scenery(
+    cells: I32,
+    depths: F32,
+    indices: I64,
+    frames: int,
+    least: F32,
+    still: float,
+    growing: float,
+    images: Images,
+) -> Mask:
+    """See ``Background.scenery``."""
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = NEAR * (still + growing * depth * depth) * images.scale[cell]
+        if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
+            result[i] = not depth < least[cell] - limit
+            continue
+        # Uncovered just now, where the scene around goes on: no object came there.
+        new = not abs(depth - images.previous[cell]) < limit
+        goes_on = new and depth > HIDDEN * images.hidden[cell] - limit
+        stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
+        result[i] = goes_on or stuck
+    return result
+
+
+@compiled
+def uncovered(
+    cells: I32,
+    depths: F32,
+    hider: NDArray[np.int32],
+    hiding: F32,
+    still: float,
+    growing: float,
+    images: Images,
+) -> I64:
+    """See ``Background.uncovered``: the points (M,)."""
+    found = np.empty(len(cells), np.int64)
+    count = 0
+    for i in range(len(cells)):
+        cell, depth = cells[i], depths[i]
+        if hider[cell] == 0:
+            continue
+        limit = NEAR * (still + growing * depth * depth)
+        shown = abs(depth - images.previous[cell]) < limit and depth > hiding[cell] + limit
+        goes_on = depth > HIDDEN * images.hidden[cell] - limit
+        if shown and not goes_on and not depth - images.depth[cell] > -limit:
+            found[count] = i
+            count += 1
+    return found[:count].copy()

@@ -1,0 +1,173 @@
+"""What a run knows of its sensor, and of the scene that stands still before it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background, ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
+from pointbrush.tracking.background.map_background import MapBackground
+from pointbrush.tracking.background.mapping import chart_of
+from pointbrush.tracking.background.point_background import PointBackground
+from pointbrush.tracking.background.surface_map import SurfaceMap
+from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
+from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.lens import Lens, find_lens
+from pointbrush.tracking.sensor.range_image import FEWEST, find_eye, range_image_of
+from pointbrush.tracking.sensor.view import FAR, View, reach_of
+from pointbrush.tracking.sensor.viewpoint import find_camera
+
+CALM = 4
+"""Frames from which the noise of each place is measured."""
+SURVEY = 16
+"""Frames that are looked through for what large things hide."""
+
+
+class Scene:
+    """The frames ``order`` of a recording as one sensor sees them.
+
+    ``first`` frame; ``lens`` of the sensor, or None; ``background`` as far as it was learnt.
+    """
+
+    def __init__(
+        self, frames: Frames, order: list[int], reach: Callable[[F32], F32], *, ahead: bool
+    ) -> None:
+        """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame."""
+        self._frames, self._order = frames, order
+        # Long arrays most of it, which leave the interpreter to others.
+        self._ahead = ThreadPoolExecutor(1) if ahead else None
+        self._following = dict(pairwise(order))
+        self._ready: tuple[int, Future[View]] | None = None
+        first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
+        self.lens: Lens | None = _fixed(first, others)
+        self._pose_of: Callable[[int], F64] | None = None
+        self._about: F64 | None = None
+        if self.lens is None:
+            self._pose_of = sensor_poses(frames, order)
+            moves = self._pose_of is not None
+            self.lens, self._about = _sensor(first, others, moves=moves)
+        self.first = self._look(order[0])
+        self._waver = DepthNoise(0.004, 0.002)
+        self.background: Background = PointBackground(reach)
+        if self.lens is not None and self._pose_of is None:
+            depth = self.first.depth
+            if len(order) > 1:
+                self._waver = measure_noise(depth, self._look(order[1]).depth)
+            unknown = np.full_like(depth, np.nan)
+            self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
+        self._reach = reach
+
+    def view(self, number: int) -> View:
+        """Frame ``number`` with what is known of the sensor."""
+        ready, self._ready = self._ready, None
+        view = ready[1].result() if ready and ready[0] == number else self._look(number)
+        if self._ahead is not None and number in self._following:
+            following = self._following[number]
+            self._ready = following, self._ahead.submit(self._prepared, following)
+        return view
+
+    def close(self) -> None:
+        """Prepare no more."""
+        if self._ahead is not None:
+            self._ahead.shutdown(cancel_futures=True)
+
+    def _prepared(self, number: int) -> View:
+        view = self._look(number)
+        view.prepare()
+        return view
+
+    def _look(self, number: int) -> View:
+        return View(number, self._frames(number), self.lens, self._pose(number), self._about)
+
+    def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
+        """A result whose poses count from frame ``start``, in the frames' own coordinates.
+
+        ``back`` label → inverse pose there, in the world.
+        """
+        here, there = self._pose(found.frame), self._pose(start)
+        tracks = {}
+        for label, track in found.tracks.items():
+            pose = track.pose @ back[label]
+            if here is not None and there is not None:
+                pose = np.linalg.inv(here) @ pose @ there
+            tracks[label] = replace(track, pose=pose)
+        return replace(found, tracks=tracks)
+
+    def _pose(self, number: int) -> F64 | None:
+        return None if self._pose_of is None else self._pose_of(number)
+
+    def noise(self, view: View, indices: I64) -> float:
+        """Median depth noise at some points, metres."""
+        if self.lens is None or not len(indices):
+            return 0.0
+        return float(np.median(self._waver(view.cells[1][indices])))
+
+    def learn_first(self, *, survey: bool) -> None:
+        """Take in the first frame, whose labels are a person's.
+
+        ``survey``: learn what is behind large things from the whole recording.
+        """
+        if survey and self.lens is not None and self._pose_of is not None:
+            self.background = self._charted()
+        if not isinstance(self.background, ImageBackground):
+            self.background.learn(self.first, first=True)
+            return
+        self.background.calm(self.first, self._views(self._order[1:CALM]))
+        self.background.learn(self.first, first=True)
+        if survey:
+            self.background.survey(self.first, self._survey())
+
+    def _survey(self) -> list[View]:
+        """Frames apart, of the whole run."""
+        last = len(self._order) - 1
+        apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
+        return self._views([self._order[i] for i in apart])
+
+    def _charted(self) -> MapBackground:
+        views = [self.first, *self._survey()]
+        if len(views) > 1:
+            before = SurfaceMap.of(self.first, self.first.depth).drawn(views[1])
+            self._waver = measure_noise(before, views[1].depth)
+        return MapBackground(self._reach, self._waver, chart_of(views, self._waver))
+
+    def _views(self, numbers: Sequence[int]) -> list[View]:
+        return [self._look(number) for number in numbers]
+
+
+def _fixed(first: TrackFrame, others: Sequence[TrackFrame]) -> Lens | None:
+    """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
+
+    It is looked for where no frame tells it; the ``others`` were seen from there as well.
+    """
+    xyz = np.asarray(first.xyz)
+    told = first.viewpoint is not None or first.pose is not None
+    if told or reach_of(xyz) > FAR or find_lens(first) is not None:
+        return None
+    place = find_camera(xyz)
+    if place is None or any(find_lens(f, place=place) is None for f in others if len(f.xyz)):
+        return None
+    return find_lens(first, place=place)
+
+
+def _sensor(
+    first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool
+) -> tuple[Lens | None, F64 | None]:
+    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it.
+
+    From there the ``others`` were seen as well: what moves through the world has no one place.
+    """
+    lens = find_lens(first, moves=moves)
+    if lens is not None or first.viewpoint is not None:
+        return lens, None
+    xyz = np.asarray(first.xyz)
+    about = find_eye(xyz)
+    later = [np.asarray(frame.xyz) for frame in others]
+    full = [p for p in later if len(p) >= FEWEST]
+    if about is not None and any(range_image_of(p, about) is None for p in full):
+        about = None
+    return None, about

@@ -1,0 +1,158 @@
+"""The scene behind the objects of a first frame: how deep it goes on, how much it wavers where.
+
+What an object hides when a person paints it has never been seen.  When the object moves on, the
+wall that it uncovers is new and moves just as little as the wall around it: it is told from an
+object by being where the scene's surfaces, drawn on behind the object, have to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import spsolve
+
+from pointbrush.tracking.geometry.windows import widened
+from pointbrush.tracking.interface import F32, Mask
+
+NEAR = 3.0
+"""Deviations within which a depth is the same depth."""
+STEP = 4
+"""Pixels of a cell in which the hidden scene is drawn."""
+BLOCK = 16
+"""Pixels of a block that shares one deviation."""
+USUAL = 1.15
+"""Deviation over that of the calmest pair of frames."""
+JUMP, ENOUGH = 0.01, 3
+"""Share of its depth within which a surface goes on from pixel to pixel, and known pixels beside
+what is in doubt."""
+LEAST, MOST = 0.6, 2.5
+"""Deviations of a block stay between these shares of what their depth makes expected."""
+
+
+def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
+    """The scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
+
+    Surfaces are drawn on by Laplace's equation in the inverse of the depth, in which a plane is
+    linear over the image, so that floors and walls go on exactly.
+    """
+    height, width = shape
+    hidden = widened(hidden.reshape(shape), 2).ravel()
+    open_ = np.where(hidden, np.nan, 1.0 / depth)
+    rows, columns = -(-height // STEP), -(-width // STEP)
+    padded = np.full((rows * STEP, columns * STEP), np.nan, np.float32)
+    padded[:height, :width] = open_.reshape(shape)
+    cells = padded.reshape(rows, STEP, columns, STEP).transpose(0, 2, 1, 3).reshape(-1, STEP**2)
+    known = np.isfinite(cells).sum(axis=1) > STEP
+    coarse = np.full(len(cells), np.nan)
+    coarse[known] = np.nanmean(cells[known], axis=1)
+    filled = _laplace(coarse, (rows, columns))
+    if filled is None:
+        return np.full(len(depth), np.nan, np.float32)
+    v, u = np.divmod(np.flatnonzero(~np.isfinite(open_)), width)
+    at = [(v + 0.5) / STEP - 0.5, (u + 0.5) / STEP - 0.5]
+    result = np.full(len(depth), np.nan, np.float32)
+    inverse = map_coordinates(filled.reshape(rows, columns), at, order=1, mode="nearest")
+    result[v * width + u] = 1.0 / np.maximum(inverse, 1e-3)
+    return result
+
+
+def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.float64] | None:
+    """``values`` (R * C,) with each NaN the mean of its neighbours; None where all are NaN."""
+    unknown = np.isnan(values)
+    if unknown.all():
+        return None
+    if not unknown.any():
+        return values
+    number = np.arange(len(values)).reshape(shape)
+    pairs = np.concatenate(
+        [
+            np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
+            np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
+        ]
+    )
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    pairs = pairs[unknown[pairs[:, 0]]]
+    place = np.cumsum(unknown) - 1
+    count = int(unknown.sum())
+    row, other = place[pairs[:, 0]], pairs[:, 1]
+    degree = np.bincount(row, minlength=count).astype(np.float64)
+    inner = unknown[other]
+    right = np.bincount(row[~inner], weights=values[other[~inner]], minlength=count)
+    entries = np.concatenate([degree, np.full(int(inner.sum()), -1.0)])
+    rows = np.concatenate([np.arange(count), row[inner]])
+    columns = np.concatenate([np.arange(count), place[other[inner]]])
+    matrix = coo_matrix((entries, (rows, columns)), shape=(count, count)).tocsc()
+    result = values.copy()
+    result[unknown] = spsolve(matrix, right)
+    return result
+
+
+def farthest(images: Iterable[F32], deviation: Callable[[F32], F32]) -> tuple[F32, F32]:
+    """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
+
+    ``images`` depths (H * W,) of frames of a whole recording; ``deviation`` depth → metres.
+    What is passed by now and then is known from the first frame on.
+    """
+    best = count = None
+    for image in images:
+        if best is None or count is None:
+            best, count = image.copy(), np.isfinite(image).astype(np.float32)
+            continue
+        limit = NEAR * deviation(image)
+        change = image - best
+        farther = np.isfinite(image) & ~(change <= limit)
+        same = np.flatnonzero(np.abs(change) <= limit)
+        count[same] += 1
+        best[same] += change[same] / count[same]
+        np.copyto(best, image, where=farther)
+        count[farther] = 1
+    if best is None or count is None:
+        return np.empty(0, np.float32), np.empty(0, np.float32)
+    return best, count
+
+
+def continued(depth: F32, known: Mask, shape: tuple[int, int]) -> Mask:
+    """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
+
+    Furniture goes on beside whom it is hidden by; somebody who stands there ends all round but
+    for the floor beneath him.
+    """
+    image = depth.reshape(shape)
+    start = np.ones(shape, np.bool_)
+    with np.errstate(invalid="ignore"):
+        start[:, 1:] = ~(np.abs(np.diff(image, axis=1)) < JUMP * image[:, 1:])
+    surface = np.cumsum(start.ravel()) - 1
+    enough = np.bincount(surface, weights=known) >= ENOUGH
+    return np.asarray(enough[surface], np.bool_)
+
+
+def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F32:
+    """(H * W,) how many times its ``deviation`` the depth of each place wavers.
+
+    ``images`` depths (H * W,) of successive frames, NaN where an object is known to be.  By
+    blocks, since shiny, dark and slanting surfaces are noisier than others at their depth; the
+    calmest pair of frames counts, since what passes is no noise.
+    """
+    height, width = shape
+    rows, columns = -(-height // BLOCK), -(-width // BLOCK)
+    found = []
+    for one, other in pairwise(images):
+        padded = np.full((rows * BLOCK, columns * BLOCK), np.nan, np.float32)
+        with np.errstate(invalid="ignore"):
+            padded[:height, :width] = (np.abs(one - other) * 1.05 / deviation).reshape(shape)
+        grid = padded.reshape(rows, BLOCK, columns, BLOCK).transpose(0, 2, 1, 3)
+        blocks = grid.reshape(rows * columns, BLOCK**2)
+        enough = np.flatnonzero(np.isfinite(blocks).sum(axis=1) > BLOCK**2 // 4)
+        median = np.full(rows * columns, np.inf)
+        median[enough] = np.nanmedian(blocks[enough], axis=1)
+        found.append(median)
+    calm = USUAL * np.min(found, axis=0)
+    calm[np.isinf(calm)] = 1.0
+    factor = np.clip(calm, LEAST, MOST).astype(np.float32).reshape(rows, columns)
+    image = np.repeat(np.repeat(factor, BLOCK, axis=0), BLOCK, axis=1)
+    return np.ascontiguousarray(image[:height, :width]).ravel()

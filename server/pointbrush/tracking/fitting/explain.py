@@ -1,0 +1,113 @@
+"""How well poses explain what the sensor saw: model points matched, hidden and seen through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.registration import Target, carried, transform_each
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.sensor.lens import Pixels, pixel
+from pointbrush.tracking.sensor.view import View
+
+SIZE = 1.0
+"""Radii by which a thing may have come nearer; what is nearer still and hides it is another."""
+NEUTRAL, LEAN = 0.6, 0.1
+"""What a pose costs that shows nothing of the model, and the weight of that, in models."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """Sample points (M,) of the model at each of K poses.
+
+    ``world`` (K, M, 3); ``seen`` (K, M) those that face the sensor with nothing before them;
+    ``through`` (K, M) those where the sensor saw something behind them; ``facing`` (K,) share that
+    faces the sensor.
+    """
+
+    world: F64
+    seen: Mask
+    through: Mask
+    facing: F64
+
+
+def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
+    """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
+
+    ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
+    which does not hide it.
+    """
+    world = transform_each(poses, thing.model.xyz[sample])
+    facing = thing.model.facing(poses, view.eye, sample)
+    seen, through = facing, np.zeros(facing.shape, np.bool_)
+    if view.lens is not None:
+        seen, through = _held_against(
+            view.lens.pixels, view.T_frame_world, view.depth, world, facing, 4 * thing.unit
+        )
+    elif view.shade is not None:
+        size = SIZE * thing.model.radius
+        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit, own, size)
+        seen = facing & ~hidden.reshape(facing.shape)
+    share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
+    return Look(world, seen, through, share)
+
+
+def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) -> F64:
+    """(K,) 0..1: mean squared distance, in place and colour, of what should be seen at each pose.
+
+    A side that was never seen must at least not stand before what was measured.
+    """
+    colour = thing.model.colour[sample]
+    total, count = _distances(
+        at.world, at.seen, at.through, colour, target.columns, target.weight, 3.0 * scale
+    )
+    lean = LEAN * len(sample)
+    return np.asarray((total + lean * NEUTRAL) / (count + lean))
+
+
+@compiled
+def _held_against(
+    lens: Pixels, T_frame_world: F64, image: F32, world: F64, facing: Mask, by: float
+) -> tuple[Mask, Mask]:
+    """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
+
+    By ``by`` metres more or less than the depth ``image``.
+    """
+    seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            at = carried(T_frame_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
+            cell, depth = pixel(lens, at)
+            if cell >= 0:
+                seen[k, i] = facing[k, i] and not image[cell] < depth - by
+                through[k, i] = image[cell] > depth + by
+    return seen, through
+
+
+@compiled
+def _distances(
+    world: F64, seen: Mask, through: Mask, colour: F32, grid: Columns, weight: float, most: float
+) -> tuple[F64, F64]:
+    """Sum of squares of the distances from what is ``seen``, in ``most`` metres, and how many.
+
+    What is not to be seen, but was looked through, is as far off as it can be.
+    """
+    total, count = np.zeros(len(world)), np.zeros(len(world))
+    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            if seen[k, i]:
+                if len(grid.tint):
+                    tint = toned(colour, i, weight)
+                place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
+                square, at = nearest_one(grid, place, tint, most, room)
+                total[k] += square / (most * most) if at >= 0 else 1.0
+                count[k] += 1.0
+            elif through[k, i]:
+                total[k] += 1.0
+                count[k] += 1.0
+    return total, count

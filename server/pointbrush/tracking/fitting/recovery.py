@@ -1,0 +1,174 @@
+"""Where else an object may be: moving points of its colour that form a cluster of its size."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.geometry.components import pieces
+from pointbrush.tracking.geometry.near import close_to
+from pointbrush.tracking.geometry.registration import Target, transform
+from pointbrush.tracking.interface import F32, F64, Mask
+from pointbrush.tracking.objects.model import Model
+from pointbrush.tracking.objects.thing import Thing
+
+CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
+"""Clusters that are looked at, points of one at least, and radii of the model that one that ends
+all round has at most."""
+TURN = np.radians(40.0)
+TURNS = [
+    np.asarray(Rotation.from_rotvec(sign * TURN * axis).as_matrix())
+    for axis in np.eye(3)
+    for sign in (1.0, -1.0)
+]
+ALL_WAYS = Rotation.create_group("O").as_matrix()
+"""Rotations (24, 3, 3) of which one is within 63 degrees of any."""
+SLIDES = (-0.6, -0.3, 0.3, 0.6)
+"""Steps along the longest direction, in radii."""
+GRAIN, SHIFTS, APART = 4.0, 8, 2
+"""Units of a step between the shifts that points vote for, how many of them are tried, and steps
+up to which two are one, since a fit from either finds both."""
+MOST_VOTED, FINEST = 300, 1000
+"""Steps, most voted for, among which such shifts are looked for; and across all that is seen."""
+LIKE = 0.12
+"""Colour difference, in the units of ``View.colour``, up to which colours are alike."""
+
+
+def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
+    """Poses (4, 4) to try for an object whose motion is not known.
+
+    Where ``pose`` puts it, and on each of the target's likeliest clusters: as ``pose`` has
+    turned it, turned by TURN about each axis either way, and with its longest direction along
+    the cluster's, both ways round.
+    """
+    model = thing.model
+    world = transform(pose, model.xyz)
+    middle = world.mean(axis=0)
+    axis, length = _axis(world)
+    result = [_move(pose, middle, middle, R) for R in TURNS]
+    for centre, points in _clusters(thing, target):
+        result.append(_move(pose, middle, centre, np.eye(3)))
+        result += [_move(pose, middle, centre, R) for R in TURNS]
+        along, other = _axis(points)
+        if length > 1.5 and other > 1.5:
+            result += [
+                _move(pose, middle, centre, _turn(axis, sign * along)) for sign in (1.0, -1.0)
+            ]
+    return result
+
+
+def shifts(model: F64, target: F64, pose: F64, unit: float) -> list[F64]:
+    """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
+    find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
+    world = transform(pose, model)
+    both = np.vstack([target, world])
+    step = max(GRAIN * unit, float(np.ptp(both, axis=0).max()) / FINEST)
+    cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
+    votes = (cells[:, None] - np.floor(world / step).astype(np.int64)).reshape(-1, 3)
+    lo = votes.min(axis=0)
+    size = np.ptp(votes, axis=0) + 1
+    number, count = np.unique((votes - lo) @ [size[1] * size[2], size[2], 1], return_counts=True)
+    likely = number[np.argsort(-count, kind="stable")[:MOST_VOTED]]
+    kept = np.zeros((1, 3), np.int64)
+    for shift in np.stack(np.unravel_index(likely, size), axis=1) + lo:
+        if len(kept) <= SHIFTS and (np.abs(kept - shift).max(axis=1) > APART).all():
+            kept = np.vstack([kept, shift])
+    found = np.repeat(pose[None], len(kept), axis=0)
+    found[:, :3, 3] += kept * step
+    return list(found[1:])
+
+
+def nudges(model: Model, pose: F64) -> list[F64]:
+    """Poses (4, 4) beside ``pose``: turned a little about each axis, and slid along the longest."""
+    world = transform(pose, model.xyz)
+    middle = world.mean(axis=0)
+    axis, _ = _axis(world)
+    result = [_move(pose, middle, middle, R) for R in TURNS]
+    away = [middle + step * model.radius * axis for step in SLIDES]
+    return result + [_move(pose, middle, there, np.eye(3)) for there in away]
+
+
+def turned_at(model: Model, pose: F64, middle: F64) -> F64:
+    """Poses (24, 4, 4) with the model's middle at ``middle``, turned all ways against ``pose``."""
+    at = transform(pose, model.xyz).mean(axis=0)
+    return np.stack([_move(pose, at, middle, R) for R in ALL_WAYS])
+
+
+def alike(model: Model, colour: F32) -> Mask:
+    """Which of the colours (M, 3) the model has about."""
+    palette = model.colour[:: max(1, len(model.colour) // 200)]
+    return close_to(colour, palette, LIKE)
+
+
+def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
+    """Middles (3,) and points (M, 3) of the target's likeliest clusters.
+
+    Those that end all round, and then where most points are.
+    """
+    model, points = thing.model, target.xyz
+    if target.weight > 0:
+        points = points[alike(model, target.colour)]
+    found = _alone(model, points, thing.unit) if thing.handy else []
+    radius = max(model.radius, 1e-3)
+    while len(points) >= FEWEST and len(found) < CLUSTERS:
+        some = points[:: max(1, len(points) // 60)]
+        near = cKDTree(points).query_ball_point(some, 0.6 * radius, return_length=True)
+        centre = some[int(np.argmax(near))]
+        for _ in range(3):
+            inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+            if not inside.any():
+                break
+            centre = points[inside].mean(axis=0)
+        inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+        if inside.sum() < FEWEST:
+            break
+        found.append((centre, points[inside]))
+        points = points[~inside]
+    return found
+
+
+def _alone(model: Model, points: F64, unit: float) -> list[tuple[F64, F64]]:
+    """Middles and points of the pieces no larger than the model, the largest first."""
+    if len(points) < FEWEST:
+        return []
+    piece = pieces(points, unit)
+    size = np.bincount(piece)
+    found = []
+    for one in np.argsort(-size, kind="stable")[: 2 * CLUSTERS].tolist():
+        mine = points[piece == one]
+        middle = mine.mean(axis=0)
+        far = float(np.linalg.norm(mine - middle, axis=1).max())
+        if len(mine) >= FEWEST and far < SPAN * model.radius:
+            found.append((middle, mine))
+    return found[:CLUSTERS]
+
+
+def _axis(xyz: F64) -> tuple[F64, float]:
+    """Longest direction, and how many times longer it is than the next."""
+    if len(xyz) < 3:
+        return np.array([1.0, 0.0, 0.0]), 1.0
+    values, vectors = np.linalg.eigh(np.cov(xyz.T))
+    spread = float(np.sqrt(max(values[2], 1e-12) / max(values[1], 1e-12)))
+    return vectors[:, 2], spread
+
+
+def _turn(a: F64, b: F64) -> F64:
+    """The least rotation (3, 3) that brings unit vector ``a`` to ``b``."""
+    v, c = np.cross(a, b), float(a @ b)
+    if c < -0.9999:
+        side = np.cross(a, [1.0, 0.0, 0.0])
+        if np.linalg.norm(side) < 1e-3:
+            side = np.cross(a, [0.0, 1.0, 0.0])
+        side /= np.linalg.norm(side)
+        return np.asarray(2 * np.outer(side, side) - np.eye(3))
+    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1 + c))
+
+
+def _move(pose: F64, middle: F64, centre: F64, R: F64) -> F64:
+    """``pose`` turned by ``R`` about ``middle`` and brought to ``centre``."""
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = centre - R @ middle
+    return T @ pose

@@ -1,0 +1,185 @@
+"""Small things that are nowhere near where they should be: thrown, knocked, or lost for a while.
+
+What is not found around its predictions is looked for in the whole frame: among the moving points
+that nobody has, those of its colours, where they hang together to about its size.  But first it is
+looked whether something of its size and colours is alone where it should be: that is the thing,
+though it may show a side that the model does not know, to which no pose fits well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.judge import judge
+from pointbrush.tracking.fitting.recovery import alike, turned_at
+from pointbrush.tracking.fitting.search import crop
+from pointbrush.tracking.geometry.components import pieces
+from pointbrush.tracking.geometry.near import within
+from pointbrush.tracking.geometry.registration import excess, transform, transform_each
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.segmentation.assign import Claim, without
+from pointbrush.tracking.segmentation.belong import own_points
+from pointbrush.tracking.sensor.view import View
+
+DOUBT = 0.25
+"""Cost of a fit above which a thing is looked for in the whole frame."""
+CLEAR, BETTER, MATCHED, WORN = 0.3, 0.7, 0.6, 0.4
+"""Cost up to which it is found there, share of the cost it had before, share of the visible model
+that has to be matched, and share of its colours that it has to have shown where it was painted."""
+LEAST, MOST = 0.25, 3.0
+"""Shares of its size that a cluster may have."""
+LOOSE, AROUND, ONCE, ALIKE = 0.5, 2.2, 1.2, 0.7
+"""What is alone where the thing should be: cost up to which the thing fits there, radii around the
+predictions in which it ends, share of the thing's size that it has at most, and of its colours
+that the thing showed where it was painted."""
+FEW = 0.1
+"""Share of that which somebody may have claimed."""
+ANOTHERS = 0.5
+"""Share of its claim under which the place where a thing was found is another's."""
+CLUSTERS, TRIES = 4, 2
+"""Clusters that are looked at, and those of them that the thing is fitted to."""
+PATIENT, SELDOM = 2, 3
+"""Frames for which it is looked for in each, and then in one of how many."""
+
+
+def find_astray(
+    things: Iterable[Thing],
+    background: Background,
+    view: View,
+    free: Mask,
+    places: dict[int, Place],
+    claims: dict[int, Claim],
+) -> None:
+    """Look for ``things`` that fit badly or not at all; ``places`` and ``claims`` take them in."""
+    some = [thing for thing in things if _is_astray(thing, view, places.get(thing.label))]
+    if not some:
+        return
+    sought = {thing.label for thing in some}
+    left = without(free, (claim for label, claim in claims.items() if label not in sought))
+    points = np.flatnonzero(left)
+    far, still = background.static(view, points)
+    points = points[~(far | still)]
+    for thing in some:
+        before = _own(places.get(thing.label))
+        found = _alone(thing, background, view, without(free, claims.values()))
+        if found is None:
+            found = _best(thing, background, view, left, points[left[points]], before)
+        if found is not None:
+            places[thing.label], claims[thing.label] = found
+            left[found[1].indices] = False
+            thing.astray = 0
+
+
+def _is_astray(thing: Thing, view: View, place: Place | None) -> bool:
+    """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
+    if view.lens is None or thing.large or thing.bends or thing.stopped:
+        return False
+    place = _own(place)
+    if place is not None and place.cost < DOUBT:
+        thing.astray = 0
+        return False
+    thing.astray += 1
+    return thing.astray <= PATIENT or (view.number + thing.label) % SELDOM == 0
+
+
+def _own(place: Place | None) -> Place | None:
+    """The place of a thing, None where it is another's."""
+    return None if place is None or place.kept < ANOTHERS else place
+
+
+def _alone(
+    thing: Thing, background: Background, view: View, nobodys: Mask
+) -> tuple[Place, Claim] | None:
+    """The thing where it should be, if something like it is alone there that nobody has."""
+    middle = _lone_piece(thing, background, view, nobodys)
+    if middle is None:
+        return None
+    guesses = turned_at(thing.model, thing.motion.poses[-1], middle)
+    search = crop(thing, view, background, nobodys, guesses)
+    if search is None:
+        return None
+    place = find(search)
+    claim = own_points(thing, view, place)
+    seen = judge(thing, view, place.pose, place.world, claim).found
+    return (place, claim) if seen and place.cost < LOOSE else None
+
+
+def _lone_piece(thing: Thing, background: Background, view: View, nobodys: Mask) -> F64 | None:
+    """Middle (3,) of what is alone, of the thing's size and colours, nearest to a prediction."""
+    at = transform_each(thing.motion.predictions(), thing.motion.centre[None])[:, 0]
+    margin = AROUND * thing.model.radius
+    lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
+    around = view.box(lo, hi)
+    around = around[~background.static(view, around)[0]]
+    if not len(around):
+        return None
+    xyz = view.xyz[around].astype(np.float64)
+    piece = pieces(xyz, thing.unit)
+    size = np.bincount(piece)
+    ends = within(xyz, lo + thing.unit, hi - thing.unit)
+    fits = (size >= LEAST * thing.size) & (size <= ONCE * thing.size)
+    fits &= np.bincount(piece[~ends], minlength=len(size)) == 0
+    fits &= np.bincount(piece[~nobodys[around]], minlength=len(size)) <= FEW * size
+    best, nearest = None, thing.model.radius
+    for one in np.flatnonzero(fits).tolist():
+        middle = xyz[piece == one].mean(axis=0)
+        away = float(np.linalg.norm(at - middle, axis=1).min())
+        like = thing.worn.share(view.colour(around[piece == one]))
+        if away < nearest and like > ALIKE:
+            best, nearest = middle, away
+    return best
+
+
+def _best(
+    thing: Thing, background: Background, view: View, left: Mask, points: I64, before: Place | None
+) -> tuple[Place, Claim] | None:
+    """Where a thing fits best among the ``points`` (M,): well, and far better than ``before``."""
+    best, most = None, CLEAR if before is None else min(CLEAR, BETTER * before.cost)
+    last = thing.motion.poses[-1]
+    guesses = [turned_at(thing.model, last, at) for at in _clusters(thing, view, points)]
+    searches = [crop(thing, view, background, left, some) for some in guesses]
+    likely = [search for search in searches if search is not None]
+    for search in sorted(likely, key=lambda search: float(search.costs.min()))[:TRIES]:
+        place = find(search)
+        cost = place.cost + excess(place.world, search.target, thing.unit)
+        if cost >= most:
+            continue
+        claim = own_points(thing, view, place)
+        verdict = judge(thing, view, place.pose, place.world, claim)
+        if verdict.found and verdict.inliers > MATCHED and _looks_like(thing, view, claim):
+            place.anew = _is_elsewhere(thing, place, before)
+            best, most = (place, claim), cost
+    return best
+
+
+def _looks_like(thing: Thing, view: View, claim: Claim) -> bool:
+    """Whether what is claimed has the colours that a thing was painted with, as no arm has."""
+    return thing.worn.share(view.colour(claim.indices)) > WORN
+
+
+def _is_elsewhere(thing: Thing, place: Place, before: Place | None) -> bool:
+    """Whether a thing is not where it was found ``before``, and only turned another way."""
+    if before is None:
+        return True
+    here, there = (transform(at.pose, thing.model.centre[None]) for at in (place, before))
+    return float(np.linalg.norm(here - there)) > thing.model.radius
+
+
+def _clusters(thing: Thing, view: View, points: I64) -> list[F64]:
+    """Middles (3,) of what hangs together in the thing's colours, the likeliest sizes first."""
+    if thing.weight > 0.0:
+        points = points[alike(thing.model, view.colour(points))]
+    if not len(points):
+        return []
+    xyz = view.xyz[points].astype(np.float64)
+    piece = pieces(xyz, thing.unit)
+    size = np.bincount(piece)
+    fitting = np.flatnonzero((size >= LEAST * thing.size) & (size <= MOST * thing.size))
+    order = np.argsort(np.abs(np.log(size[fitting] / thing.size)), kind="stable")
+    return [xyz[piece == one].mean(axis=0) for one in fitting[order][:CLUSTERS].tolist()]

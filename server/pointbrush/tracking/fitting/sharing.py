@@ -1,0 +1,94 @@
+"""Which points are no target for a thing, since another thing's prediction explains them better."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.tracking.fitting.fit import CLEAR, DOUBT, DOUBT_LARGE
+from pointbrush.tracking.fitting.search import FEWEST, Search
+from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.near import bounds
+from pointbrush.tracking.geometry.registration import Target, transform
+from pointbrush.tracking.interface import F32, F64, Mask
+from pointbrush.tracking.objects.thing import Thing
+
+
+def share_out(searches: Iterable[Search]) -> None:
+    """Take out of each target what another thing's prediction explains clearly better."""
+    searches = list(searches)
+    ghosts = [_ghost(search) for search in searches]
+    sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.thing)]
+    new: list[tuple[Search, Target]] = []
+    for search, ghost in zip(searches, ghosts, strict=True):
+        left = search.target
+        drop = np.zeros(len(left.xyz), np.bool_)
+        for number in sure:
+            if searches[number] is not search and ghosts[number].meets(ghost):
+                reach = 3 * searches[number].thing.unit
+                own, theirs = ghost.surface, ghosts[number].surface
+                _drop_theirs(drop, left.xyz, left.colour, own, theirs, reach)
+        if drop.any() and (~drop).sum() >= FEWEST:
+            new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
+    for search, target in new:
+        search.aim(target)
+
+
+def _limit(thing: Thing) -> float:
+    """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
+    if thing.motion.fresh:
+        return CLEAR if thing.handy else 0.0
+    return DOUBT_LARGE if thing.large else DOUBT
+
+
+class _Surface(NamedTuple):
+    """Sorted points in a box, ``weight`` metres per unit of their colour."""
+
+    columns: Columns
+    weight: float
+    lo: F64
+    hi: F64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ghost:
+    """A thing where it is predicted, in place and colour."""
+
+    surface: _Surface
+    centre: F64
+    radius: float
+
+    def meets(self, other: _Ghost) -> bool:
+        """Whether the two are near to each other."""
+        away = self.centre - other.centre
+        return float(away @ away) < (1.5 * (self.radius + other.radius)) ** 2
+
+
+def _ghost(search: Search) -> _Ghost:
+    model, many, weight = search.thing.model, search.many, search.target.weight
+    world = transform(search.best, model.xyz[many])
+    columns = Target(world, model.colour[many], weight).columns
+    centre = transform(search.best, search.thing.motion.centre[None])[0]
+    return _Ghost(_Surface(columns, weight, *bounds(world)), centre, model.radius)
+
+
+@compiled
+def _drop_theirs(
+    drop: Mask, xyz: F64, colour: F32, own: _Surface, theirs: _Surface, reach: float
+) -> None:
+    """Mark which points (N, 3) are nearer to another's surface than half as far as to their own."""
+    room, other_room = spans(own.columns), spans(theirs.columns)
+    for i in range(len(xyz)):
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        away = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
+        if drop[i] or max(away, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
+            continue
+        tint = toned(colour, i, theirs.weight)
+        square, at = nearest_one(theirs.columns, (x, y, z), tint, reach, other_room)
+        if at >= 0:
+            tint = toned(colour, i, own.weight)
+            drop[i] = square < 0.25 * nearest_one(own.columns, (x, y, z), tint, 2 * reach, room)[0]

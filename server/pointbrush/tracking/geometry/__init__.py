@@ -1,0 +1,1 @@
+"""Points and pixels by themselves: nearest ones, grids, components, paths, registration."""

@@ -1,0 +1,306 @@
+"""Nearest points: a grid of columns over the two directions in which a cloud is widest.
+
+Points measured on surfaces fill few cells of a grid in space, and few lie behind each other, so
+that columns hold a handful each.  A search goes outward from the column of the wanted point, ring
+by ring, and ends where nothing nearer can come.  Source: Bentley, Weide and Yao 1980, with colour
+as part of the distance.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+
+Triple = tuple[float, float, float]
+PER_COLUMN = 3.0
+"""Points of a column, if they were spread evenly over the whole width."""
+
+
+NONE: F32 = np.empty((0, 3), np.float32)
+"""Tints of points without."""
+
+
+class Columns(NamedTuple):
+    """Points (N, 3) sorted by column: ``tint`` (N, 3) of each in metres, or (0, 3) for none.
+
+    ``order`` (N,) numbers them as they were given; column (i, j) has ``start[i * across + j]`` up
+    to the next; ``axes`` are the two directions, ``low`` (2,) the least there, ``size`` metres.
+    """
+
+    xyz: F64
+    tint: F64
+    order: I64
+    start: I64
+    axes: tuple[int, int]
+    low: tuple[float, float]
+    size: float
+    along: int
+    across: int
+
+
+@compiled
+def _slot(at: float, count: int) -> int:
+    """Which of ``count`` slots holds ``at``; the first or the last for what lies outside.
+
+    Compiled loops do not check what they index with: what is no number goes to the first.
+    """
+    return int(min(at, count - 1.0)) if at > 0.0 else 0
+
+
+@compiled
+def columns(xyz: F64, tint: F32, weight: float) -> Columns:
+    """Sort points (N, 3) with ``tint`` (N, 3), times ``weight``, where that is not zero."""
+    count = len(xyz)
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for i in range(count):
+        for a in range(3):
+            if abs(xyz[i, a]) < np.inf:
+                low[a], high[a] = min(low[a], xyz[i, a]), max(high[a], xyz[i, a])
+    extent = np.maximum(high - low, 0.0)
+    thin = 0
+    for a in range(1, 3):
+        if extent[a] <= extent[thin]:
+            thin = a
+    one, other = (1 if thin == 0 else 0), (1 if thin == 2 else 2)
+    wide, high_ = extent[one], extent[other]
+    size = max(
+        np.sqrt(wide * high_ * PER_COLUMN / max(count, 1)),
+        max(wide, high_) * PER_COLUMN / max(count, 1),
+        1e-9,
+    )
+    along, across = int(wide / size) + 1, int(high_ / size) + 1
+    cell = np.empty(count, np.int64)
+    start = np.zeros(along * across + 1, np.int64)
+    for i in range(count):
+        row = _slot((xyz[i, one] - low[one]) / size, along)
+        cell[i] = row * across + _slot((xyz[i, other] - low[other]) / size, across)
+        start[cell[i] + 1] += 1
+    for c in range(along * across):
+        start[c + 1] += start[c]
+    free = start[:-1].copy()
+    order = np.empty(count, np.int64)
+    coloured = weight != 0.0
+    placed, tinted = np.empty((count, 3)), np.empty((count if coloured else 0, 3))
+    for i in range(count):
+        at = free[cell[i]]
+        free[cell[i]] += 1
+        order[at] = i
+        for a in range(3):
+            placed[at, a] = xyz[i, a]
+            if coloured:
+                tinted[at, a] = weight * tint[i, a]
+    lows = (low[one], low[other])
+    return Columns(placed, tinted, order, start, (one, other), lows, size, along, across)
+
+
+@compiled
+def spans(grid: Columns) -> I64:
+    """Room for what a search has to look through at a time."""
+    return np.empty((4 * max(grid.along, grid.across) + 4, 2), np.int64)
+
+
+@compiled
+def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) -> int:
+    """Number of stretches of sorted points, now in ``room``, that a ring of columns holds.
+
+    It lies around (u, v); columns ``best`` square metres away or farther are left out.  -1 where
+    they all are, and so are those of larger rings.
+    """
+    size, along, across = grid.size, grid.along, grid.across
+    row, column = _slot(u / size, along), _slot(v / size, across)
+    if ring == 0:
+        room[0, 0] = grid.start[row * across + column]
+        room[0, 1] = grid.start[row * across + column + 1]
+        return 1
+    first, last, low, high = row - ring, row + ring, column - ring, column + ring
+    before = first >= 0 and (u - (first + 1) * size) ** 2 < best
+    after = last < along and (last * size - u) ** 2 < best
+    below = low >= 0 and (v - (low + 1) * size) ** 2 < best
+    above = high < across and (high * size - v) ** 2 < best
+    if not (before or after or below or above):
+        return -1
+    count = 0
+    for wanted, at in ((before, first), (after, last)):
+        if wanted:
+            room[count, 0] = grid.start[at * across + max(low, 0)]
+            room[count, 1] = grid.start[at * across + min(high, across - 1) + 1]
+            count += 1
+    for wanted, at in ((below, low), (above, high)):
+        if wanted:
+            for between in range(max(first + 1, 0), min(last, along)):
+                room[count, 0] = grid.start[between * across + at]
+                room[count, 1] = grid.start[between * across + at + 1]
+                count += 1
+    return count
+
+
+@compiled
+def nearest_one(
+    grid: Columns,
+    place: Triple,
+    tint: Triple,
+    most: float,
+    room: I64,
+) -> tuple[float, int]:
+    """Square of the distance to the nearest point, and where it is sorted; -1 for none.
+
+    ``place`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``.
+    """
+    x, y, z = place
+    r, g, b = tint
+    coloured = len(grid.tint) > 0
+    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    best, nearest_at, ring = most * most, -1, 0
+    while True:
+        count = _ring(grid, u, v, ring, best, room)
+        if count < 0:
+            return best, nearest_at
+        for k in range(count):
+            for at in range(room[k, 0], room[k, 1]):
+                dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+                square = dx * dx + dy * dy + dz * dz
+                if coloured and square < best:
+                    dr, dg, db = grid.tint[at, 0] - r, grid.tint[at, 1] - g, grid.tint[at, 2] - b
+                    square += dr * dr + dg * dg + db * db
+                if square < best:
+                    best, nearest_at = square, at
+        ring += 1
+
+
+@compiled
+def toned(colour: F32, i: int, weight: float) -> Triple:
+    """One of the colours (M, 3), in metres."""
+    return weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2]
+
+
+@compiled
+def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> tuple[F64, I64]:
+    """Distances (M,) below ``most`` metres, and indices (M,), of the nearest to points (M, 3).
+
+    ``tint`` (M, 3), times ``weight``, counts where the grid has any.  Where nothing is so near the
+    distance is ``most`` and the index -1.
+    """
+    count = len(xyz)
+    distance, index = np.full(count, most), np.full(count, -1)
+    colour, room = (0.0, 0.0, 0.0), spans(grid)
+    for i in range(count):
+        if len(grid.tint):
+            colour = toned(tint, i, weight)
+        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        square, at = nearest_one(grid, place, colour, most, room)
+        if at >= 0:
+            distance[i], index[i] = np.sqrt(square), grid.order[at]
+    return distance, index
+
+
+@compiled
+def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
+    """Whether a point is less than ``most`` metres away; see ``nearest_one``."""
+    x, y, z = place
+    r, g, b = tint
+    size, along, across = grid.size, grid.along, grid.across
+    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    left, right = _slot((v - most) / size, across), _slot((v + most) / size, across)
+    for row in range(_slot((u - most) / size, along), _slot((u + most) / size, along) + 1):
+        for at in range(grid.start[row * across + left], grid.start[row * across + right + 1]):
+            dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+            square = dx * dx + dy * dy + dz * dz
+            if len(grid.tint) and square < most * most:
+                dr, dg, db = grid.tint[at, 0] - r, grid.tint[at, 1] - g, grid.tint[at, 2] - b
+                square += dr * dr + dg * dg + db * db
+            if square < most * most:
+                return True
+    return False
+
+
+@compiled
+def any_near_each(grid: Columns, xyz: F64, tint: F32, most: float) -> Mask:
+    """Which of the points (M, 3) have one less than ``most`` metres away; see ``nearest``."""
+    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    for i in range(len(xyz)):
+        if len(grid.tint):
+            colour = toned(tint, i, 1.0)
+        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most)
+    return found
+
+
+@compiled
+def nearer_than(grid: Columns, xyz: F64, tint: F32, weight: float, most: F64) -> Mask:
+    """Which of the points (M, 3) have one less than ``most`` (M,) metres away; see ``nearest``."""
+    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    for i in range(len(xyz)):
+        if len(grid.tint):
+            colour = toned(tint, i, weight)
+        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most[i])
+    return found
+
+
+@compiled
+def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
+    """Distances (M, 3) below ``most`` metres, and indices (M, 3), of the three nearest in place.
+
+    Nearest first; infinite, and -1, where there are no more.
+    """
+    distance, index = np.full((len(xyz), 3), np.inf), np.full((len(xyz), 3), -1)
+    room = spans(grid)
+    for i in range(len(xyz)):
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        u = xyz[i, grid.axes[0]] - grid.low[0]
+        v = xyz[i, grid.axes[1]] - grid.low[1]
+        first, second, third = most * most, most * most, most * most
+        one, two, three, ring = -1, -1, -1, 0
+        while True:
+            count = _ring(grid, u, v, ring, third, room)
+            if count < 0:
+                break
+            for k in range(count):
+                for at in range(room[k, 0], room[k, 1]):
+                    dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+                    square = dx * dx + dy * dy + dz * dz
+                    if square < first:
+                        third, second, first = second, first, square
+                        three, two, one = two, one, at
+                    elif square < second:
+                        third, second = second, square
+                        three, two = two, at
+                    elif square < third:
+                        third, three = square, at
+            ring += 1
+        for k, square, at in ((0, first, one), (1, second, two), (2, third, three)):
+            if at >= 0:
+                distance[i, k], index[i, k] = np.sqrt(square), grid.order[at]
+    return distance, index
+
+
+@compiled
+def pairs(xyz: F64, most: float) -> I64:
+    """(P, 2) all pairs of points (N, 3) at most ``most`` metres apart, the lesser number first."""
+    grid = columns(xyz, np.empty((0, 3), np.float32), 0.0)
+    found, count = np.empty((8 * len(xyz) + 8, 2), np.int64), 0
+    steps = int(most / grid.size) + 1
+    for row in range(grid.along):
+        for column in range(grid.across):
+            here = row * grid.across + column
+            low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
+            for one in range(grid.start[here], grid.start[here + 1]):
+                # Each pair is met once: from the point that is sorted first.
+                for other_row in range(row, min(row + steps, grid.along - 1) + 1):
+                    first = max(grid.start[other_row * grid.across + low], one + 1)
+                    for other in range(first, grid.start[other_row * grid.across + high + 1]):
+                        square = 0.0
+                        for a in range(3):
+                            square += (grid.xyz[one, a] - grid.xyz[other, a]) ** 2
+                        if not square <= most * most:
+                            continue
+                        if count == len(found):
+                            more = np.empty((2 * count, 2), np.int64)
+                            more[:count] = found
+                            found = more
+                        i, j = grid.order[one], grid.order[other]
+                        found[count, 0], found[count, 1] = min(i, j), max(i, j)
+                        count += 1
+    return found[:count]

@@ -1,0 +1,68 @@
+"""What hangs together: the pieces that points lie in, and what of a label is no piece of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.geometry.columns import pairs
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.grid import cells_of, means_of
+from pointbrush.tracking.interface import F64, I64, Mask
+
+CELL, TOUCH = 1.5, 1.75
+"""Units of a cell, and cells between the middles of two that touch."""
+CRUMB, CRUMBS, APART = 0.04, 10, 3.0
+"""Share of a label, and number of points, under which what lies apart from it is no part of it; and
+how many times as far as that is for pieces, since depth comes in steps."""
+
+
+def pieces(xyz: F64, unit: float) -> I64:
+    """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
+    cell = cells_of(xyz, CELL * unit)
+    middle = means_of(xyz, cell)
+    whole = np.ones(len(middle), np.bool_)
+    return np.asarray(parts(pairs(middle, TOUCH * CELL * unit), whole)[cell])
+
+
+@compiled
+def parts(links: I64, some: Mask) -> I64:
+    """(N,) number of the part that each of ``some`` (N,) is of, from 0; -1 for the others.
+
+    ``links`` (P, 2) join two of them each.  Source: union-find, Tarjan 1975.
+    """
+    root = np.arange(len(some))
+    for k in range(len(links)):
+        one, other = links[k]
+        if some[one] and some[other]:
+            one, other = _root(root, one), _root(root, other)
+            root[max(one, other)] = min(one, other)
+    part, count = np.full(len(some), -1), 0
+    for i in range(len(some)):
+        if some[i]:
+            first = _root(root, i)
+            if first == i:
+                part[i] = count
+                count += 1
+            part[i] = part[first]
+    return part
+
+
+@compiled
+def _root(root: I64, at: int) -> int:
+    while root[at] != at:
+        root[at] = root[root[at]]
+        at = root[at]
+    return at
+
+
+def solid(xyz: F64, unit: float) -> Mask:
+    """Which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
+
+    A person who paints a thing paints the flying pixels of its outline too, which lie anywhere
+    between it and the wall, and would make a pin as large as the way there.
+    """
+    if not len(xyz):
+        return np.ones(0, np.bool_)
+    piece = pieces(xyz, APART * unit)
+    kept = np.bincount(piece)[piece] >= min(CRUMBS, CRUMB * len(xyz))
+    return kept if 2 * np.count_nonzero(kept) > len(xyz) else np.ones(len(xyz), np.bool_)

@@ -1,0 +1,63 @@
+"""Which of several each cell of a surface belongs to, where cells that touch mostly agree.
+
+Source: the mean field of a Potts model, swept over the cells in turns, as in Krähenbühl and Koltun
+2011, but with neighbours that touch in place of a dense filter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.interface import F64
+
+SWEEPS, FIRM = 30, 8.0
+"""Most sweeps over the cells, and how much all neighbours of a cell weigh against its own cost."""
+SETTLED = 0.02
+"""Change of probability under which a sweep was the last."""
+ENOUGH = 3.0
+"""Neighbours from which they have their full weight."""
+
+
+@compiled
+def agreed(cost: F64, links: Paths) -> F64:
+    """(N, K) probability that a cell is of each of the K, which ``cost`` it (N, K).
+
+    ``links`` lead from each cell to its neighbours; their length is how much a neighbour counts.
+    """
+    count, many = cost.shape
+    share, now = np.empty((count, many)), np.empty(many)
+    for i in range(count):
+        _normalised(-cost[i], share[i])
+    for sweep in range(SWEEPS):
+        change = 0.0
+        for turn in range(count):
+            i = turn if sweep % 2 == 0 else count - 1 - turn
+            now[:] = 0.0
+            total = 0.0
+            for n in range(links.start[i], links.start[i + 1]):
+                total += links.length[n]
+                for k in range(many):
+                    now[k] += links.length[n] * share[links.end[n], k]
+            scale = FIRM * min(1.0, total / ENOUGH) / total if total > 0.0 else 0.0
+            for k in range(many):
+                now[k] = scale * now[k] - cost[i, k]
+            _normalised(now, now)
+            for k in range(many):
+                change = max(change, abs(now[k] - share[i, k]))
+                share[i, k] = now[k]
+        if change < SETTLED:
+            break
+    return share
+
+
+@compiled
+def _normalised(odds: F64, out: F64) -> None:
+    """Probabilities (K,) of logarithmic ``odds`` (K,)."""
+    most, total = odds.max(), 0.0
+    for k in range(len(odds)):
+        out[k] = np.exp(odds[k] - most)
+        total += out[k]
+    for k in range(len(odds)):
+        out[k] /= total

@@ -1,0 +1,1 @@
+"""What is known of one label on its way through a recording."""

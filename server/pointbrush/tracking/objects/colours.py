@@ -1,0 +1,109 @@
+"""What a thing wears: the colours it showed where it was painted, by which it is known again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import uniform_filter
+
+from pointbrush.tracking.geometry.grid import numbered
+from pointbrush.tracking.interface import F32, I64, Mask
+
+BIN = 0.028
+"""Width of a bin, in the units of ``View.colour``; a colour has its like three bins wide."""
+LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+RATHER = 10.0
+"""How many times as common among those worn a colour is that is rather theirs."""
+COARSE = 3
+"""Bins, each way, of the cells in which it is told how common a colour is among few."""
+OFTEN = 0.02
+"""Share of colours from which they are common."""
+RARER = 2.0
+"""How much rarer colours may be than its own usually are, in the mean logarithm, to be like them:
+the edge of what is painted has those of hands."""
+RARE = 0.002
+"""Share of colours that are nowhere among those worn."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ColourHistogram:
+    """``common`` (bins,): the share of a thing's points of about that colour.
+
+    ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
+    says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
+    """
+
+    common: F32
+    hues: F32
+    usual: float
+    alone: Mask
+
+    @staticmethod
+    def of(colour: F32) -> ColourHistogram:
+        """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
+        count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
+        share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
+        common = 27 * uniform_filter(share, 3, mode="constant").ravel()
+        hues = 9 * uniform_filter(share.sum(axis=2), 3, mode="constant").ravel()
+        usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
+        return ColourHistogram(common, hues, usual, np.zeros(len(common), np.bool_))
+
+    def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
+        """The same, with the colours told that are its alone among ``others``."""
+        alone = self.common > OFTEN
+        for other in others:
+            alone &= self.common > RATHER * other.common
+        return replace(self, alone=alone)
+
+    def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
+        """The same, with no colour its alone that is not more points' of a thing of ``size`` points
+        than of those that have the colours (M, 3)."""
+        other = ColourHistogram.of(colour)
+        return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
+
+    def each(self, colour: F32) -> F32:
+        """(M,) logarithm of how common each of the colours (M, 3) is."""
+        return np.asarray(np.log(self.common[_bins(colour)] + RARE), np.float32)
+
+    def likeness(self, colour: F32) -> float:
+        """Mean logarithm of how common the colours (M, 3) are."""
+        return float(self.each(colour).mean()) if len(colour) else -np.inf
+
+    def unlike(self, colour: F32) -> bool:
+        """Whether the colours (M, 3) are much rarer here than its own usually are."""
+        return self.likeness(colour) < self.usual - RARER
+
+    def rather(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
+        at = _at(colour)
+        place = _flat(at // COARSE)
+        number = numbered(place)
+        return np.asarray(
+            self.common[_flat(at)] > RATHER * np.bincount(number)[number] / len(colour)
+        )
+
+    def only(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are its alone."""
+        return np.asarray(self.alone[_bins(colour)])
+
+    def strange(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) have no like here, be they brighter or darker."""
+        return np.asarray(self.hues[_bins(colour) // SHAPE[2]] <= RARE)
+
+    def share(self, colour: F32) -> float:
+        """Share of the colours (M, 3) that have their like."""
+        return float((self.common[_bins(colour)] > RARE).mean()) if len(colour) else 0.0
+
+
+def _at(colour: F32) -> I64:
+    return np.asarray(np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1))
+
+
+def _bins(colour: F32) -> I64:
+    return _flat(_at(colour))
+
+
+def _flat(at: I64) -> I64:
+    return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)

@@ -1,0 +1,180 @@
+"""An object's surface as gathered so far: points with colour, where seen from, hits and misses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.grid import numbered
+from pointbrush.tracking.geometry.near import bounds, middle
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+
+MOST_POINTS, MOST_BENT = 2500, 1000
+"""Points of a model, and of one that is made anew in each frame, since it bends."""
+SURE = 12.0
+"""Hits from which a point may have new neighbours; a person's points have them at once."""
+FACING = 0.25
+"""Cosine between the directions from which a point was and would be seen, to expect it."""
+
+
+@dataclass(eq=False)
+class Model:
+    """Surface points in start-frame coordinates.
+
+    ``xyz`` (M, 3), ``colour`` (M, 3) as ``View.colour`` gives it, ``seen`` (M, 3) unit vectors
+    to the sensor when last seen (zeros where its place is unknown), ``hits`` and ``misses`` (M,)
+    counts, ``spacing`` metres between neighbours.
+    """
+
+    xyz: F64
+    colour: F32
+    seen: F64
+    spacing: float
+    hits: F32
+    misses: F32
+    _radius: float | None = None
+
+    @staticmethod
+    def of(
+        xyz: F64, colour: F32, eye: F64 | None, spacing: float, most: int = MOST_POINTS
+    ) -> Model:
+        """A model of the points (M, 3) that a sensor at ``eye`` sees, ``most`` of them."""
+        n = len(xyz)
+        model = Model(
+            xyz,
+            colour,
+            _towards(xyz, eye),
+            spacing,
+            np.ones(n, np.float32),
+            np.zeros(n, np.float32),
+        )
+        return model._thin(most)
+
+    @property
+    def centre(self) -> F64:
+        """(3,) mean of the points."""
+        return middle(self.xyz)
+
+    @property
+    def radius(self) -> float:
+        """Metres from the centre that hold nearly all points."""
+        if self._radius is None:
+            away = self.xyz - self.centre
+            square = np.einsum("ij,ij->i", away, away)
+            most = int(0.98 * (len(square) - 1))
+            self._radius = float(np.sqrt(np.partition(square, most)[most]))
+        return self._radius
+
+    def facing(self, poses: F64, eye: F64 | None, which: I64 | slice = slice(None)) -> Mask:
+        """(K, M) points, or ``which`` of them, whose side faces ``eye`` at each of ``poses``
+        (K, 4, 4)."""
+        xyz, seen = self.xyz[which], self.seen[which]
+        if eye is None:
+            return np.ones((len(poses), len(xyz)), np.bool_)
+        return _facing(xyz, seen, poses, np.asarray(eye, np.float64))
+
+    def gather(
+        self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool | Mask
+    ) -> None:
+        """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``.
+
+        Where the points are not ``sure``, new ones join only beside well confirmed ones: what
+        holds an object moves with it, and must not become part of it bit by bit.
+        """
+        sure = np.broadcast_to(sure, len(xyz))
+        on = gap < 1.2 * self.spacing
+        self._hit(nearest[on], sure[on])
+        self.misses[nearest[on]] = 0
+        towards = _towards(xyz, eye)
+        self.seen[nearest[on]] = towards[on]
+        beside = sure | (self.hits[nearest] >= SURE)
+        new = np.flatnonzero((gap >= 0.9 * self.spacing) & beside)
+        if len(new) == 0:
+            return
+        self.xyz = np.vstack([self.xyz, xyz[new]])
+        self.colour = np.vstack([self.colour, colour[new]])
+        self.seen = np.vstack([self.seen, towards[new]])
+        self.hits = np.append(self.hits, np.where(sure[new], SURE, 1.0).astype(np.float32))
+        self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
+        self._keep(self._distinct())
+
+    def _hit(self, which: I64, sure: Mask) -> None:
+        """Confirm points; what was only ever seen beside a hand never counts as certain."""
+        capped = self.hits < SURE
+        capped[which[sure]] = False
+        self.hits[which] += 1
+        self.hits[capped & (self.hits >= SURE)] = SURE - 1
+
+    def miss(self, which: Mask) -> I64:
+        """Count points that the sensor saw through; those seen through too often leave.
+
+        Returns the new number of each point (M,), -1 for those that have left.
+        """
+        self.misses[which] += 1
+        return self.drop(self.misses > np.minimum(self.hits, 4) + 1)
+
+    def drop(self, which: Mask) -> I64:
+        """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
+        if not which.any() or np.count_nonzero(~which) < 10:
+            return np.arange(len(which))
+        self._keep(np.flatnonzero(~which))
+        return np.where(which, -1, np.cumsum(~which) - 1)
+
+    def _distinct(self, most: int = MOST_POINTS) -> I64:
+        """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
+        key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
+        lo, hi = (end.astype(np.int64) for end in bounds(key))
+        size = hi - lo + 1
+        flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
+        kept = _best_of(numbered(flat), self.hits)
+        if len(kept) > most:
+            self.spacing *= 1.05 * float(np.sqrt(len(kept) / most))
+            return self._distinct(most)
+        return kept
+
+    def _keep(self, which: I64) -> None:
+        self.xyz, self.colour, self.seen = self.xyz[which], self.colour[which], self.seen[which]
+        self.hits, self.misses = self.hits[which], self.misses[which]
+        self._radius = None
+
+    def _thin(self, most: int) -> Model:
+        self._keep(self._distinct(most))
+        return self
+
+
+@compiled
+def _best_of(cell: I64, hits: F32) -> I64:
+    """Sorted, of each cell the point, numbered (N,), with the most hits; the first of such."""
+    best = np.full(cell.max() + 1, -1)
+    for i in range(len(cell)):
+        if best[cell[i]] < 0 or hits[i] > hits[best[cell[i]]]:
+            best[cell[i]] = i
+    return np.sort(best)
+
+
+@compiled
+def _facing(xyz: F64, seen: F64, poses: F64, eye: F64) -> Mask:
+    faces = np.empty((len(poses), len(xyz)), np.bool_)
+    for k in range(len(poses)):
+        T, own = poses[k], np.zeros(3)
+        for a in range(3):
+            for c in range(3):
+                own[a] += T[c, a] * (eye[c] - T[c, 3])
+        for i in range(len(xyz)):
+            towards, square = 0.0, 0.0
+            for a in range(3):
+                way = own[a] - xyz[i, a]
+                towards += way * seen[i, a]
+                square += way * way
+            unknown = seen[i, 0] == 0.0 and seen[i, 1] == 0.0 and seen[i, 2] == 0.0
+            faces[k, i] = unknown or towards > FACING * np.sqrt(square) + 1e-9
+    return faces
+
+
+def _towards(xyz: F64, eye: F64 | None) -> F64:
+    if eye is None:
+        return np.zeros_like(xyz)
+    way = eye - xyz
+    return np.asarray(way / (np.linalg.norm(way, axis=1, keepdims=True) + 1e-9))

@@ -1,0 +1,81 @@
+"""What the points that a person painted look like: how dense, how long, how flat they are."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.sensor.view import View
+
+RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
+"""Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
+share of the way between rings that is a unit."""
+RIM, EDGE = 2, 0.15
+"""Pixels from the edge of the picture, and the share of what is painted that lies there."""
+LEAST_NOISE = 0.03
+"""Colour noise is at least this, in the units of ``View.colour``."""
+
+
+def cut_off_by_edge(view: View, indices: I64) -> bool:
+    """Whether much of what is painted lies at the edge of the picture: there is more of it."""
+    if view.lens is None:
+        return False
+    row, column = np.divmod(view.cells[0], view.lens.shape[1])
+    aside = np.minimum(column - column.min(), column.max() - column)
+    away = np.minimum(aside, np.minimum(row - row.min(), row.max() - row))
+    return float((away[indices] < RIM).mean()) > EDGE
+
+
+def away_from(view: View, xyz: F64) -> float:
+    """Metres of points (M, 3) from the sensor, 0 where its place is unknown."""
+    return 0.0 if view.eye is None else float(np.linalg.norm(xyz.mean(axis=0) - view.eye))
+
+
+def across_way(xyz: F64) -> float:
+    """Metres of deviation of points (M, 3) across the way in which they are longest."""
+    if len(xyz) < 3:
+        return 0.0
+    return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
+
+
+def texture(xyz: F64, colour: F32) -> tuple[float, float]:
+    """Median distance and colour difference between neighbours."""
+    if len(xyz) < 3:
+        return 0.02, LEAST_NOISE
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // 400))
+    distance, near = cKDTree(xyz).query(xyz[sample], k=2)
+    gaps = np.asarray(distance)[:, 1]
+    unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
+    return max(float(np.median(gaps)), 1e-4), float(np.median(unlike))
+
+
+def across_rings(xyz: F64) -> float:
+    """Median distance to the nearest point aside of the way to the nearest of all.
+
+    Lidars measure densely along a ring, and the next ring is far.
+    """
+    if len(xyz) < RINGS:
+        return 0.0
+    sample = xyz[:: max(1, len(xyz) // 400)]
+    distance, near = cKDTree(xyz).query(sample, k=RINGS)
+    way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
+    length = np.asarray(distance)[:, 1:] + 1e-9
+    along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
+    length = np.where(along < ASIDE, length, length[:, -1:])
+    return float(np.median(length.min(axis=1)))
+
+
+def uneven(xyz: F64) -> float:
+    """Median distance of points (M, 3) from the plane through them."""
+    if len(xyz) < RINGS:
+        return np.inf
+    away = xyz - xyz.mean(axis=0)
+    normal = np.linalg.eigh(away.T @ away)[1][:, 0]
+    return float(np.median(np.abs(away @ normal)))
+
+
+def colourless(view: View, indices: I64) -> bool:
+    """Whether many of the points were seen by no camera: exactly black."""
+    rgb = view.frame.rgb
+    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > 0.1

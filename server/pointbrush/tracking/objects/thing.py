@@ -1,0 +1,279 @@
+"""One label on its way through a recording: its model, its motion, what is beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pointbrush.tracking.geometry.columns import NONE, columns, nearer_than, nearest
+from pointbrush.tracking.geometry.components import solid
+from pointbrush.tracking.geometry.registration import Target, inverse, transform
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.confidence import USUAL
+from pointbrush.tracking.objects.free_space import Glimpse
+from pointbrush.tracking.objects.model import SURE, Model
+from pointbrush.tracking.objects.motion import Motion
+from pointbrush.tracking.objects.shape import (
+    BETWEEN,
+    LEAST_NOISE,
+    across_rings,
+    across_way,
+    away_from,
+    colourless,
+    cut_off_by_edge,
+    texture,
+    uneven,
+)
+from pointbrush.tracking.sensor.view import View
+
+BENT, BENT_LARGE = 0.2, 0.05
+"""Unexplained share from which a thing is taken to bend."""
+TALL, COARSE = 0.4, 12.0
+"""Metres, and units, of radius from which a thing is large as people are, however coarse it is
+seen."""
+SHEET = 0.016
+"""Radii from its plane within which half of a door, a drawer or a cloth lies, but of nobody."""
+HALF, BROAD, AFAR = 0.25, 0.06, 1.5
+"""Metres of radius, of deviation across, and from the sensor, from which what is painted is part
+of somebody: sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
+VAGUE = 5.0
+"""Units of radius that such a part has at least."""
+FLAT = 0.6
+"""Share of its points on the ground from which a thing is taken to lie there."""
+SOFT = 0.006
+"""Share of the known surface that has to be found again by bending alone."""
+HARDLY = 0.2
+"""Share of its size under which hardly anything of a thing was seen."""
+DENSE = 3000
+"""Points from which a thing is looked at more coarsely than it is seen: so many points tell where
+it is, and a model and its targets have no more."""
+
+
+SIDES = np.vstack([np.eye(3), -np.eye(3)])
+"""(6, 3) unit vectors along the axes, both ways."""
+
+
+@dataclass(eq=False)
+class Rivals:
+    """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
+
+    xyz: F64
+    colour: F32
+    weight: float = 0.0
+
+    @cached_property
+    def target(self) -> Target:
+        """Where they were, for all questions about them."""
+        return Target(self.xyz, self.colour, self.weight)
+
+    def along(self, before: F64, now: F64, within: float) -> Rivals:
+        """Where they would be, had they gone along with the surface beside them.
+
+        That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
+        metres from it stays.
+        """
+        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, 0.0, within)
+        step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
+        return Rivals(self.xyz + step, self.colour, self.weight)
+
+    def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
+        """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
+
+        Where they were, or, with a ``step``, gone along with the object's.
+        """
+        explained = np.zeros(len(xyz), np.bool_)
+        if not len(self.xyz):
+            return explained
+        for back in [None] if step is None else [None, inverse(step)]:
+            rest = np.flatnonzero(~explained)
+            if not len(rest):
+                break
+            at = xyz[rest] if back is None else transform(back, xyz[rest])
+            grid, weight = self.target.columns, self.target.weight
+            explained[rest] = nearer_than(grid, at, colour[rest], weight, within[rest])
+        return explained
+
+
+@dataclass(eq=False)
+class Thing:
+    """State of a label: ``weight`` metres per unit of colour, ``unit`` metres of tolerance.
+
+    ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
+    explain; ``size`` the most points it had, ``last`` in
+    the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
+    ``glimpses`` of what lies around it.
+    ``imaged`` whether the sensor sees depth images;
+    ``worn`` the colours it showed where it was painted.
+    ``usual`` the mean cost in place and colour, in reaches, of its points alone in the air;
+    ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
+    ``astray`` frames for which it was nowhere near where it should be;
+    ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
+    door is; ``flat`` whether it lies on the ground, ``grounded`` whether it was painted with that
+    under it;
+    ``scanned`` whether a lidar sees it, ``away`` metres from that; ``broad`` whether it was painted
+    as broad as part of somebody, ``cut`` off by the edge of the picture.
+    """
+
+    label: int
+    model: Model
+    motion: Motion
+    weight: float
+    unit: float
+    rivals: Rivals
+    size: float
+    missing: int = 0
+    bend: float = 0.0
+    stopped: bool = False
+    trust: float = 1.0
+    usual: float = USUAL
+    last: int = 0
+    extent: float = 0.0
+    glimpses: list[Glimpse] = field(default_factory=list)
+    imaged: bool = False
+    strain: float = 0.0
+    vain: bool = False
+    astray: int = 0
+    flat: bool = False
+    sheet: bool = False
+    away: float = 0.0
+    scanned: bool = False
+    broad: bool = False
+    cut: bool = False
+    grounded: bool = False
+    worn: ColourHistogram = field(
+        default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
+    )
+
+    @property
+    def dyed(self) -> bool:
+        """Whether it is known by its colours; large things and what a lidar sees are otherwise."""
+        return self.weight > 0.0 and not self.large
+
+    def distinct(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start."""
+        if not self.dyed:
+            return np.zeros(len(colour), np.bool_)
+        return self.worn.only(colour)
+
+    def strange(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) the thing did not show where it was painted."""
+        if not self.dyed:
+            return np.zeros(len(colour), np.bool_)
+        return self.worn.strange(colour)
+
+    @property
+    def bends(self) -> bool:
+        """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
+        return self.bend > (BENT_LARGE if self.large and not self.scanned else BENT)
+
+    def come_to(self, away: float) -> None:
+        """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
+        if self.away > 0.0 and away > 0.0:
+            closer = float(np.clip(self.away / away, 0.5, 2.0))
+            self.size *= closer**2
+            self.unit /= closer
+            self.weight /= closer
+        self.away = away
+
+    @property
+    def soft(self) -> bool:
+        """Whether it is a small thing whose surface moves within itself, as a toy's does."""
+        return self.strain > SOFT and not self.large
+
+    @property
+    def large(self) -> bool:
+        """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
+        if self.scanned:
+            return True
+        part = self.cut or (self.broad and self.span > HALF)
+        part = part and self.imaged and self.span > VAGUE * self.unit
+        return (part or self.span > max(TALL, COARSE * self.unit)) and not self.sheet
+
+    @property
+    def body(self) -> bool:
+        """Whether it is large and before a sensor that sees depth images."""
+        return self.imaged and self.large
+
+    @property
+    def handy(self) -> bool:
+        """Whether it is small and before a sensor that sees depth images: it may be thrown."""
+        return self.imaged and not self.large
+
+    @property
+    def span(self) -> float:
+        """Metres from its middle that may hold all of it, hidden parts too."""
+        return max(self.model.radius, self.extent)
+
+    @property
+    def ends(self) -> F64:
+        """(6, 3) as far out as the model on every side: a motion that moves none moves nothing."""
+        return self.model.centre + self.model.radius * SIDES
+
+    @property
+    def absent(self) -> bool:
+        """Whether it is large and hardly anything of it was seen: the others come first then."""
+        return self.large and (self.missing > 0 or self.last < HARDLY * self.size)
+
+    @property
+    def reach(self) -> float:
+        """Metres between a point and the model's point that stands for it."""
+        return max(self.unit, self.model.spacing)
+
+
+def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
+    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there.
+
+    A small one before a depth camera without its flying pixels; among those of a large one they
+    do not matter.
+    """
+    thing = _made(view, label, indices, noise, rivals)
+    if thing.large:  # what hangs together with it is found as finely as it is seen
+        thing = _made(view, label, indices, noise, rivals, most=len(indices))
+    if view.lens is None:
+        return thing
+    kept = solid(view.xyz[indices].astype(np.float64), thing.unit)
+    if not kept.all():
+        without = _made(view, label, indices[kept], noise, rivals)
+        thing = thing if without.large else without
+    if thing.large and (thing.broad or thing.cut):  # it stays that, however little of it is seen
+        thing.extent = max(thing.model.radius, TALL)
+    return thing
+
+
+def _made(
+    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int = DENSE
+) -> Thing:
+    xyz = view.xyz[indices].astype(np.float64)
+    colour = view.colour(indices)
+    spacing, speckle = texture(xyz, colour)
+    if not view.scans:  # nothing that is asked of a thing asks more points than these
+        spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
+    unit = max(spacing, noise, BETWEEN * across_rings(xyz))
+    weight = 0.0
+    if view.frame.rgb is not None and not colourless(view, indices):
+        weight = 0.5 * unit / max(speckle, LEAST_NOISE)
+    model = Model.of(xyz, colour, view.eye, spacing)
+    model.hits[:] = SURE
+    count = len(indices)
+    motion = Motion(model.centre)
+    low = float(view.low[indices].mean())
+    return Thing(
+        label,
+        model,
+        motion,
+        weight,
+        unit,
+        rivals,
+        float(count),
+        last=count,
+        imaged=view.lens is not None,
+        worn=ColourHistogram.of(colour),
+        flat=low > FLAT,
+        sheet=uneven(xyz) < SHEET * model.radius,
+        scanned=view.scans,
+        broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
+        cut=cut_off_by_edge(view, indices),
+    )

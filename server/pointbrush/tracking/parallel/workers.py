@@ -1,0 +1,172 @@
+"""Work on several things at once, in two processes, where the frames can be had in both.
+
+Who does what is decided by how long it took before, and makes no difference to what comes out.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
+from typing import Any
+
+from pointbrush.tracking.background.depth_background import Background, ImageBackground
+from pointbrush.tracking.interface import F64, Frames
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.parallel.second_process import (
+    BACKGROUND,
+    GONE,
+    Answer,
+    SecondProcess,
+    Task,
+)
+from pointbrush.tracking.sensor.view import View
+
+logger = logging.getLogger(__name__)
+Do = Callable[..., Any]
+Given = Callable[[Thing], tuple[Any, ...]]
+PER_POINT, AT_LEAST = 5e-6, 0.005
+"""Seconds that a thing takes of which nothing is known: for each of its points, and in all."""
+SENDING = 0.01
+"""Seconds a frame that this process takes to ask and to take answers."""
+
+
+class Workers(AbstractContextManager["Workers"]):
+    """This process and, given ``frames`` that pickle, a second one.
+
+    What is done, ``do(thing, view, *given(thing))``, is the function of a module and touches
+    nothing that another thing's touches; with ``changes`` it changes the thing.
+    """
+
+    def __init__(self, frames: Frames | None = None) -> None:
+        self._second = None if frames is None else SecondProcess(frames)
+        self._view: View | None = None
+        self._seconds: dict[int, dict[str, float]] = {}
+        self._learns = False
+
+    def show(self, view: View, background: Background) -> None:
+        """Begin with a frame."""
+        self._view = view
+        if not self._learns and isinstance(background, ImageBackground):
+            self._learns = True
+            self._tell(lambda second: second.know(BACKGROUND, background))
+        self._tell(lambda second: second.show(view))
+
+    def learn(self, view: View, background: Background, keep: F64) -> None:
+        """Let the background take in the frame, here and there; see ``Background.learn``."""
+        if self._learns:
+            self._tell(lambda second: second.learn(view, keep))
+        background.learn(view, keep=keep)
+
+    @property
+    def learns(self) -> bool:
+        """Whether the second process, if there is one, has the background too."""
+        return self._learns
+
+    def _tell(self, what: Callable[[SecondProcess], None]) -> None:
+        if self._second is not None:
+            try:
+                what(self._second)
+            except GONE:
+                self._alone()
+
+    def each(
+        self,
+        do: Do,
+        things: Iterable[Thing],
+        given: Given,
+        *,
+        changes: bool = False,
+        here: bool = False,
+    ) -> dict[int, Any]:
+        """Label → what came out, in the order of the things; ``here``: of this process alone."""
+        some = list(things)
+        theirs = [] if here else self._ask(do, self._share(some), given, changes=changes)
+        mine = [thing for thing in some if thing not in theirs]
+        done = {thing.label: self._do(do, thing, given) for thing in mine}
+        done |= self._take(do, theirs, given)
+        return {thing.label: done[thing.label] for thing in some}
+
+    def begin(
+        self, do: Do, things: Iterable[Thing], given: Given, *, changes: bool = False
+    ) -> Callable[[], dict[int, Any]]:
+        """Let the second process do it all, if there is one; what is given back waits for it."""
+        some = list(things)
+        asked = self._ask(do, some, given, changes=changes)
+        mine = [thing for thing in some if thing not in asked]
+        return lambda: {
+            **self._take(do, asked, given),
+            **{thing.label: self._do(do, thing, given) for thing in mine},
+        }
+
+    def _share(self, things: Sequence[Thing]) -> list[Thing]:
+        """The things that the second process is to work on: the longest first, evenly."""
+        if self._second is None or len(things) < 2:
+            return []
+        expected = {thing.label: self._expected(thing) for thing in things}
+        load, theirs = [SENDING, 0.0], []
+        for thing in sorted(things, key=lambda thing: -expected[thing.label]):
+            other = load[1] < load[0]
+            load[other] += expected[thing.label]
+            if other:
+                theirs.append(thing)
+        return theirs
+
+    def _expected(self, thing: Thing) -> float:
+        """Seconds; of all that is done, so that the same process has a thing all the time."""
+        known = self._seconds.get(thing.label)
+        return sum(known.values()) if known else AT_LEAST + PER_POINT * thing.size
+
+    def _took(self, do: Do, thing: Thing, seconds: float) -> None:
+        self._seconds.setdefault(thing.label, {})[do.__name__] = seconds
+
+    def _do(self, do: Do, thing: Thing, given: Given) -> Any:
+        start = time.perf_counter()
+        result = do(thing, self._view, *given(thing))
+        self._took(do, thing, time.perf_counter() - start)
+        return result
+
+    def _ask(self, do: Do, things: list[Thing], given: Given, *, changes: bool) -> list[Thing]:
+        """Those of the things that the second process will answer for."""
+        if self._second is None or not things:
+            return []
+        try:
+            tasks = [Task(thing, given(thing)) for thing in things]
+            self._second.ask(do, tasks, changes=changes)
+        except GONE:
+            self._alone()
+            return []
+        return things
+
+    def _take(self, do: Do, things: list[Thing], given: Given) -> dict[int, Any]:
+        """The second process's answers; what it does not answer is done here."""
+        done = {}
+        for thing in things:
+            answer = self._answer()
+            if answer is None:
+                done[thing.label] = self._do(do, thing, given)
+                continue
+            vars(thing).update(answer.state)
+            self._took(do, thing, answer.seconds)
+            done[thing.label] = answer.result
+        return done
+
+    def _answer(self) -> Answer | None:
+        if self._second is not None:
+            try:
+                return self._second.answer()
+            except GONE:
+                self._alone()
+        return None
+
+    def _alone(self) -> None:
+        logger.warning("the second process of a tracking run has ended; going on with one")
+        if self._second is not None:
+            self._second.close()
+            self._second = None
+
+    def __exit__(self, *_: object) -> None:
+        """End the second process."""
+        if self._second is not None:
+            self._second.close()

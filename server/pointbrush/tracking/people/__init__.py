@@ -1,0 +1,1 @@
+"""People and other large things that bend."""

@@ -1,0 +1,236 @@
+"""Who comes: bodies that nobody has are those who are missing, parts of who is there, or others.
+
+Others are followed as well, without a label, so that no label goes over to them: who was there
+while somebody was in sight is not him.  Of two who come out from behind each other as one body, one
+may have both: what he has in the clothes of the other is looked for too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.geometry.components import parts
+from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.person import FEWEST, UNLIKE, Person
+
+SMALLEST, SHARE = 12, 0.12
+"""Cells, and share of the usual number, from which a body may be somebody new."""
+BACK, BACK_SHARE = 6, 0.05
+"""The same, from which it may be somebody who was missing."""
+AWHILE, PART, RATHER = 3, 0.2, 0.7
+"""Frames missing, share of the usual number, and how much more like his clothes, in the mean
+logarithm, from which a part of another is his."""
+WHOLE = 0.7
+"""Share of what hangs together that must be nobody's."""
+NEAR, FARTHER, LONG = 0.3, 0.2, 10
+"""Metres from where somebody missing should be, more a frame, up to so many frames."""
+CLOTHES, NAMELESS = 0.5, 0.5
+"""Weight of clothes against the way, and what a body costs that was followed without a label."""
+TOLD = 0.3
+"""How much more like his clothes than another's what somebody has is certainly not the other's."""
+AROUND = 0.6
+"""Metres along the ground around somebody in sight within which what comes into sight is his."""
+JOINED, TOUCHES = 0.3, 0.1
+"""Metres between bodies that come together without a label, and between one and who came back."""
+JUST = 3
+"""Frames within which somebody has just come."""
+
+
+def come_back(sight: Observation, people: Sequence[Person], usual: float, now: int) -> set[int]:
+    """Give bodies that nobody labelled had before to those who are missing, the likeliest first.
+
+    Gives the numbers of those without a label who were one of them.
+    """
+    gone = [f for f in people if f.named and f.elsewhere(sight, now)]
+    offers = _offers(sight, people, gone, usual, now) if gone else []
+    ranked = []
+    for person in gone:
+        for number, (cells, other) in enumerate(offers):
+            if not _may_be(person, other):
+                continue
+            cost = _cost(sight, person, cells, other, now)
+            if cost is not None:
+                ranked.append((cost, person.label, number))
+    found: set[int] = set()
+    given: set[int] = set()
+    gone_on: set[int] = set()
+    young = [0, *(f.label for f in people if not f.named and f.since > now - JUST)]
+    for _, label, number in sorted(ranked):
+        if label in found or number in given:
+            continue
+        found.add(label)
+        given.add(number)
+        cells, other = offers[number]
+        taken = np.zeros(len(sight.owner), np.bool_)
+        taken[cells] = True
+        if other is None or not other.named:
+            bodies = np.unique(sight.bodies[cells])
+            taken |= np.isin(sight.bodies, bodies[bodies >= 0]) & np.isin(sight.owner, young)
+        if other is not None and not other.named:
+            gone_on.add(other.label)
+        sight.owner[sight.owner == label] = 0
+        sight.owner[taken] = label
+        _back(people, label)
+    return gone_on
+
+
+def _may_be(person: Person, other: Person | None) -> bool:
+    """Whether what is nobody's, or an ``other``'s, may be somebody's who is missing: who has no
+    label and was there while he was in sight is not he."""
+    if other is None or other.named:
+        return other is not person
+    return other.since > person.well
+
+
+def _back(people: Sequence[Person], label: int) -> None:
+    """Let a person begin anew where it was found."""
+    person = next(f for f in people if f.label == label)
+    person.missing = max(person.missing, 1)
+
+
+def _offers(
+    sight: Observation, people: Sequence[Person], gone: Sequence[Person], usual: float, now: int
+) -> list[tuple[I64, Person | None]]:
+    """Cells that may be somebody's who is ``gone``, and whose they were."""
+    part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
+    count = np.bincount(part[part >= 0])
+    large = np.flatnonzero(count >= max(BACK, BACK_SHARE * usual)).tolist()
+    offers: list[tuple[I64, Person | None]] = [(np.flatnonzero(part == n), None) for n in large]
+    for person in people:
+        cells = np.flatnonzero(sight.owner == person.label)
+        if not person.named and not person.missing and len(cells):
+            offers.append((cells, person))
+    if sight.tints is not None:
+        for person in (f for f in gone if f.well < now - AWHILE):
+            offers += _dressed_as(sight, people, person, usual)
+    return offers
+
+
+def _dressed_as(
+    sight: Observation, people: Sequence[Person], who: Person, usual: float
+) -> list[tuple[I64, Person | None]]:
+    """What others have and is dressed as somebody who is missing, rather than as they are."""
+    if who.worn is None:
+        return []
+    found: list[tuple[I64, Person | None]] = []
+    his = sight.unlike(who.worn)
+    for other in people:
+        if other is who or not other.named or other.worn is None:
+            continue
+        mask = (sight.owner == other.label) & sight.cells.solid
+        mask &= sight.smooth(sight.unlike(other.worn) - his) > RATHER
+        part = parts(sight.cells.touching, mask)
+        count = np.bincount(part[part >= 0])
+        large = np.flatnonzero(count >= max(BACK, PART * usual)).tolist()
+        found += [(np.flatnonzero(part == n), other) for n in large]
+    return found
+
+
+def _cost(
+    sight: Observation, person: Person, cells: I64, other: Person | None, now: int
+) -> float | None:
+    """How unlikely a body is somebody missing; None where it cannot be he."""
+    away = far_from(sight, person, cells, now)
+    like = person.likeness(sight.some(cells))
+    if away > 1.0 or like < -UNLIKE:
+        return None
+    nameless = NAMELESS if sight.tints is None and other is not None else 0.0
+    return away - CLOTHES * like + nameless
+
+
+def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
+    """Share of the way that somebody missing may have gone at which a body is."""
+    there = np.vstack([person.xyz + person.step, person.known])
+    reach = NEAR + FARTHER * min(max(now - 1 - person.well, 0), LONG)
+    return _least(there, sight.cells.middle[cells]) / reach
+
+
+def mistakable(sight: Observation, people: Sequence[Person], person: Person, now: int) -> bool:
+    """Whether what somebody has may as well be another's, who is missing near it."""
+    cells = sight.cells_of(person.label)
+    some = sight.some(cells)
+    like = person.likeness(some)
+    rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
+    rivals = [f for f in rivals if some is None or like - f.likeness(some) < TOLD]
+    return len(cells) > 0 and any(far_from(sight, f, cells, now) < 1.0 for f in rivals)
+
+
+def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:
+    """Who else has come; what comes into sight around somebody is his."""
+    free = (sight.owner == 0) & sight.cells.solid
+    bodies = sight.bodies
+    fresh: list[Person] = []
+    lowest = min([0, *(f.label for f in people)])
+    for number in np.unique(bodies[free]).tolist():
+        cells = np.flatnonzero((bodies == number) & free)
+        whole = np.count_nonzero(bodies == number)
+        if len(cells) < max(FEWEST, WHOLE * whole):
+            continue
+        owner = _whose(sight, people, cells) if now else None
+        if owner is None and len(cells) >= max(SMALLEST, SHARE * usual):
+            owner = _beside(sight, [*people, *fresh], cells)
+            if owner is None:
+                owner = lowest - 1 - len(fresh)
+                some = sight.some(cells)
+                worn = None if some is None else ColourHistogram.of(some)
+                middle, colour = sight.cells.middle[cells], sight.cells.colour[cells]
+                fresh.append(Person(owner, middle, colour, now, worn))
+        sight.owner[cells] = owner or 0
+    return fresh
+
+
+def _whose(sight: Observation, people: Sequence[Person], cells: I64) -> int | None:
+    """The label of who is in sight around a body, and not dressed otherwise."""
+    middle = np.median(sight.ground[cells], axis=0)
+    best, nearest = None, AROUND
+    for person in people:
+        own = sight.owner == person.label
+        if person.named and own.any():
+            known = np.vstack([sight.ground[own], (person.xyz + person.step) @ sight.flat])
+            away = float(np.linalg.norm(np.median(known, axis=0) - middle))
+            if away < nearest:
+                best, nearest = person, away
+    if best is None or best.likeness(sight.some(cells)) < -UNLIKE:
+        return None
+    return best.label
+
+
+def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | None:
+    """The number of who has no label and is right beside a body."""
+    for person in people:
+        own = sight.owner == person.label
+        if not person.named and own.any() and _gap(sight, own.nonzero()[0], cells) < JOINED:
+            return person.label
+    return None
+
+
+def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
+    """The numbers of those who have just come, and are parts of somebody just come back."""
+    gone: set[int] = set()
+    returned = [f for f in people if f.named and f.age and now - f.back <= JUST]
+    for person in people:
+        cells = np.flatnonzero(sight.owner == person.label)
+        if person.named or now - person.since > JUST or person.missing or not len(cells):
+            continue
+        for other in returned:
+            own = np.flatnonzero(sight.owner == other.label)
+            if len(own) and _gap(sight, own, cells) < TOUCHES:
+                sight.owner[cells] = other.label
+                gone.add(person.label)
+                break
+    return gone
+
+
+def _gap(sight: Observation, one: I64, other: I64) -> float:
+    """Metres between two bodies."""
+    return _least(sight.cells.middle[one], sight.cells.middle[other])
+
+
+def _least(one: F64, other: F64) -> float:
+    gap, _ = cKDTree(one).query(other)
+    return float(np.min(gap))

@@ -1,0 +1,181 @@
+"""Large things that bend, people above all: what hangs together in the foreground is theirs.
+
+The moving points of a frame become a graph of small cells (foreground.py), in which bodies go to
+those who have claims on them.  So limbs that moved far are found again, and two people who touch
+part where their clothes meet; what is clearly another's by its colours is that one's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.background.last_seen import STAYS
+from pointbrush.tracking.geometry.grid import perhaps_near
+from pointbrush.tracking.geometry.near import close_to
+from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, Thing
+from pointbrush.tracking.people.foreground import FAR, OTHER, Foreground
+from pointbrush.tracking.segmentation.assign import Claim
+from pointbrush.tracking.segmentation.belong import step_of
+from pointbrush.tracking.sensor.view import View
+
+CELL = 3.0
+"""Size of a cell in units."""
+FINE = 0.045
+"""A cell is at least this share of the figure's radius."""
+DISPUTED = 0.3
+"""Share of the smaller claim from which two things want the same body."""
+DISTINCT = 1.4
+"""How much commoner, in the logarithm, a colour has to be for one than for any other to be its."""
+FEWEST = 5
+"""Points of a claim from which it counts."""
+
+
+def undisputed(claims: Mapping[int, Claim], things: Mapping[int, Thing]) -> dict[int, Claim]:
+    """The claims, where two large things want the same body given to the likelier one, whole.
+
+    Point by point the two would share it: who is hidden would take part of who hides him.
+    """
+    result = dict(claims)
+    large = [n for n in claims if things[n].large]
+    for one, other in combinations(large, 2):
+        a, b = result[one], result[other]
+        _, i, j = np.intersect1d(a.indices, b.indices, assume_unique=True, return_indices=True)
+        if len(i) <= DISPUTED * min(len(a.indices), len(b.indices)):
+            continue
+        cost = float(a.cost[i].mean()) / things[one].reach
+        against = float(b.cost[j].mean()) / things[other].reach
+        label, lost = (other, j) if cost <= against else (one, i)
+        keep = np.ones(len(result[label].indices), np.bool_)
+        keep[lost] = False
+        result[label] = result[label].pick(keep)
+    return result
+
+
+def hang_together(
+    view: View,
+    things: Mapping[int, Thing],
+    places: Mapping[int, Place],
+    claims: dict[int, Claim],
+    taken: Mask,
+    background: Background,
+) -> dict[int, I64]:
+    """New surface of large things ``places``: what hangs together with their claims.
+
+    What stood still, and what is where something unlabelled was, is the outside and spreads too:
+    floor that a foot has just uncovered hangs together with the floor around it.  ``background``
+    knows what lies before a scene that has been seen.
+    """
+    cores = {n: claims[n].indices for n in places if len(claims[n].indices) >= FEWEST}
+    if not cores:
+        return {}
+    inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
+    for label in cores:
+        place = places[label]
+        outside[place.around] = True
+        inside[place.moving] = True
+    inside[taken] = False
+    for core in cores.values():
+        inside[core] = True
+    outside &= ~inside & ~taken
+    size = float(np.median([max(CELL * things[n].unit, FINE * things[n].span) for n in cores]))
+    ground = _beside(view, np.flatnonzero(outside), np.flatnonzero(inside), size)
+    other = np.zeros(len(view.xyz), np.bool_)
+    rest = np.flatnonzero(inside & ~taken)
+    scenery = ground[background.static(view, ground)[0]]
+    scene = view.xyz[scenery]
+    for label in cores:
+        moved = _movers(things[label].rivals, scene, 1.5 * size)
+        other[rest[_was_there(things[label], moved, view, places[label], rest)]] = True
+    either = inside.copy()
+    either[ground] = True
+    every = np.flatnonzero(either)
+    foreground = Foreground.of(view, every, size)
+    far = {n: FAR * things[n].span for n in cores}
+    clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
+    seeds = {}
+    again = np.where(inside[every], background.again(view, every), 0)
+    for label, core in cores.items():
+        mask = np.zeros(len(view.xyz), np.bool_)
+        mask[core] = True
+        seeds[label] = mask[every]
+        if np.count_nonzero(again[mask[every]] == label) > STAYS * len(core):
+            seeds[label] |= again == label
+    sure = (background.certain(view, every) | (again != 0)) & inside[every]
+    far |= _by_clothes(seeds, sure, foreground, things)
+    found = foreground.spread(seeds, outside[every], other[every], sure, far, clothes)
+    other_moving = np.zeros(len(view.xyz), np.bool_)
+    other_moving[every[found == OTHER]] = True
+    for label in cores:
+        moving = places[label].moving
+        places[label].beside = moving[other_moving[moving]]
+    grown = {}
+    for label in cores:
+        own = np.zeros(len(view.xyz), np.bool_)
+        own[every[found == label]] = True
+        claims[label] = claims[label].pick(own[claims[label].indices])
+        own[claims[label].indices] = False
+        grown[label] = np.flatnonzero(own)
+    return grown
+
+
+def _by_clothes(
+    seeds: dict[int, Mask], sure: Mask, foreground: Foreground, things: Mapping[int, Thing]
+) -> dict[int, float]:
+    """Let clothes speak: what is clearly another's, near where that one should be, is its.
+
+    Changes ``seeds``.  Who has no seeds yet gets some under its negative number, which keep the
+    others off; gives the longest ways of those, label → metres.
+    """
+    dressed = {n: t for n, t in things.items() if t.large and not t.stopped}
+    labels = list(dressed)
+    if len(labels) < 2:
+        return {}
+    like = np.stack([t.worn.each(foreground.colour) for t in dressed.values()])
+    first, second = np.sort(like, axis=0)[[-1, -2]]
+    best = np.where(first - second > DISTINCT, like.argmax(axis=0), -1)
+    far: dict[int, float] = {}
+    for at, label in enumerate(labels):
+        thing = dressed[label]
+        reach = thing.span * (0.2 + 0.2 * min(thing.missing, 8))
+        guess = transform(thing.motion.predictions()[0], thing.model.xyz)
+        cells = np.flatnonzero(best == at)
+        close = np.zeros(len(best), np.bool_)
+        close[cells] = close_to(foreground.middle[cells], guess, reach)
+        mine = close[foreground.cell] & sure
+        if not mine.any():
+            continue
+        for other, seed in seeds.items():
+            if other != label:
+                seed &= ~mine
+        key = label if label in seeds else -label
+        seeds[key] = seeds.get(key, np.zeros(len(sure), np.bool_)) | mine
+        far[key] = FAR * thing.span
+    return far
+
+
+def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
+    """Those of the points ``still`` that touch the moving ones, by cells of ``size`` metres."""
+    some = moving[:: max(1, len(moving) // 4000)]
+    if not len(some) or not len(still):
+        return still[:0]
+    return still[perhaps_near(view.xyz[still], view.xyz[some], size)]
+
+
+def _movers(rivals: Rivals, scene: F32, apart: float) -> Rivals:
+    """Those of the unlabelled points that are not part of the scene that stands still."""
+    away = ~close_to(rivals.xyz, scene, apart)
+    return Rivals(rivals.xyz[away], rivals.colour[away], rivals.weight)
+
+
+def _was_there(thing: Thing, rivals: Rivals, view: View, place: Place, rest: I64) -> Mask:
+    """Which points are where something unlabelled was, or where it went along with the thing."""
+    step = step_of(thing, place)
+    reach = np.full(len(rest), 3 * thing.unit)
+    return rivals.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

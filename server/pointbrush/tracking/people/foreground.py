@@ -1,0 +1,233 @@
+"""The foreground of a frame as a graph of small cells, and how it is shared out.
+
+Cells that a model claims are where each figure certainly is.  A body that hangs together, surely
+before the scene, goes whole to who has his claims on it; where several have, and where the scene
+behind is not known, to the figure from which the way through the foreground is shortest, and a
+change of colour makes a way longer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.geometry.columns import pairs
+from pointbrush.tracking.geometry.components import parts
+from pointbrush.tracking.geometry.grid import cells_of, means_of
+from pointbrush.tracking.geometry.near import close_to
+from pointbrush.tracking.geometry.paths import Paths, paths_over, reach
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.sensor.view import View
+
+TOUCH = 1.7
+"""Distance of cells that touch, in cells."""
+THIN = 0.15
+"""Cells with less than this share of the usual number of points lead nowhere: flying pixels."""
+UNLIKE = 0.08
+"""Colour difference, in the units of ``View.colour``, that makes a way twice as long."""
+BRIDGE = 0.25
+"""What lies apart is a figure's within this share of the longest way."""
+BODY, CLEARLY = 12, 0.7
+"""Cells from which a part shows whose clothes it wears, and how much commoner, in the mean
+logarithm, its colours have to be among another's."""
+ENOUGH = 0.03
+"""Share of a body that has to be claimed by whom it is given to."""
+OTHER = -(2**20)
+"""What other moving things have, for a label."""
+SMALLEST = 4
+"""Cells of a part that lies apart."""
+FAR = 0.6
+"""A way ends at this share of the figure's radius."""
+
+
+@dataclass(eq=False)
+class Foreground:
+    """Cells of the points ``indices`` (M,): ``cell`` (M,) of each.
+
+    For each cell of ``size`` metres: ``count`` of points, of ``firm`` ones that are no outline's,
+    ``middle`` and ``colour``.
+    """
+
+    indices: I64
+    cell: I64
+    count: I64
+    middle: F64
+    colour: F32
+    size: float
+    firm: I64
+
+    @staticmethod
+    def of(view: View, indices: I64, size: float) -> Foreground:
+        """The cells, ``size`` metres, of some points of a frame."""
+        firm = view.firm(indices, size)
+        xyz = view.xyz[indices].astype(np.float64)
+        cell = cells_of(xyz, size)
+        count = np.bincount(cell)
+        return Foreground(
+            indices,
+            cell,
+            count,
+            means_of(xyz, cell),
+            means_of(view.colour(indices), cell).astype(np.float32),
+            size,
+            np.bincount(cell[firm], minlength=len(count)),
+        )
+
+    @cached_property
+    def solid(self) -> Mask:
+        """(cells,) those that are no mere outline."""
+        return np.asarray(self.firm >= THIN * np.median(self.count), np.bool_)
+
+    @cached_property
+    def touching(self) -> I64:
+        """(P, 2) the pairs of cells that touch."""
+        return pairs(self.middle, TOUCH * self.size)
+
+    def bodies(self, least: int) -> list[I64]:
+        """The cells of each part that hangs together, of ``least`` solid cells or more."""
+        links = self.touching[self.solid[self.touching].any(axis=1)]
+        part = parts(links, np.ones(len(self.count), np.bool_))
+        cells = np.bincount(part, weights=self.solid)
+        return [np.flatnonzero(part == n) for n in np.flatnonzero(cells >= least).tolist()]
+
+    def spread(
+        self,
+        cores: Mapping[int, Mask],
+        outside: Mask,
+        other: Mask,
+        certain: Mask,
+        far: Mapping[int, float],
+        clothes: Mapping[int, ColourHistogram],
+    ) -> I64:
+        """(M,) label of each point, 0 for none, OTHER for other moving things.
+
+        ``cores`` label → (M,) points that are certainly its; ``outside`` (M,) points that are
+        certainly nobody's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
+        points of other moving things, which spread anywhere; ``far`` label → metres of the longest
+        way; ``clothes`` label → what it wears, of all there are.
+        """
+        labels = np.array([0, *cores])
+        total = len(self.count)
+        solid = self.solid
+        ways = self._ways()
+        still = np.bincount(self.cell, weights=outside, minlength=total) > 0.5 * self.count
+        rival = np.bincount(self.cell, weights=other, minlength=total) > 0.5 * self.count
+        bare = still | rival
+        sure = np.bincount(self.cell, weights=certain, minlength=total) > 0.5 * self.count
+        votes = np.stack(
+            [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
+        )
+        votes[:, bare] = 0
+        off, _ = reach(ways, np.flatnonzero(rival), np.ones(total, np.bool_))
+        away = np.minimum(reach(ways, np.flatnonzero(still), ~sure)[0], off)
+        way, origin = reach(ways, np.flatnonzero(votes.max(axis=0) > 0), ~bare)
+        first = votes.argmax(axis=0) + 1
+        limit = np.array([0.0, *[far[n] for n in cores]])
+        owner = np.where(np.isfinite(way), first[origin], 0)
+        owner[(way > limit[owner]) | (away < way)] = 0
+        spans = np.array([far[n] for n in cores]) / FAR
+        own = np.array([list(clothes).index(abs(n)) for n in cores])
+        self._whole_bodies(
+            owner, votes, ways, sure & solid & ~bare & ~(off < way), spans, own, clothes
+        )
+        apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
+        self._join_apart(owner, apart, BRIDGE * limit)
+        owner[~solid] = 0
+        result: I64 = labels[owner][self.cell]
+        result[((owner == 0) & (off < way))[self.cell] | other] = OTHER
+        result[outside] = 0
+        for number, (label, core) in enumerate(cores.items()):
+            loose = (owner == 0) | ~solid
+            if sure.any():
+                loose &= self._beside(owner == number + 1)
+            result[core & loose[self.cell]] = label
+        return result
+
+    def _beside(self, own: Mask) -> Mask:
+        """(cells,) those that touch the cells of a figure; all where it has none."""
+        if not own.any():
+            return np.ones(len(own), np.bool_)
+        return close_to(self.middle, self.middle[own], TOUCH * self.size)
+
+    def _whole_bodies(
+        self,
+        owner: I64,
+        votes: NDArray[np.number],
+        ways: Paths,
+        sure: Mask,
+        spans: F64,
+        own: I64,
+        clothes: Mapping[int, ColourHistogram],
+    ) -> None:
+        """Give what hangs together, surely before the scene, to who has his claims there.
+
+        All of it where that is one figure, else to the claim with the shorter way.  Who has most
+        of his claims on another body has a right to this one only by most of the claims on it.
+        """
+        inside = np.flatnonzero(sure)
+        if not len(inside):
+            return
+        part = parts(self.touching, sure)[inside]
+        count = part.max() + 1
+        claim = np.stack([np.bincount(part, weights=v[inside], minlength=count) for v in votes])
+        there = claim > 0.5 * claim.sum(axis=0)
+        there[np.arange(len(claim)), claim.argmax(axis=1)] = True
+        there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
+        sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
+        middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
+        main = middle[claim.argmax(axis=1)]
+        there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
+        like = np.stack([worn.each(self.colour[inside]) for worn in clothes.values()])
+        for who, body in np.argwhere(there).tolist():
+            claimed = (part == body) & (votes[who, inside] > 0)
+            if np.count_nonzero(claimed) >= BODY:
+                mean = like[:, claimed].mean(axis=1)
+                there[who, body] = mean[own[who]] > mean.max() - CLEARLY
+        owner[inside] = 0
+        voters = np.where(there[:, part], votes[:, inside], 0)
+        source = np.flatnonzero(voters.max(axis=0) > 0)
+        way, origin = reach(ways, inside[source], sure)
+        first = np.zeros(len(sure), np.int64)
+        first[inside] = voters.argmax(axis=0) + 1
+        reached = np.flatnonzero(np.isfinite(way) & sure)
+        owner[reached] = first[origin[reached]]
+
+    def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
+        """Give what nothing reached to the figure beside it, where it wears its colours.
+
+        A leg behind the other one hangs together with nothing that the sensor sees.
+        """
+        if not len(apart):
+            return
+        some = np.zeros(len(owner), np.bool_)
+        some[apart] = True
+        part = parts(self.touching, some)[apart]
+        count = part.max() + 1
+        for label in np.unique(owner[owner > 0]).tolist():
+            own = np.flatnonzero(owner == label)
+            there = close_to(self.middle[apart], self.middle[own], most[label])
+            beside = np.bincount(part[there], minlength=count) > 0
+            if not beside.any():
+                continue
+            tone = close_to(self.colour[apart], self.colour[own], UNLIKE / 2)
+            alike = np.bincount(part, weights=tone, minlength=count)
+            whole = np.bincount(part, minlength=count)
+            beside &= (alike > 0.6 * whole) & (whole >= SMALLEST) & (whole < len(own))
+            owner[apart[beside[part]]] = label
+
+    def _ways(self) -> Paths:
+        a, b = self.touching.T
+        length = _between(self.middle, a, b) + 1e-6
+        length *= 1 + _between(self.colour, a, b) / UNLIKE
+        return paths_over(self.touching, length, self.solid)
+
+
+def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
+    """How far some rows ``a`` of (N, 3) are from others ``b``."""
+    gap = values[a] - values[b]
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)

@@ -1,0 +1,158 @@
+"""People before a depth camera at rest, all at once, with those who have no label.
+
+What moves before the known scene is shared out among all who are there: each is expected where the
+depth image shows him (displacement.py); cells go to who is near and dressed alike, and agree with
+those that they touch (ownership.py); who was hidden, and who is new, is among what is left
+(arrivals.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.interface import F64, I64, Mask, TrackState
+from pointbrush.tracking.objects.confidence import REGAIN
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers
+from pointbrush.tracking.people.bodies import CELL, FINE
+from pointbrush.tracking.people.displacement import strides
+from pointbrush.tracking.people.foreground import Foreground
+from pointbrush.tracking.people.observation import Observation, across
+from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
+from pointbrush.tracking.people.person import Person
+from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.settle import PATIENCE
+
+FORGOTTEN = 5
+"""Frames unseen after which who has no label is forgotten."""
+GROWN, LIKE = 1.3, 0.7
+"""Times as many cells as people have that are too many for one, and how much less like his clothes
+what he has may be to be his without doubt."""
+DOUBTED = 0.4
+"""Confidence of what may be another's at most."""
+
+
+@dataclass(eq=False)
+class Group:
+    """Everybody there, in cells of ``size`` metres; ``flat`` (3, 2) is the ground."""
+
+    people: list[Person]
+    size: float
+    flat: F64
+    usual: float
+    now: int = 0
+
+    @staticmethod
+    def of(view: View, things: Mapping[int, Thing], background: Background) -> Group:
+        """The painted people ``things`` of a first frame, and who else is there."""
+        sizes = [max(CELL * thing.unit, FINE * thing.span) for thing in things.values()]
+        people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
+        group = Group([], float(np.median(sizes)), across(view, people.values()), 0.0)
+        sight = group._stage(view, background, np.ones(len(view.xyz), np.bool_))
+        for label, thing in things.items():
+            group.put(view, label, thing)
+            inside = np.isin(sight.cells.indices, view.labels[label])
+            sight.owner[np.unique(sight.cells.cell[inside])] = label
+        group.usual = float(np.median([person.size for person in group.people]))
+        group.people += newcomers(sight, group.people, group.usual, 0)
+        return group
+
+    @property
+    def labels(self) -> set[int]:
+        """Whom a person painted."""
+        return {person.label for person in self.people if person.named}
+
+    def _stage(self, view: View, background: Background, free: Mask) -> Observation:
+        return Observation.of(view, background, free, self.size, self.flat)
+
+    def put(self, view: View, label: int, thing: Thing) -> None:
+        """Somebody is where he was painted in a frame, whatever was thought of him."""
+        if not len(view.labels[label]):
+            return
+        cells = Foreground.of(view, view.labels[label], self.size)
+        person = Person(label, cells.middle, cells.colour, self.now, thing.worn)
+        person.went = thing.motion.poses[-1][:3, 3]
+        self.drop(label)
+        self.people = sorted([*self.people, person], key=lambda f: -f.label)
+
+    def drop(self, label: int) -> None:
+        """Look for somebody no more."""
+        self.people = [f for f in self.people if f.label != label]
+
+    def step(
+        self, view: View, background: Background, free: Mask
+    ) -> dict[int, tuple[TrackState, I64]]:
+        """Who has which of the ``free`` points (N,) of the next frame."""
+        self.now += 1
+        sight = self._stage(view, background, free)
+        people = self.people
+        shares = None
+        if len(sight.owner) and people:
+            shares = shared_out(sight, people, strides(sight, people))
+            gone = come_back(sight, people, self.usual, self.now)
+            fresh = newcomers(sight, people, self.usual, self.now)
+            gone |= merge(sight, [*people, *fresh], self.now)
+            self.people = [f for f in [*people, *fresh] if f.label not in gone]
+        found = {}
+        for k, person in enumerate(people):
+            stride = person.step if shares is None else shares.stride[k]
+            looks = _looks(sight, person, shares, k, stride)
+            if looks is not None and person.named:
+                self.doubt(sight, person, looks)
+            person.follow(sight, stride, self.now)
+            if person.named:
+                found[person.label] = _state(sight, person, looks)
+        self.people = [f for f in self.people if f.named or f.missing < FORGOTTEN]
+        return found
+
+    def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
+        """Doubt who is found again, or much larger, where another may be; and on, until his
+        clothes tell."""
+        other = mistakable(sight, self.people, person, self.now)
+        most = GROWN * max(person.first, self.usual)
+        if other and (person.missing > 0 or looks.size * person.size > most):
+            person.doubted = True
+        elif not other and sight.tints is not None and looks.like > -LIKE:
+            person.doubted = False
+
+
+def _looks(
+    sight: Observation, person: Person, shares: Shares | None, k: int, stride: F64
+) -> PersonEvidence | None:
+    """What somebody's share of a frame says about itself; None where there is none."""
+    cells = np.flatnonzero((sight.owner == person.label) & sight.cells.solid)
+    if shares is None or not len(cells):
+        return None
+    return PersonEvidence(
+        fit=float(np.minimum(shares.cost[cells, k], CAP).mean()),
+        disputed=shares.disputed(cells, k),
+        size=len(cells) / max(person.size, 1.0),
+        change=len(cells) / max(person.last, 1),
+        shown=float(sight.shows(person.xyz + stride).mean()),
+        like=person.likeness(sight.some(cells)),
+        back=person.missing > 0,
+    )
+
+
+def _state(
+    sight: Observation, person: Person, looks: PersonEvidence | None
+) -> tuple[TrackState, I64]:
+    """How somebody fared, and his points."""
+    pose = np.eye(4)
+    pose[:3, 3] = person.went
+    points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
+    if person.missing or looks is None:
+        person.trust = max(0.0, person.trust - REGAIN)
+        lost = person.missing > PATIENCE
+        state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
+        return state, points[:0]
+    person.trust = min(looks.likelihood(), person.trust + REGAIN)
+    if person.doubted:
+        person.trust = min(person.trust, DOUBTED)
+    state = TrackState(pose, 0.0, looks.shown, person.trust, len(points), "tracked")
+    return state, np.sort(points)

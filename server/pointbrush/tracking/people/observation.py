@@ -1,0 +1,144 @@
+"""What moves before a scene that is known, in cells, and what people are told apart by there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.fitting.search import PATIENT
+from pointbrush.tracking.geometry.components import parts
+from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.people.foreground import Foreground
+from pointbrush.tracking.sensor.view import View
+
+CHANGE = 0.08
+"""Change of colour, in the units of ``View.colour``, at which cells agree a third as much."""
+SAMPLE = 400
+"""Points whose colours are compared."""
+BEFORE = 0.15
+"""Metres by which something has to be nearer to hide a place."""
+LEANING = 0.7
+"""Cosine of the image's downward axis and the way people stand under which that is not known."""
+
+
+def across(view: View, people: Iterable[F64]) -> F64:
+    """(3, 2) directions along the ground, to the right and ahead of the sensor.
+
+    People (M, 3) each are longest upright; where they are not, the image's rows tell.
+    """
+    assert view.lens is not None  # noqa: S101
+    spread = np.zeros((3, 3))
+    for xyz in people:
+        away = xyz - xyz.mean(axis=0)
+        spread += away.T @ away / len(xyz)
+    right, down, ahead = view.T_picture_world[:3, :3]
+    up = np.linalg.eigh(spread)[1][:, 2]
+    up = up * np.sign(-up @ down)
+    if -up @ down < LEANING:
+        up = -down
+    flat = np.stack([way - (way @ up) * up for way in (right, ahead)], axis=1)
+    return np.asarray(flat / np.linalg.norm(flat, axis=0))
+
+
+@dataclass(eq=False)
+class Observation:
+    """The ``cells`` of a frame, each with an ``owner`` (N,): a label, less than 0 for who has
+    none, 0 for nobody."""
+
+    view: View
+    cells: Foreground
+    flat: F64
+    owner: I64 = field(init=False)
+
+    def __post_init__(self) -> None:
+        """At first all are nobody's."""
+        self.owner = np.zeros(len(self.cells.count), np.int64)
+
+    @staticmethod
+    def of(view: View, background: Background, free: Mask, size: float, flat: F64) -> Observation:
+        """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
+        some = np.flatnonzero(free)
+        some = some[~background.static(view, some)[0]]
+        moving = ~background.scenery(view, some, PATIENT) | (background.again(view, some) != 0)
+        return Observation(view, Foreground.of(view, some[moving], size), flat)
+
+    @cached_property
+    def tints(self) -> F32 | None:
+        """(M, 3) the colour of each point; None where a recording has none."""
+        return None if self.view.frame.rgb is None else self.view.colour(self.cells.indices)
+
+    @cached_property
+    def ground(self) -> F64:
+        """(N, 2) where each cell is along the ground."""
+        return np.asarray(self.cells.middle @ self.flat)
+
+    @cached_property
+    def bodies(self) -> I64:
+        """(N,) number of what each solid cell hangs together with, -1 for the others."""
+        return np.asarray(parts(self.cells.touching, self.cells.solid))
+
+    @cached_property
+    def links(self) -> Paths:
+        """From each cell to the solid ones that touch it, and how much it agrees with them."""
+        one = np.concatenate([self.cells.touching[:, 0], self.cells.touching[:, 1]])
+        other = np.concatenate([self.cells.touching[:, 1], self.cells.touching[:, 0]])
+        leads = self.cells.solid[other]
+        one, other = one[leads], other[leads]
+        order = np.argsort(one, kind="stable")
+        one, other = one[order], other[order]
+        start = np.searchsorted(one, np.arange(len(self.owner) + 1))
+        change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
+        return Paths(start.astype(np.int64), other, np.exp(-change / CHANGE).astype(np.float64))
+
+    def cells_of(self, label: int) -> I64:
+        """The solid cells of an owner."""
+        return np.flatnonzero((self.owner == label) & self.cells.solid)
+
+    def area(self, cells: I64) -> float:
+        """How much surface the ``cells`` (C,) show, in pixels a metre away."""
+        return float(self.areas[cells].sum())
+
+    @cached_property
+    def areas(self) -> F64:
+        """(N,) the same of each cell."""
+        return np.asarray(self.cells.count * self.view.project(self.cells.middle)[1] ** 2)
+
+    def unlike(self, worn: ColourHistogram) -> F64:
+        """(N,) how much rarer the colours of each cell are than usual ones among those worn."""
+        assert self.tints is not None  # noqa: S101
+        return self.mean(worn.usual - worn.each(self.tints))
+
+    def mean(self, each: F32 | F64) -> F64:
+        """(N,) the mean over the points (M,) of each cell."""
+        sums = np.bincount(self.cells.cell, weights=each, minlength=len(self.owner))
+        return np.asarray(sums / self.cells.count)
+
+    def shows(self, world: F64) -> Mask:
+        """Which of the places (M, 3) are in the picture, and hidden by nothing."""
+        at, depth = self.view.project(world)
+        return np.asarray((self.view.depth[at] > depth - BEFORE) & (at >= 0))
+
+    def smooth(self, each: F64) -> F64:
+        """(N,) the mean of ``each`` cell's value and those of the ones that it touches."""
+        one, other = self.cells.touching.T
+        sums = each.copy()
+        np.add.at(sums, one, each[other])
+        np.add.at(sums, other, each[one])
+        return np.asarray(
+            sums / (1 + np.bincount(self.cells.touching.ravel(), minlength=len(each)))
+        )
+
+    def some(self, cells: I64) -> F32 | None:
+        """Colours (S, 3) of some of the points of the ``cells`` (C,)."""
+        if self.tints is None:
+            return None
+        mask = np.zeros(len(self.owner), np.bool_)
+        mask[cells] = True
+        tints = self.tints[mask[self.cells.cell]]
+        return tints[:: max(1, len(tints) // SAMPLE)]

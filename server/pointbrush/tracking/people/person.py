@@ -1,0 +1,127 @@
+"""Somebody before a known scene, labelled or not: the surface seen last, and how it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.people.observation import Observation
+
+FEWEST, HARDLY = 4, 0.02
+"""Cells, and share of the most that there were, under which somebody is not seen."""
+SCRAP = 0.3
+"""Share of the most that showed of him under which he may be elsewhere."""
+WIDE = 0.6
+"""Metres along the ground from his middle within which his surface is remembered."""
+APART, BEHIND = 2.0, 0.1
+"""Cells from what is seen at which surface is remembered that is hidden, by so many metres."""
+FAR = 1.3
+"""Metres from the middle of what is seen beyond which nothing hidden is remembered."""
+NEW = 0.7
+"""Share of the newest step in what is expected."""
+STOPS = 0.7
+"""Share of a step that who is hidden goes on by."""
+UNLIKE = 1.5
+"""How much less like his clothes, in the mean logarithm, something has to be to be not his."""
+SHRINKS = 0.98
+"""Share of the most cells that counts a frame later."""
+
+
+@dataclass(eq=False)
+class Person:
+    """``label``, less than 0 for who has none; ``xyz`` (S, 3) and ``colour`` of his surface.
+
+    ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``first`` the cells he
+    came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
+    of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
+    were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
+    came back in; ``doubted`` whether he may be another.
+    """
+
+    label: int
+    xyz: F64
+    colour: F32
+    since: int
+    worn: ColourHistogram | None = None
+    step: F64 = field(default_factory=lambda: np.zeros(3))
+    went: F64 = field(default_factory=lambda: np.zeros(3))
+    size: float = 0.0
+    area: float = 0.0
+    last: int = 0
+    age: int = 0
+    missing: int = 0
+    well: int = 0
+    known: F64 = field(init=False)
+    back: int = -(2**20)
+    trust: float = 1.0
+    doubted: bool = False
+    first: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        """What he starts with is the most so far."""
+        self.size, self.last = float(len(self.xyz)), len(self.xyz)
+        self.first, self.well, self.known = self.size, self.since, self.xyz
+
+    @property
+    def named(self) -> bool:
+        """Whether he has a label."""
+        return self.label > 0
+
+    def elsewhere(self, sight: Observation, now: int) -> bool:
+        """Whether he may be where he was not expected: too little of him was there, or is."""
+        return self.well < now - 1 or sight.area(sight.cells_of(self.label)) < SCRAP * self.area
+
+    def likeness(self, colour: F32 | None) -> float:
+        """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
+        if colour is None or self.worn is None or not len(colour):
+            return 0.0
+        return self.worn.likeness(colour) - self.worn.usual
+
+    def follow(self, sight: Observation, step: F64, now: int) -> None:
+        """Take in the cells he has in a frame, ``step`` (3,) metres on."""
+        cells = sight.cells_of(self.label)
+        if len(cells) < max(FEWEST, HARDLY * self.size):
+            self._hide()
+            return
+        hidden = self._hidden(sight, cells, step)
+        ground = sight.ground[cells]
+        away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
+        # The median of what lies apart may be where nothing is.
+        core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < WIDE]
+        self.xyz = np.vstack([sight.cells.middle[core], (self.xyz + step)[hidden]])
+        self.colour = np.vstack([sight.cells.colour[core], self.colour[hidden]])
+        if self.missing:
+            self.step, self.back = np.zeros(3), now
+        else:
+            self.step = step.copy() if self.age == 0 else (1 - NEW) * self.step + NEW * step
+        self.went = self.went + step
+        self.last = len(cells)
+        self.size = max(SHRINKS * self.size, float(self.last))
+        # Of what is nobody, many cells may hold a few points each.
+        area = sight.area(cells)
+        self.area = max(SHRINKS * self.area, area)
+        if area >= SCRAP * self.area:
+            self.well, self.known = now, self.xyz
+        self.missing, self.age = 0, self.age + 1
+
+    def _hide(self) -> None:
+        """Go on unseen, ever slower."""
+        self.missing += 1
+        self.last = 0
+        self.xyz, self.went = self.xyz + self.step, self.went + self.step
+        self.step = STOPS * self.step
+
+    def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
+        """The cells of his surface that something hides now."""
+        if self.missing:
+            return np.empty(0, np.int64)
+        seen, there = sight.cells.middle[cells], self.xyz + step
+        at, depth = sight.view.project(there)
+        hides = (sight.view.depth[at] < depth - BEHIND) | (at < 0)
+        apart = cKDTree(seen).query(there)[0] > APART * sight.cells.size
+        close = np.linalg.norm(there - np.median(seen, axis=0), axis=1) < FAR
+        return np.flatnonzero(hides & apart & close)

@@ -1,0 +1,119 @@
+"""Surface of a thing that was missed for a while: pieces beside it that are nobody else's.
+
+What is missed once lies unlabelled beside the thing ever after, and explains itself as unlabelled.
+But a hand goes on to an arm, and out of the picture; a piece that ends all round, touches nothing
+but the thing and what never moves, and has the colours that the thing was painted with, is its.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.geometry.components import pieces
+from pointbrush.tracking.geometry.near import close_to, within
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.objects.free_space import ENOUGH, carved
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.segmentation.assign import cut_off
+from pointbrush.tracking.sensor.view import View
+
+SHRUNK, MOST = 0.85, 1.1
+"""Share of its size under which a thing on the move has lost a part, and up to which a thing is
+given pieces."""
+SELDOM = 4
+"""Frames in one of which what rests is asked for parts that it has not lost but never had."""
+LEAST, FEWEST = 0.01, 5.0
+"""Share of its size, and number of points, that a piece has at least."""
+BESIDE, LONELY = 2.5, 6.0
+"""Units between a thing and what touches it, and around a piece where nothing else may be."""
+FEW, SHARP = 0.2, 0.2
+"""Share of its points up to which others may be near a piece, as flying pixels are, or a piece may
+lie where the sensor looked through; cost of a fit up to which that can be told."""
+ALIKE = 0.7
+"""Share of a piece's colours that the thing showed where it was painted."""
+
+
+def lost_pieces(
+    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
+) -> I64:
+    """The points (M,), sorted, of the pieces of ``thing`` beside its points ``core``.
+
+    ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
+    what never moves, or no colour.
+    """
+    turn = (view.number + thing.label) % SELDOM == 0 and thing.motion.slow(thing.unit)
+    tells = view.lens is not None and thing.weight > 0.0 and not thing.bends
+    if not tells or (len(core) > SHRUNK * thing.size and not turn):
+        return _NONE
+    rest, least = _apart(view, place.around[~taken[place.around]], background), _least(thing)
+    if len(rest) < least:
+        return _NONE
+    xyz = view.xyz[rest].astype(np.float64)
+    piece = pieces(xyz, thing.unit)
+    size = np.bincount(piece)
+    number = len(size)
+    lo, hi = place.box
+    edge = BESIDE * thing.unit
+    outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
+    found, left = [_NONE], MOST * thing.size - len(core)
+    for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
+        mine = piece == one
+        points = rest[mine]
+        if len(points) <= left and _is_its(thing, view, place, core, points, xyz[~mine]):
+            found.append(points)
+            left -= len(points)
+    return np.sort(np.concatenate(found))
+
+
+def crumbs(
+    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
+) -> I64:
+    """The points (M,), sorted, of smaller pieces beside a thing at rest.
+
+    Its rim, as a rule: what is so small is no hand's.  It is the thing's in this frame, but teaches
+    the model nothing, which would creep on over what it stands on.
+    """
+    rest = place.around[~taken[place.around]]
+    if view.lens is None or not thing.motion.rests(thing.unit) or thing.bends or not len(rest):
+        return _NONE
+    rest = _apart(view, rest, background)
+    piece = pieces(view.xyz[rest].astype(np.float64), thing.unit)
+    points = rest[np.bincount(piece)[piece] < _least(thing)]
+    xyz = view.xyz[core].astype(np.float64)
+    return np.sort(points[close_to(view.xyz[points], xyz, BESIDE * thing.unit)])
+
+
+def _apart(view: View, points: I64, background: Background) -> I64:
+    """Those of the points (M,) that lie before what never moves."""
+    return points[~(background.static(view, points)[0] | background.drawn_on(view, points))]
+
+
+def _least(thing: Thing) -> float:
+    """How many points a piece has at least."""
+    return max(FEWEST, LEAST * thing.size)
+
+
+def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
+    """Whether a piece touches the thing and no ``others`` (M, 3), and looks like it."""
+    xyz = view.xyz[points].astype(np.float64)
+    if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
+        return False
+    colour = view.colour(points)
+    if thing.worn.share(colour) < ALIKE or thing.worn.unlike(colour):
+        return False
+    if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
+        return False
+    # What goes on behind the thing itself is what holds it.
+    if not thing.motion.rests(thing.unit) and cut_off(view, points, 3 * thing.unit, by=core):
+        return False
+    if thing.soft or len(thing.glimpses) < ENOUGH:
+        return True
+    return (
+        place.cost < SHARP
+        and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean()) < FEW
+    )
+
+
+_NONE: I64 = np.empty(0, np.int64)

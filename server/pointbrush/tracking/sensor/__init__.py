@@ -1,0 +1,1 @@
+"""One frame as its sensor sees it, and how that sensor moves."""

@@ -1,0 +1,240 @@
+"""How a sensor moves: as the recording tells it, else as the scenery shows it.
+
+Where no poses are known, a depth camera's pictures are compared (odometry.py); other frames are
+registered to the one before: surfaces that lie still stay on their own planes, while what moves is
+outvoted.  Source: point-to-plane registration, Chen
+and Medioni 1991, with the shrinking robust weight of Geman and McClure 1985.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.geometry.deformation import nodes_of
+from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.interface import F64, Frames, TrackFrame
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
+from pointbrush.tracking.sensor.range_image import find_eye
+from pointbrush.tracking.sensor.shifts import likely_shifts
+from pointbrush.tracking.sensor.trajectory import Trajectory
+from pointbrush.tracking.sensor.view import FAR, reach_of
+
+COARSE = 0.02
+"""Size of the cells that a frame is thinned to, as a share of the median distance from its
+middle."""
+ENOUGH = 100_000
+"""Points that planes are looked for in."""
+AROUND = 10
+"""Neighbours that a plane is fitted to."""
+FLAT, BROAD = 0.05, 0.08
+"""Share of the variance across a plane at most, and along its shorter side at least."""
+SAMPLE = 1500
+"""Planes that are registered."""
+SCALES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0, 0.7, 0.7, 0.5, 0.5)
+"""Scales of the robust weights, in cells."""
+TRIES = (1, 4, 12)
+"""Frames after the first at which a sensor is asked whether it has moved."""
+MOVED = 0.25
+"""Cells by which the scene has to be displaced, at the median, for a sensor to have moved."""
+AT_REST = 1e-4
+"""Metres, and radians, between the poses of a sensor that is told to be at rest."""
+SKEW = 0.1
+"""Determinant off 1 from which what a recording tells is no pose."""
+NARROW = 0.2
+"""Cells off its plane up to which something lies on it."""
+STANDS, AGREE, LEFT = 0.95, 0.5, 0.7
+"""Share of the planes still in place above which the sensor stands; share that has to be in
+place after it was moved, and share of those that were not in place before that may still not be."""
+AGREED, LESS = 0.95, 0.05
+"""Share in place from which no other start is tried; and how much less than between the frames
+before is no reason to: along a street the ground and the walls fit however far a frame slips."""
+SHIFTS, APART = 2, 1.0
+"""Shifts that are tried, and cells from what was found at which they are another start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planes:
+    """Surface patches of a frame: ``at`` (M, 3), unit ``normal`` (M, 3), ``cell`` metres."""
+
+    at: F64
+    normal: F64
+    tree: cKDTree
+    cell: float
+
+
+def planes_of(xyz: F64) -> Planes | None:
+    """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
+    xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
+    if len(xyz) < 500:
+        return None
+    away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
+    cell = COARSE * float(np.median(away))
+    if cell <= 0.0:
+        return None
+    some = nodes_of(xyz, cell)
+    if len(some) < 10 * AROUND:
+        return None
+    tree = cKDTree(some)
+    asked = some[:: max(1, len(some) // (2 * SAMPLE))]
+    _, near = tree.query(asked, k=AROUND)
+    around = some[near] - some[near].mean(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
+    flat = (values[:, 0] < FLAT * values[:, 2]) & (values[:, 1] > BROAD * values[:, 2])
+    return Planes(asked[flat], vectors[flat, :, 0], tree, cell)
+
+
+def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:
+    """The motion (4, 4) of ``planes`` onto the points of ``target``, from ``start``.
+
+    Also the share of the planes that are in place after it.
+    """
+    T = start
+    for scale in SCALES:
+        reach = scale * planes.cell
+        moved = transform(T, planes.at)
+        normal = planes.normal @ T[:3, :3].T
+        gap, index = target.query(moved, distance_upper_bound=max(reach, 2 * planes.cell))
+        there = np.flatnonzero(np.isfinite(gap))
+        if len(there) < AROUND:
+            return T, 0.0
+        point, n = moved[there], normal[there]
+        off = ((target.data[np.asarray(index)[there]] - point) * n).sum(axis=1)
+        weight = 1.0 / (1.0 + (off / (0.5 * reach)) ** 2) ** 2
+        middle = point.mean(axis=0)
+        J = np.hstack([n, np.cross(point - middle, n)])
+        H = J.T @ (J * weight[:, None])
+        step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), J.T @ (weight * off))
+        D = np.eye(4)
+        D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
+        D[:3, 3] = step[:3] + middle - D[:3, :3] @ middle
+        T = D @ T
+    return T, in_place(planes, target, T)
+
+
+def register_anywhere(
+    planes: Planes, target: Planes, starts: Sequence[F64], enough: float = AGREED
+) -> tuple[F64, float]:
+    """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
+    of place than ``enough``, from the others and from where the scenery seems to have gone."""
+    best = register(planes, target.tree, starts[0])
+    if best[1] >= enough or not len(planes.at):
+        return best
+    moved = transform(starts[0], np.asarray(planes.tree.data))
+    shifts = likely_shifts(moved, np.asarray(target.tree.data), planes.cell, SHIFTS)
+    middle = planes.at.mean(axis=0)[None]
+    for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
+        away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
+        if away > APART * planes.cell:
+            best = max(best, register(planes, target.tree, start), key=_share)
+    return best
+
+
+def _shifted(T: F64, shift: F64) -> F64:
+    moved = T.copy()
+    moved[:3, 3] += shift
+    return moved
+
+
+def in_place(planes: Planes, target: cKDTree, T: F64) -> float:
+    """The share of the planes, moved by ``T``, on which something of the target lies."""
+    moved = transform(T, planes.at)
+    gap, index = target.query(moved, distance_upper_bound=2 * planes.cell)
+    there = np.flatnonzero(np.isfinite(gap))
+    if not len(there):
+        return 0.0
+    normal = planes.normal[there] @ T[:3, :3].T
+    off = ((target.data[np.asarray(index)[there]] - moved[there]) * normal).sum(axis=1)
+    return float((np.abs(off) < NARROW * planes.cell).sum() / len(moved))
+
+
+def stands(frames: Frames, order: Sequence[int]) -> bool:
+    """Whether the sensor is at rest, as far as the first frames show it."""
+    first = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
+    if first is None:
+        return True
+    for ahead in TRIES:
+        if ahead >= len(order):
+            break
+        other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64))
+        if other is None:
+            break
+        before = in_place(first, other.tree, np.eye(4))
+        if before > STANDS:
+            continue
+        T, share = register_anywhere(first, other, [np.eye(4)])
+        shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
+        moved = share > AGREE and 1.0 - share < LEFT * (1.0 - before)
+        if moved and float(np.median(shift)) > MOVED * first.cell:
+            return False
+    return True
+
+
+def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] | None:
+    """Frame number → ``T_world_frame`` (4, 4), the world being the first frame of ``order``.
+
+    As the recording tells it, else as the scenery shows it; None where the sensor is at rest.
+    """
+    first, *others = (_told(frames(order[at])) for at in (0, len(order) // 2, -1))
+    back = None if first is None else np.linalg.inv(first)
+    if back is not None and any(
+        pose is not None and np.abs(back @ pose - np.eye(4)).max() > AT_REST for pose in others
+    ):
+
+        def pose_of(number: int) -> F64:
+            pose = _told(frames(number))
+            return np.eye(4) if pose is None else np.asarray(back @ pose, np.float64)
+
+        return pose_of
+    lens = find_lens(frames(order[0]), moves=True)
+    if lens is not None:
+        asked = [order[at] for at in (0, *TRIES) if at < len(order)]
+        at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens)
+        return None if at_rest else CameraTrajectory(frames, order, lens).pose
+    at_rest = not _of_one(frames(order[0])) or stands(frames, order)
+    return None if at_rest else ScanTrajectory(frames, order).pose
+
+
+def _of_one(frame: TrackFrame) -> bool:
+    """Whether one sensor saw a frame: what several saw together, or a figure without its room, has
+    nothing that shows how a sensor moves but what moves itself."""
+    xyz = np.asarray(frame.xyz)
+    return frame.viewpoint is not None or reach_of(xyz) > FAR or find_eye(xyz) is not None
+
+
+def _told(frame: TrackFrame) -> F64 | None:
+    """The pose of a frame as the recording tells it, None where that is no motion of space."""
+    pose = frame.pose
+    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:
+        return None
+    return pose
+
+
+def _share(fit: tuple[F64, float]) -> float:
+    return fit[1]
+
+
+class ScanTrajectory(Trajectory):
+    """A sensor's way as the planes of the scenery show it."""
+
+    def __init__(self, frames: Frames, order: Sequence[int]) -> None:
+        super().__init__(frames, order)
+        self._enough = AGREED
+        self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
+
+    def _registered(self, frame: TrackFrame) -> F64:
+        here = planes_of(np.asarray(frame.xyz, np.float64))
+        before = self._poses[-1]
+        step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
+        if self._last is None or here is None:
+            return np.asarray(before @ step)
+        starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
+        T, share = register_anywhere(self._last, here, starts, self._enough)
+        self._enough = min(AGREED, share - LESS)
+        self._last = here
+        return np.asarray(before @ np.linalg.inv(T))

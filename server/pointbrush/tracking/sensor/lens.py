@@ -1,0 +1,239 @@
+"""The pixel grid of a pinhole-like sensor, found from the points of one frame.
+
+A frame whose points lie on a pixel lattice as seen from the origin proves that the sensor was
+there; so does one that shows a single surface in each direction.  Recordings without a viewpoint,
+turned upright or noisy in all directions, have a depth image by that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.interface import F32, F64, TrackFrame
+
+I32 = NDArray[np.int32]
+FEWEST = 500
+"""Points from which a frame can have an image."""
+SPREAD = 1.5
+"""Pixels of a sensor without a known lattice, in spacings of its points: above the square root of
+two a lattice turned in any way leaves none empty."""
+LEAST = 0.1
+"""Spacings of the points under which a pitch is chance, not a lattice's."""
+MARGIN = 8
+"""Pixels beyond the outermost points of the sample, which may miss some."""
+BEHIND, SEES, MIXED = 1.25, 0.02, 0.1
+"""Depths beyond the nearest of a pixel that no sensor at that place can see, and the share of such
+points up to which the sensor is there, and up to which it may be where it is told to be."""
+FILLED, FILLED_TURNED = 0.5, 0.3
+"""Share of the pixels that a depth image fills at least, outlines and all; and one seen from a
+place that was looked for, which may lie askew, or show no background."""
+STEP, TORN = 0.03, 0.15
+"""Share of its depth by which a pixel is off the next where no surface goes on between them, and
+the share of such pairs from which an image is none: rings of a lidar lie far apart on a street."""
+WIDEST = 1.6
+"""Tangent of half the widest field of view that a pinhole image is made for."""
+MOST_CELLS = 4_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Lens:
+    """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
+
+    ``turn`` (3, 3) takes the frame's axes to the image's, None where they are the same.
+    """
+
+    eye: F32
+    turn: F32 | None
+    axis: int
+    sign: float
+    least: tuple[float, float]
+    pitch: tuple[float, float]
+    shape: tuple[int, int]
+
+    def cells(self, xyz: F32) -> tuple[I32, F32]:
+        """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
+        return _cells(self.pixels, np.asarray(xyz, np.float32))
+
+    @cached_property
+    def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)
+        """(4, 4) to what is across, down and along the image, from the eye."""
+        across, down = (a for a in range(3) if a != self.axis)
+        turn = np.zeros((3, 3))
+        turn[0, across] = turn[1, down] = 1.0
+        turn[2, self.axis] = self.sign
+        if self.turn is not None:
+            turn = turn @ self.turn
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = turn, -turn @ self.eye
+        return T
+
+    @cached_property
+    def pixels(self) -> Pixels:
+        """The same for compiled loops."""
+        across, down = (a for a in range(3) if a != self.axis)
+        turn = np.eye(3, dtype=np.float32) if self.turn is None else self.turn
+        x, y, z = self.eye.tolist()
+        axes = across, down, self.axis
+        return Pixels((x, y, z), turn, axes, self.sign, self.least, self.pitch, *self.shape)
+
+
+class Pixels(NamedTuple):
+    """A ``Lens`` as numbers and arrays: ``axes`` across, down and along in the image."""
+
+    eye: tuple[float, float, float]
+    turn: F32
+    axes: tuple[int, int, int]
+    sign: float
+    least: tuple[float, float]
+    pitch: tuple[float, float]
+    height: int
+    width: int
+
+
+@compiled
+def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
+    """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
+    x, y, z = at[0] - lens.eye[0], at[1] - lens.eye[1], at[2] - lens.eye[2]
+    turn = lens.turn
+    local = (
+        turn[0, 0] * x + turn[0, 1] * y + turn[0, 2] * z,
+        turn[1, 0] * x + turn[1, 1] * y + turn[1, 2] * z,
+        turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z,
+    )
+    depth = lens.sign * local[lens.axes[2]]
+    if not depth > 1e-3:
+        return -1, depth
+    u = (local[lens.axes[0]] / depth - lens.least[0]) / lens.pitch[0] + 0.5
+    v = (local[lens.axes[1]] / depth - lens.least[1]) / lens.pitch[1] + 0.5
+    if u >= 0 and u < lens.width and v >= 0 and v < lens.height:
+        return int(v) * lens.width + int(u), depth
+    return -1, depth
+
+
+@compiled
+def _cells(lens: Pixels, xyz: F32) -> tuple[I32, F32]:
+    cell, depth = np.empty(len(xyz), np.int32), np.empty(len(xyz), np.float32)
+    for i in range(len(xyz)):
+        cell[i], depth[i] = pixel(lens, (xyz[i, 0], xyz[i, 1], xyz[i, 2]))
+    return cell, depth
+
+
+def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = None) -> Lens | None:
+    """The pixel grid of a pinhole-like frame, None where it has none.
+
+    ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
+    A sensor that ``moves`` has one only where its lattice shows: a lidar's front view is better
+    followed as one that looks all round.
+    """
+    xyz = np.asarray(frame.xyz)
+    if len(xyz) < FEWEST:
+        return None
+    told = frame.viewpoint is not None
+    supposed = np.zeros(3) if place is None else place
+    eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
+    sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
+    along, turn = _axis(sample), None
+    if along is None:
+        turn = _facing(sample)
+        sample = sample @ turn.T
+        along = _axis(sample)
+        if along is None:
+            return None
+    plane = _tangents(sample, *along)
+    spacing = float(np.sqrt(np.ptp(plane[0]) * np.ptp(plane[1]) / len(xyz)))
+    pitch = [p for p in map(_lattice, plane) if p is not None and p > LEAST * spacing]
+    if turn is None and len(pitch) == 2:
+        return _lens(sample, eye, None, along, (pitch[0], pitch[1]))
+    if spacing <= 0 or moves:
+        return None
+    lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
+    least = 0.0 if told else FILLED if place is None else FILLED_TURNED
+    return lens if lens is not None and _sees(lens, xyz, told, least) else None
+
+
+def _lens(
+    local: F64, eye: F64, turn: F64 | None, along: tuple[int, float], pitch: tuple[float, float]
+) -> Lens | None:
+    plane = _tangents(local, *along)
+    low = [float(t.min()) - MARGIN * p for t, p in zip(plane, pitch, strict=True)]
+    width, height = (int(np.ptp(t) / p) + 2 * MARGIN + 1 for t, p in zip(plane, pitch, strict=True))
+    if width * height > MOST_CELLS:
+        return None
+    turned = None if turn is None else turn.astype(np.float32)
+    at = eye.astype(np.float32)
+    return Lens(at, turned, *along, (low[0], low[1]), pitch, (height, width))
+
+
+def _tangents(local: F64, axis: int, sign: float) -> list[F64]:
+    depth = sign * local[:, axis]
+    return [local[:, a] / depth for a in range(3) if a != axis]
+
+
+def _axis(local: F64) -> tuple[int, float] | None:
+    """The axis that the points (N, 3) lie about, and 1 or -1, None where they spread too far."""
+    for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
+        sign = 1.0 if local[:, axis].mean() > 0 else -1.0
+        depth = sign * local[:, axis]
+        others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
+        if depth.min() > 0 and (others / depth).max() < WIDEST:
+            return axis, sign
+    return None
+
+
+def _facing(local: F64) -> F64:
+    """``axes_along`` the mean ray of the points (N, 3)."""
+    rays = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
+    forward = rays.mean(axis=0)
+    forward /= max(float(np.linalg.norm(forward)), 1e-9)
+    return axes_along(forward)
+
+
+def axes_along(forward: F64) -> F64:
+    """(3, 3) rows: right, down and ahead in an image that looks along a unit vector (3,)."""
+    right = np.cross(np.eye(3)[np.argmin(np.abs(forward))], forward)
+    right /= max(float(np.linalg.norm(right)), 1e-9)
+    return np.stack([right, np.cross(forward, right), forward])
+
+
+def _sees(lens: Lens, xyz: F32, told: bool, least: float) -> bool:
+    """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
+    fill at least that share of the image; somebody may have ``told`` that the sensor was there.
+    """
+    cell, depth = lens.cells(np.asarray(xyz, np.float32))
+    nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
+    np.minimum.at(nearest, cell, depth)
+    behind = float((depth / np.float32(BEHIND) > nearest[cell]).mean())
+    height, width = (size - 2 * MARGIN for size in lens.shape)
+    filled = np.isfinite(nearest).sum() > least * height * width
+    if _torn(nearest[:-1].reshape(lens.shape)) > TORN:
+        return False
+    return bool(filled) and behind < (MIXED if told else SEES)
+
+
+def _torn(image: F32) -> float:
+    """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
+    pairs, torn = 0, 0
+    for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
+        near, far = np.minimum(one, other), np.maximum(one, other)
+        known = np.isfinite(far)
+        pairs += int(np.count_nonzero(known))
+        torn += int(np.count_nonzero(far[known] > (1.0 + STEP) * near[known]))
+    return torn / max(pairs, 1)
+
+
+def _lattice(tangent: F64) -> float | None:
+    """Pitch of the lattice that the values lie on, None where they lie on none."""
+    values = np.sort(tangent)
+    gaps = np.diff(values)
+    steps = np.concatenate([[True], gaps > 2e-5])
+    levels = values[steps]
+    if len(levels) < 20 or len(levels) > len(values) / 4:
+        return None
+    pitch = float(np.median(np.diff(levels)))
+    return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)

@@ -1,0 +1,222 @@
+"""How a depth camera moves, as its pictures show it: all pixels at once, coarse to fine.
+
+Colours must stay the same where a surface is seen again, and its distance must be the one that the
+motion predicts.  What moves by itself, and outlines, are outvoted.  Source: dense visual odometry,
+Steinbruecker, Sturm and Cremers 2011, Kerl, Sturm and Cremers 2013, with the robust weight of Geman
+and McClure 1985.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
+from pointbrush.tracking.sensor.image_pyramid import Image, Layer, compared, equations, picture_of
+from pointbrush.tracking.sensor.lens import MARGIN, Lens
+from pointbrush.tracking.sensor.trajectory import Trajectory
+
+NEAR = 1.0
+"""Pixels of the coarsest picture from its start up to which a motion is taken to be the nearest."""
+TRIED, STEPS = 10, 30
+"""Times that a motion is mended when it is tried, and at most at each size."""
+STILL = 0.02
+"""Pixels under which a step ends the mending."""
+SPREAD, OFF = 1.4826, 2.0
+"""Standard deviation over median deviation, and deviations at which a pixel's weight is a
+quarter."""
+FEWEST = 60
+"""Pixels that have to fall into both pictures."""
+ASIDE, UPWARD = (-6.0, -3.0, 0.0, 3.0, 6.0), (-3.0, 0.0, 3.0)
+"""Pixels of the coarsest picture by which a camera may have turned."""
+FOLLOWED = 6
+"""Starts that are followed to the next size."""
+MOVED, LEFT = 0.5, 0.8
+"""Pixels of the finest picture by which the scene has to be displaced for a sensor to have moved,
+and share of what did not agree before that may still not agree after the motion."""
+BAND, BORDER = 0.03, 0.3
+"""Share of a picture that is its border, and of the border where a scene shows at least."""
+FAR = 0.1
+"""Share of a picture by which its scene may be displaced before another is registered to."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """``T`` (4, 4) onto the other picture, in the frames' coordinates.
+
+    ``agree`` 0..1 how well the pictures agree then, ``before`` how well as they are; ``shift`` by
+    how many pixels of the finest picture the motion moves the scene, at the median.
+    """
+
+    T: F64
+    agree: float
+    before: float
+    shift: float
+
+
+def motion_between(
+    one: Sequence[Layer], other: Sequence[Layer], lens: Lens, starts: Sequence[F64]
+) -> Fit:
+    """The motion of ``one`` picture's scene to where the ``other`` shows it.
+
+    ``starts`` (4, 4) where to begin, in the frames' coordinates; where that leads far away, turns
+    about the first are tried too.
+    """
+    to = lens.T_picture_frame
+    back = np.linalg.inv(to)
+    begun = [_rigid(to @ start @ back) for start in starts]
+    T = _followed(one, other, begun)
+    if min(_shift(one[0], T, start) for start in begun) > NEAR:
+        begun += [turn @ begun[0] for turn in _turns(one[0].image)]
+        tried = [_mended(one[0], other[0].image, start, TRIED) for start in begun]
+        T = _followed(one, other, [T, *_best(one[0], other[0].image, tried)[:FOLLOWED]])
+    off = _off(one[-1], other[-1].image, T)
+    scale = _scale(off)
+    before = _agreement(_off(one[-1], other[-1].image, np.eye(4)), scale)
+    return Fit(back @ T @ to, _agreement(off, scale), before, _shift(one[-1], T, np.eye(4)))
+
+
+def _rigid(T: F64) -> F64:
+    """The motion of space nearest to a product of motions, whose errors would add up."""
+    result = T.copy()
+    result[:3, :3] = Rotation.from_matrix(T[:3, :3]).as_matrix()
+    return result
+
+
+def _followed(one: Sequence[Layer], other: Sequence[Layer], found: list[F64]) -> F64:
+    """The best of some motions, mended from the coarse to the fine."""
+    for layer, target in zip(one, other, strict=True):
+        found = [_mended(layer, target.image, T, STEPS) for T in found]
+        if layer is not one[0]:
+            found = _best(layer, target.image, found)[:1]
+    return _best(one[-1], other[-1].image, found)[0]
+
+
+def _turns(image: Image) -> list[F64]:
+    """Turns of a camera aside and upward by some pixels."""
+    x, y = image.pitch
+    turns = []
+    for aside, upward in product(ASIDE, UPWARD):
+        turn = np.eye(4)
+        turn[:3, :3] = Rotation.from_rotvec([upward * y, aside * x, 0.0]).as_matrix()
+        turns.append(turn)
+    return turns
+
+
+def _best(layer: Layer, image: Image, found: list[F64]) -> list[F64]:
+    """The motions, the one by which the pictures agree best first."""
+    off = [_off(layer, image, T) for T in found]
+    scale = np.min([_scale(each) for each in off], axis=0)
+    order = np.argsort([-_agreement(each, scale) for each in off], kind="stable")
+    return [found[i] for i in order.tolist()]
+
+
+def _off(layer: Layer, image: Image, T: F64) -> F32:
+    return compared(T, layer.points, layer.values, image)
+
+
+def _scale(off: F32) -> F64:
+    """(channels,) deviation of what agrees; infinite where hardly anything can be compared."""
+    there = off[np.isfinite(off[:, -1])]
+    if len(there) < FEWEST:
+        return np.full(off.shape[1], np.inf)
+    return np.asarray(SPREAD * np.median(np.abs(there), axis=0) + 1e-6, np.float64)
+
+
+def _agreement(off: F32, scale: F64) -> float:
+    if not len(off):
+        return 0.0
+    far = ((off / (OFF * scale)) ** 2).mean(axis=1)
+    return float((1.0 / (1.0 + np.nan_to_num(far, nan=np.inf))).mean())
+
+
+def _shift(layer: Layer, T: F64, start: F64) -> float:
+    """By how many pixels two motions displace the scene differently, at the median."""
+    ends = [transform(motion, layer.points) for motion in (T, start)]
+    ahead = (ends[0][:, 2] > 0) & (ends[1][:, 2] > 0)
+    if not ahead.any():
+        return np.inf
+    one, other = (end[ahead, :2] / end[ahead, 2:] for end in ends)
+    return float(np.median(np.linalg.norm((one - other) / np.array(layer.image.pitch), axis=1)))
+
+
+def _mended(layer: Layer, image: Image, T: F64, steps: int) -> F64:
+    """A motion made better by Gauss and Newton's steps."""
+    away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
+    for _ in range(steps):
+        off = _off(layer, image, T)
+        scale = _scale(off)
+        if np.isinf(scale).any():
+            break
+        H, g = equations(T, layer.points, off, image, OFF * scale)
+        step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), g)
+        D = np.eye(4)
+        D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
+        D[:3, 3] = step[:3]
+        T = D @ T
+        if np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:]) < STILL * image.pitch[0]:
+            break
+    return T
+
+
+def moves(frames: Frames, numbers: Sequence[int], lens: Lens) -> bool:
+    """Whether the sensor has moved between the first of some frames and any other."""
+    first, *others = numbers
+    picture = picture_of(frames(first), lens)
+    for number in others:
+        fit = motion_between(picture, picture_of(frames(number), lens), lens, [np.eye(4)])
+        if fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before):
+            return True
+    return False
+
+
+def framed(frame: TrackFrame, lens: Lens) -> bool:
+    """Whether a scene goes on to the borders of its picture.
+
+    Where a figure was cut out of it, only what moves is left, and shows no way of a camera.
+    """
+    height, width = lens.shape
+    seen = np.zeros(height * width + 1, np.bool_)
+    seen[lens.cells(np.asarray(frame.xyz, np.float32))[0]] = True
+    image = seen[:-1].reshape(height, width)[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    band = max(1, int(BAND * min(image.shape)))
+    sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])
+    return float(np.mean([side.mean() for side in sides])) > BORDER
+
+
+class CameraTrajectory(Trajectory):
+    """A depth camera's way as its pictures show it.
+
+    A frame is registered to the last one most of which it still shows, so that errors do not add
+    up from frame to frame.
+    """
+
+    def __init__(self, frames: Frames, order: Sequence[int], lens: Lens) -> None:
+        super().__init__(frames, order)
+        self._lens = lens
+        self._last = self._key = picture_of(frames(order[0]), lens)
+        self._pose_of_key = np.eye(4)
+
+    def _registered(self, frame: TrackFrame) -> F64:
+        here = picture_of(frame, self._lens)
+        last = self._poses[-1]
+        step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
+        fit = self._onto(here, self._last, last, [last @ step, last])
+        pose = last @ inverse(fit.T)
+        if self._key is not self._last:
+            fit = self._onto(here, self._key, self._pose_of_key, [pose])
+            if fit.shift > FAR * max(here[-1].image.values.shape):
+                self._key, self._pose_of_key = self._last, last
+            else:
+                pose = self._pose_of_key @ inverse(fit.T)
+        self._last = here
+        return np.asarray(pose)
+
+    def _onto(self, here: list[Layer], before: list[Layer], pose: F64, guesses: list[F64]) -> Fit:
+        starts = [inverse(guess) @ pose for guess in guesses]
+        return motion_between(before, here, self._lens, starts)

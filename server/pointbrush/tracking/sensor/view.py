@@ -1,0 +1,213 @@
+"""One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
+
+The depth image exists where the sensor is pinhole-like (``lens.py``).  It serves to tell what
+stood still, what is hidden and what is seen through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.near import Runs, in_box, runs_of
+from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
+from pointbrush.tracking.sensor.ground import on_ground
+from pointbrush.tracking.sensor.lens import I32, Lens
+from pointbrush.tracking.sensor.range_image import RangeImage, axis_up, range_image_of
+
+FAR, MOST = 15.0, 0.95
+"""Metres farther than depth cameras measure, and the share of the points that lie nearer."""
+
+
+@dataclass(eq=False)
+class View:
+    """Frame ``number`` (of the run's order) with ``lens`` or None; arrays in stored order."""
+
+    number: int
+    frame: TrackFrame
+    lens: Lens | None
+    T_world_frame: F64 | None = None
+    about: F64 | None = None
+    """(3,) where the sensor seems to be, local, for frames that do not say it."""
+    labels: dict[int, I64] = field(default_factory=dict)
+
+    @cached_property
+    def xyz(self) -> F32:
+        """(N, 3) float32 in the world, in this process's memory.
+
+        Raises BadInputError where a position is no number: compiled loops rely on it.
+        """
+        T = self.T_world_frame
+        local = np.array(self.frame.xyz, np.float32)
+        if not np.isfinite(local).all():
+            raise BadInputError(
+                f"frame {self.number}: expected finite positions, got some that are not"
+            )
+        if T is None:
+            return local
+        return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+
+    def prepare(self) -> None:
+        """Work out what several threads will ask for."""
+        _ = self.xyz, self.frame.rgb
+        _ = self.depth if self.lens is not None else (self.shade, self.ground)
+
+    @cached_property
+    def eye(self) -> F64 | None:
+        """(3,) the sensor in the world, None where unknown."""
+        at = self.frame.viewpoint
+        if at is None and self.lens is not None:
+            return self.lens.eye.astype(np.float64)
+        at = self.about if at is None else at
+        if at is None:
+            return None
+        T = self.T_world_frame
+        return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
+
+    def box(self, lo: F64, hi: F64) -> I64:
+        """Sorted indices of the points inside a box of the world."""
+        return in_box(self._runs, lo, hi)
+
+    @cached_property
+    def _runs(self) -> Runs:
+        return runs_of(self.xyz)
+
+    def colour(self, indices: I64) -> F32:
+        """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
+        if self.frame.rgb is None:
+            return np.zeros((len(indices), 3), np.float32)
+        return _tints(self._rgb, indices)
+
+    @cached_property
+    def _rgb(self) -> NDArray[np.uint8]:
+        """(N, 3); some of them are taken all the time."""
+        return np.array(self.frame.rgb)
+
+    @cached_property
+    def T_frame_world(self) -> F64:  # noqa: N802  (named for its direction)
+        """(4, 4) from the world to the frame's coordinates."""
+        return np.eye(4) if self.T_world_frame is None else inverse(self.T_world_frame)
+
+    @cached_property
+    def T_picture_world(self) -> F64:  # noqa: N802
+        """(4, 4) from the world to what is across, down and along the image; needs a lens."""
+        assert self.lens is not None  # noqa: S101
+        return self.lens.T_picture_frame @ self.T_frame_world
+
+    def labelled(self) -> Mask:
+        """(N,) points of any of the labels, a new array."""
+        mask = np.zeros(len(self.xyz), np.bool_)
+        for points in self.labels.values():
+            mask[points] = True
+        return mask
+
+    @cached_property
+    def cells(self) -> tuple[I32, F32]:
+        """Flat image cell and depth of every point; needs a lens."""
+        assert self.lens is not None  # noqa: S101  (callers ask only where there is one)
+        return self.lens.cells(np.asarray(self.frame.xyz, np.float32))
+
+    @cached_property
+    def depth(self) -> F32:
+        """(cells + 1,) depth image, NaN where nothing was measured and in the last entry."""
+        assert self.lens is not None  # noqa: S101
+        height, width = self.lens.shape
+        image = np.full(height * width + 1, np.nan, np.float32)
+        cell, depth = self.cells
+        image[cell] = depth
+        image[-1] = np.nan
+        return image
+
+    @cached_property
+    def shade(self) -> RangeImage | None:
+        """The nearest range in each direction, in the world, where there is no depth image."""
+        return None if self.eye is None else range_image_of(self.xyz, self.eye)
+
+    @cached_property
+    def low(self) -> Mask:
+        """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
+        return self.ground if self.roams else np.zeros(len(self.xyz), np.bool_)
+
+    @cached_property
+    def ground(self) -> Mask:
+        """(N,) points that a lidar sees of the ground; none where no lidar is."""
+        xyz = np.asarray(self.frame.xyz, np.float32)
+        if not self.scans:
+            return np.zeros(len(xyz), np.bool_)
+        if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
+            xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
+        return on_ground(xyz)
+
+    @cached_property
+    def up(self) -> int:
+        """The axis of the world that points up, or down, before a lidar."""
+        return axis_up(self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye))
+
+    @cached_property
+    def roams(self) -> bool:
+        """Whether a sensor without a pixel grid moves, as a lidar on a car does, or may do: frames
+        that lie in the world do not tell where their lidar was."""
+        if self.lens is not None:
+            return False
+        return self.T_world_frame is not None or (self.eye is None and self._reach > FAR)
+
+    @cached_property
+    def scans(self) -> bool:
+        """Whether the frame is a lidar's, or several lidars': one that moves, looks all round from
+        one place, or sees farther than depth cameras do."""
+        if self.lens is not None:
+            return False
+        return self.roams or self.shade is not None or self._reach > FAR
+
+    @property
+    def _reach(self) -> float:
+        return reach_of(self.xyz)
+
+    def firm(self, indices: I64, step: float) -> Mask:
+        """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
+
+        What lies between two surfaces at an outline belongs to neither.
+        """
+        if self.lens is None:
+            return np.ones(len(indices), np.bool_)
+        cell, depth = self.cells[0][indices], self.cells[1][indices]
+        firm = np.ones(len(indices), np.bool_)
+        width = self.lens.shape[1]
+        for beside in (-width, -1, 1, width):
+            other = self.depth[np.clip(cell + beside, 0, len(self.depth) - 1)]
+            with np.errstate(invalid="ignore"):
+                firm &= ~(np.abs(other - depth) > step)
+        return firm
+
+    def project(self, world: F64) -> tuple[I32, F32]:
+        """Cell (-1 outside) and depth of any points of the world; needs a lens."""
+        assert self.lens is not None  # noqa: S101
+        local = world if self.T_world_frame is None else transform(self.T_frame_world, world)
+        return self.lens.cells(local.astype(np.float32))
+
+
+def reach_of(xyz: F32) -> float:
+    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
+    if not len(xyz):
+        return 0.0
+    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
+    return float(np.quantile(away, MOST))
+
+
+@compiled
+def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
+    result = np.empty((len(indices), 3), np.float32)
+    for i in range(len(indices)):
+        at = indices[i]
+        red, green, blue = float(rgb[at, 0]), float(rgb[at, 1]), float(rgb[at, 2])
+        total = red + green + blue
+        result[i, 0] = 1.7 * (red - green) / (total + 60.0)
+        result[i, 1] = (2.0 * blue - red - green) / (total + 60.0)
+        result[i, 2] = total * (0.3 / 765)
+    return result

@@ -1,0 +1,1 @@
+"""What a run makes of what was found, and learns from it."""

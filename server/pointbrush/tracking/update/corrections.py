@@ -1,0 +1,61 @@
+"""What a person's points in the middle of a run teach: more of the same thing.
+
+The model keeps the sides that were seen before, and the motion goes on; only what the person's
+points contradict is given up.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.geometry.near import close_to
+from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.objects.model import SURE
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.segmentation.assign import claim
+from pointbrush.tracking.sensor.view import View
+
+FEWEST = 20
+"""Painted points from which a pose is found among them."""
+FITS = 0.3
+"""Cost up to which a model is the thing that a person painted."""
+EXPLAINED = 0.6
+"""Share of the painted points that it has to explain."""
+BESIDE = 8.0
+"""Units from the model within which a painted point is new surface."""
+
+
+def taught(thing: Thing, view: View, points: I64) -> F64 | None:
+    """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
+    if thing.bends or thing.large or thing.missing or len(points) < FEWEST:
+        return None
+    place = find(among(thing, view, points))
+    model, reach = thing.model, BESIDE * thing.unit
+    found = claim(view, points, place.world, model.colour, thing.weight, 2 * thing.reach)
+    if place.cost > FITS or len(found.indices) < EXPLAINED * len(points):
+        return None
+    model.drop(_denied(thing, view, place, points) & (model.hits < SURE))
+    back = inverse(place.pose)
+    eye = None if view.eye is None else transform(back, view.eye[None])[0]
+    found = claim(view, points, transform(place.pose, model.xyz), model.colour, 0.0, reach)
+    xyz = transform(back, view.xyz[found.indices].astype(np.float64))
+    model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eye, sure=True)
+    thing.motion.add(place.pose)
+    thing.last, thing.size = len(points), max(thing.size, float(len(points)))
+    thing.trust = 1.0
+    return place.pose
+
+
+def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
+    """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
+    painted = close_to(place.world, view.xyz[points], 2.5 * thing.unit)
+    denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
+    if view.lens is not None:
+        cell, depth = view.project(place.world)
+        with np.errstate(invalid="ignore"):
+            denied &= ~(view.depth[cell] < depth - 3 * thing.unit) & (cell >= 0)
+    return np.asarray(denied)

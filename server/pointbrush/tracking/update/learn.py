@@ -1,0 +1,210 @@
+"""What a thing keeps from a frame: its surface, its size, how much it bends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.fitting.fit import bent
+from pointbrush.tracking.fitting.judge import Verdict
+from pointbrush.tracking.fitting.search import target_of
+from pointbrush.tracking.geometry.columns import NONE, columns, nearest
+from pointbrush.tracking.geometry.near import bounds, close_to, within
+from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.objects.confidence import Evidence
+from pointbrush.tracking.objects.model import MOST_BENT, SURE, Model
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Thing
+from pointbrush.tracking.segmentation.assign import Claim, claim
+from pointbrush.tracking.sensor.view import View
+
+KNOWN, FEW = 100, 0.005
+"""Known points that have to be in sight, and share of them off their place, to ask for it."""
+SELDOM, HINT = 4, 0.25
+"""Frames in one of which it is asked of a stiff thing, and the share of what makes a thing soft
+from which it is asked in all."""
+LOOSE = 0.15
+"""Cost of a fit from which that is asked in all of a thing that is seen by very many points."""
+AGAIN = 1.5
+"""Times what makes a thing soft that one frame can say: a wrong pose bends anything, but once. What
+very many points show is seldom posed wrongly, and is taken at its word."""
+STRETCHED, ONTO = 600, 6000
+"""Points at most that are bent to find out, and onto which."""
+OFF, ON = 1.5, 1.0
+"""Units from the model at which a point is off its place, and on it."""
+SNAP = 0.7
+"""Share of its way to the points measured there that a soft thing's surface goes."""
+BESIDE = 8.0
+"""Units around a thing within which what is left over may be its."""
+SAMPLE = 1000
+"""Points whose colours are compared with those worn."""
+
+
+def evidence(
+    thing: Thing, view: View, place: Place, found: Claim, points: I64, verdict: Verdict
+) -> Evidence:
+    """What the fit says about itself, for its confidence; ``points`` (M,) are assigned."""
+    m = max(len(found.indices), 1)
+    count = max(len(points), 1)
+    some = points[:: max(1, len(points) // SAMPLE)]
+    return Evidence(
+        inliers=verdict.inliers,
+        sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
+        gap=float(found.gap.mean() / thing.reach),
+        cost=float(found.cost.mean() / thing.reach),
+        fit=place.cost,
+        size=len(points) / max(thing.size, 1.0),
+        change=len(points) / max(thing.last, 1),
+        grown=1.0 - m / count,
+        whole=place.whole,
+        share=m / max(len(place.moving), 1),
+        worn=thing.worn.likeness(view.colour(some)) - thing.worn.usual if thing.body else 0.0,
+        usual=thing.usual,
+        points=count,
+        pixels=view.lens is not None,
+        scans=thing.scanned,
+        soft=thing.soft,
+        left=(_beside(thing, view, place, points) + 1) / (len(points) + 1),
+        bend=thing.bend,
+        coarse=thing.unit / max(thing.model.radius, thing.unit),
+        border=place.border,
+    )
+
+
+def _beside(thing: Thing, view: View, place: Place, points: I64) -> int:
+    """Moving points around a thing's ``points`` (M,) that are not its; asked of lidars alone."""
+    if not (thing.scanned and len(points)):
+        return 0
+    own = np.zeros(len(view.xyz), np.bool_)
+    own[points] = True
+    lo, hi = bounds(view.xyz[points])
+    margin = BESIDE * thing.unit
+    return int(within(view.xyz[place.moving[~own[place.moving]]], lo - margin, hi + margin).sum())
+
+
+def learn(
+    thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
+) -> None:
+    """Take in the points found: a rigid model gathers them, one that bends is made anew."""
+    if verdict.confidence > 0.8:
+        thing.size = max(thing.size, float(len(found.indices) + len(grown)))
+    back = inverse(place.pose)
+    eye = view.eye
+    own_eye = None if eye is None else transform(back, eye[None])[0]
+    total = len(found.indices) + len(grown)
+    unlike = 0 if place.whole else len(grown) - len(place.uncovered)
+    loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+    was_rigid = not thing.bends
+    thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
+    if thing.bends:
+        points = np.concatenate([found.indices, grown])
+        xyz = transform(back, view.xyz[points].astype(np.float64))
+        colour = view.colour(points)
+        unseen = verdict.hidden
+        if thing.scanned:  # what hides it from a lidar is known too coarsely
+            unseen = unseen | ~close_to(place.world, view.xyz[points], 2.5 * thing.unit)
+        old = np.flatnonzero(unseen & (thing.model.misses < 15))
+        kept = thing.model
+        new = Model.of(xyz, colour, own_eye, kept.spacing, MOST_BENT)
+        new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
+        new.colour = np.vstack([new.colour, kept.colour[old]])
+        new.seen = np.vstack([new.seen, kept.seen[old]])
+        new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
+        new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
+        thing.model = new
+    else:
+        if thing.soft:
+            thing.model.xyz = transform(back, _settled_on(place.world, view, found))
+        number = thing.model.miss(verdict.through)
+        if not was_rigid:  # the claim was made by the model as it was bent
+            number[:] = -1
+        again = _claimed_again(thing, view, place, found, grown, number)
+        if not place.whole:
+            again = again.pick(again.cost < 2 * thing.reach)
+        if not thing.flat:
+            again = again.pick(~view.low[again.indices] | (again.gap < 0.9 * thing.model.spacing))
+        xyz = transform(back, view.xyz[again.indices].astype(np.float64))
+        colour = view.colour(again.indices)
+        # Nobody holds what a lidar on the move sees ever new sides of.
+        sure = thing.distinct(colour) | (place.whole or view.roams)
+        thing.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
+        _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
+    """Take note of how much of a small thing bending alone explains."""
+    stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
+    if stiff and _asked(thing, view, place):
+        most = np.inf if thing.size > DENSE else AGAIN * SOFT
+        now = min(strained(thing, view, place, verdict), most)
+        thing.strain += 0.2 * (now - thing.strain)
+
+
+def _settled_on(world: F64, view: View, found: Claim) -> F64:
+    """The model at ``world`` (M, 3), each point moved to the middle of the points nearest to it."""
+    count = np.bincount(found.nearest, minlength=len(world))
+    away = view.xyz[found.indices] - world[found.nearest]
+    sums = [np.bincount(found.nearest, weights=away[:, a], minlength=len(world)) for a in range(3)]
+    return np.asarray(world + SNAP * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None])
+
+
+def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
+    """Share of the known surface that is not where one motion puts it, but where bending does."""
+    model = thing.model
+    facing = model.facing(place.pose[None], view.eye)[0]
+    known = np.flatnonzero(facing & ~verdict.hidden & (model.hits >= SURE))
+    if len(known) < KNOWN:
+        return 0.0
+    some = known[:: -(-len(known) // STRETCHED)]
+    world, colour = place.world[some], model.colour[some]
+    target = target_of(view, place.near, thing.weight, ONTO)
+    far = 3 * thing.unit
+    off = target.nearest(world, colour, far)[0] > OFF * thing.unit
+    if off.mean() < FEW:
+        return 0.0
+    moved = bent(thing, world, colour, target)[off]
+    again = target.nearest(moved, colour[off], far)[0]
+    return float(np.count_nonzero(again < ON * thing.unit) / len(off))
+
+
+def _asked(thing: Thing, view: View, place: Place) -> bool:
+    """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it.
+
+    What is seen by very many points fits well while it is stiff.
+    """
+    speaks = thing.strain > HINT * SOFT or (place.cost > LOOSE and thing.size > DENSE)
+    return speaks or (view.number + thing.label) % SELDOM == 0
+
+
+def _claimed_again(
+    thing: Thing, view: View, place: Place, found: Claim, grown: I64, number: I64
+) -> Claim:
+    """What the model claims now of its points: as before, unless the model point has gone.
+
+    ``number`` (M,) new number of each model point, -1 for those that have gone.
+    """
+    reach = (8 if place.whole else 3) * thing.unit
+    now = number[found.nearest]
+    kept = (now >= 0) & (found.gap < reach)
+    rest = np.concatenate([found.indices[~kept], grown])
+    world = transform(place.pose, thing.model.xyz)
+    new = claim(view, rest, world, thing.model.colour, thing.weight, reach)
+    return Claim(
+        np.concatenate([found.indices[kept], new.indices]),
+        np.concatenate([found.cost[kept], new.cost]),
+        np.concatenate([found.gap[kept], new.gap]),
+        np.concatenate([now[kept], new.nearest]),
+    )
+
+
+def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:
+    """What another object hid until now of a thing at rest is as sure as what a person painted.
+
+    Beside what is on the move it may be the hand.
+    """
+    if not len(points):
+        return
+    xyz = transform(back, view.xyz[points].astype(np.float64))
+    gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, 0.0, np.inf)
+    sure = thing.motion.slow(thing.unit)
+    thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)

@@ -1,0 +1,124 @@
+"""What a run makes of a thing in a frame: found, hidden or lost; what it learns of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pointbrush.tracking.fitting.judge import Verdict, judge
+from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, likelihood
+from pointbrush.tracking.objects.free_space import remember
+from pointbrush.tracking.objects.model import SURE
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.segmentation.assign import Claim, together
+from pointbrush.tracking.segmentation.belong import unexplained
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.learn import evidence, learn, stretch
+
+PATIENCE = 45
+"""Frames that a thing is looked for before it is lost."""
+SOUND = 0.25
+"""Cost under which a fit teaches the model."""
+DOUBTFUL, REGAINED = 0.4, 0.6
+"""Cost over which a fit says nothing about the motion; under it, and with this share of inliers,
+it ends an occlusion."""
+GRADUAL = 0.1
+"""Share of a frame in what a thing's points usually cost."""
+SCRAP = 0.05
+"""Share of the size of a large thing under which what is seen of it tells no motion."""
+LESS = 0.6
+"""How much rarer, in the mean logarithm, colours may be on the known surface than its own usually
+are: half as common. It is known better than what was painted, and of all sides."""
+STAYED = 0.35
+"""Share of inliers that is enough for what is found where it was, if what hides it is not known."""
+
+
+def settle(
+    thing: Thing,
+    view: View,
+    place: Place | None,
+    found: Claim | None,
+    grown: I64,
+    options: TrackOptions,
+) -> tuple[TrackState, I64]:
+    """Judge what was found in a frame, and learn from it: the state, and the points (M,)."""
+    pose = None if place is None else place.pose
+    verdict = judge(thing, view, pose, None if place is None else place.world, found)
+    pose = thing.motion.poses[-1] if place is None else place.pose
+    seen = place is not None and _seen(thing, view, place, verdict)
+    if place is None or found is None or not seen or hides(thing, view, place, found):
+        thing.missing += 1
+        thing.motion.gap += 1
+        lost = thing.missing > PATIENCE
+        thing.stopped = lost and not options.continue_lost
+        thing.trust = max(0.0, thing.trust - REGAIN)
+        state: State = "lost" if lost else "occluded"
+        return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
+    thing.missing, thing.vain = 0, place.vain
+    if thing.scanned and view.eye is not None:
+        at = transform(place.pose, thing.motion.centre[None])[0]
+        thing.come_to(float(np.linalg.norm(at - view.eye)))
+    points = together(found.indices, grown)
+    told = evidence(thing, view, place, found, points, verdict)
+    here = likelihood(told, thing.body)
+    if place.whole and place.cost < SOUND:
+        thing.usual += GRADUAL * (told.cost - thing.usual)
+    regain = REGAIN_SCANNED if thing.scanned else REGAIN
+    trust = min(here, thing.trust + regain, place.most)
+    thing.trust, thing.last = trust, len(points)
+    # What was found so in the frame before too has moved from there to here.
+    scrap = thing.large and len(points) < SCRAP * thing.size and not thing.scanned
+    if scrap or (place.anew and not thing.motion.fresh):
+        thing.motion.begin(place.pose)
+    else:
+        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
+    if place.cost < DOUBTFUL:
+        stretch(thing, view, place, verdict)
+    # What bends fits badly as a whole, and well where it was bent.
+    followed = thing.soft and place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    if place.cost < SOUND or thing.bends or thing.large or followed:
+        learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
+    if place.cost < SOUND and not (thing.bends or thing.large):
+        remember(thing.glimpses, view, place.pose, place.world)
+    rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
+    track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
+    return track, together(points, place.rim)
+
+
+def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
+    """Whether the thing was found; one that was hidden must show itself clearly."""
+    clear = place.cost < DOUBTFUL and verdict.inliers > REGAINED
+    if view.lens is None and np.array_equal(place.pose, thing.motion.poses[-1]):
+        clear = verdict.inliers > STAYED
+    return verdict.found and (thing.missing == 0 or thing.large or clear)
+
+
+def hides(thing: Thing, view: View, place: Place, found: Claim) -> bool:
+    """Whether what was found hides a small thing, and is not the thing: it fits badly, and has
+    hardly the colours that were painted, nor those of the known surface, another side's too.
+
+    What is alone in the air hides nothing.
+    """
+    if not thing.dyed or place.cost < SOUND or place.whole:
+        return False
+    colour = view.colour(found.indices)
+    if not thing.worn.unlike(colour):
+        return False
+    known = ColourHistogram.of(thing.model.colour[thing.model.hits >= SURE])
+    return known.likeness(colour) < known.usual - LESS
+
+
+def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
+    """What the model may learn of ``found``: no new points that something unlabelled explains, or
+    of colours that the thing has not shown: what holds it may be where it bends."""
+    if place.whole or thing.large:
+        return found
+    keep = found.gap < 0.9 * thing.model.spacing
+    new = np.flatnonzero(~keep)
+    keep[new] = ~thing.strange(view.colour(found.indices[new]))
+    if not thing.bends:
+        keep[new] &= unexplained(thing, view, place, found.indices[new])
+    return found.pick(keep)

@@ -1,0 +1,222 @@
+"""People before a camera at rest, followed together with those whom nobody labelled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+import scenes
+from conftest import follow
+
+from pointbrush.tracking import FrameResult
+from pointbrush.tracking.geometry.mean_field import agreed
+from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.people.arrivals import come_back, mistakable
+from pointbrush.tracking.people.foreground import Foreground
+from pointbrush.tracking.people.group import Group
+from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.person import Person
+from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.sensor.view import View
+
+RATE = 5.0
+SURE = PersonEvidence(fit=0.5, disputed=0.0, size=0.9, change=1.0, shown=0.9, like=0.0, back=False)
+
+
+def overlap(found: np.ndarray, truth: np.ndarray) -> float:
+    mask = np.zeros(len(truth), np.bool_)
+    mask[found] = True
+    return float((mask & truth).sum() / (mask | truth).sum())
+
+
+def crossing(stranger: bool, frames: int = 12) -> list[scenes.Frame]:
+    """1 and 2 cross, one behind the other, five frames a second; a third comes in later."""
+    rng = np.random.default_rng(7)
+    sensor = scenes.Sensor(192, 168, 130.0, origin=np.array([0.0, 1.3, 0.0]))
+    camera = scenes.Camera(sensor, scenes.room())
+    made = []
+    for i in range(frames):
+        t = i / RATE
+        one, two = np.array([1.1 * t - 1.1, 0, 2.4]), np.array([1.2 - 1.1 * t, 0, 3.2])
+        parts = scenes.person(1, one, np.pi / 2, 7.0 * t, (60, 110, 200))
+        parts += scenes.person(2, two, -np.pi / 2, 7.0 * t + 1, (190, 80, 60))
+        if stranger:
+            three = np.array([3.2 - 1.4 * t, 0, 2.8])
+            parts += scenes.person(3, three, -np.pi / 2, 8.0 * t + 2, (70, 160, 80))
+        made.append(camera.shoot(parts, rng))
+    return made
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["alone", "stranger"])
+def colourless(request: pytest.FixtureRequest) -> list[scenes.Frame]:
+    return [replace(frame, rgb=None) for frame in crossing(request.param)]
+
+
+@pytest.fixture(scope="module")
+def found(colourless: list[scenes.Frame]) -> list[FrameResult]:
+    return follow(colourless)
+
+
+def test_people_who_cross_keep_their_labels_without_colour(
+    colourless: list[scenes.Frame], found: list[FrameResult]
+) -> None:
+    for label in (1, 2):
+        truths = [colourless[result.frame].truth == label for result in found]
+        shares = [
+            overlap(result.assignments[label], truth)
+            for result, truth in zip(found, truths, strict=True)
+            if truth.sum() > 300 and label in result.assignments
+        ]
+        assert len(shares) >= len(found) - 3
+        assert np.mean(shares) > 0.85
+
+
+def test_no_label_goes_over_to_a_stranger(
+    colourless: list[scenes.Frame], found: list[FrameResult]
+) -> None:
+    for result in found:
+        strange = colourless[result.frame].truth == 3
+        for points in result.assignments.values():
+            assert strange[points].sum() <= 0.1 * len(points)
+
+
+def test_what_they_hold_and_they_share_the_points_where_they_touch() -> None:
+    rng = np.random.default_rng(3)
+    sensor = scenes.Sensor(192, 168, 160.0, origin=np.array([0.0, 1.3, 0.0]))
+    camera = scenes.Camera(sensor, scenes.room())
+    frames = []
+    for i in range(12):
+        at = np.array([0.06 * i - 0.35, 0, 2.0])
+        held = at + np.array([0.06 * np.sin(0.5 * i), 1.15 + 0.1 * np.cos(0.5 * i), -0.4])
+        hands = [held + np.array([side, 0, 0.06]) for side in (0.1, -0.1)]
+        parts = scenes.person(1, at, np.pi, 2.0 * i / RATE, (60, 110, 200), arms=hands)
+        ball = scenes.Part(2, (220, 190, 60), held, held + 1e-3, 0.1, 0.1)
+        frames.append(camera.shoot([*parts, ball], rng))
+    for result in follow(frames)[1:]:
+        truth = frames[result.frame].truth
+        assert overlap(result.assignments[2], truth == 2) > 0.88
+        assert overlap(result.assignments[1], truth == 1) > 0.85
+
+
+def test_what_touches_agrees_unless_it_costs_too_much() -> None:
+    # Five cells in a row: the first is surely one's, the last the other's, the rest undecided.
+    cost = np.array([[0.0, 9.0], [1.0, 1.0], [1.0, 1.0], [1.2, 1.0], [9.0, 0.0]])
+    start = np.array([0, 1, 3, 5, 7, 8])
+    end = np.array([1, 0, 2, 1, 3, 2, 4, 3])
+    apart = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 1.0, 1.0])
+    assert agreed(cost, Paths(start, end, apart)).argmax(axis=1).tolist() == [0, 0, 0, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"fit": 3.0}, {"disputed": 0.8}, {"size": 0.1}, {"change": 0.3}, {"like": -2.0}],
+    ids=lambda change: next(iter(change)),
+)
+def test_what_fits_badly_is_trusted_less(change: dict[str, float]) -> None:
+    assert SURE.likelihood() > 0.9
+    assert replace(SURE, **change).likelihood() < SURE.likelihood() - 0.02
+
+
+def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
+    left, right = np.zeros((5, 3)), np.tile([1.6, 0.0, 3.0], (5, 1))
+    middle = np.vstack([left, right])
+    cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
+    sight = SimpleNamespace(owner=np.ones(10, np.int64), cells=cells, ground=middle[:, [0, 2]])
+    sight.cells_of, sight.area = lambda _: np.arange(10), len
+    person = Person(1, middle, middle.astype(np.float32), 0, missing=1)
+    person.follow(cast(Observation, sight), np.zeros(3), 1)
+    assert len(person.xyz) == 5
+
+
+RED, BLUE = np.array([0.4, 0.0, 0.5], np.float32), np.array([-0.4, 0.1, 0.5], np.float32)
+
+
+def body(right: float, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middles (30, 3) of cells 0.1 m apart, three metres away, and their colours."""
+    across, up = np.meshgrid(np.arange(3) / 10, np.arange(10) / 10)
+    middle = np.stack([right + across.ravel(), up.ravel(), np.full(30, 3.0)], axis=1)
+    return middle, np.tile(colour, (30, 1))
+
+
+def staged(*bodies: tuple[np.ndarray, np.ndarray]) -> Observation:
+    """The bodies, five points in each cell."""
+    middle, colour = (np.vstack(each) for each in zip(*bodies, strict=True))
+    many = np.full(len(middle), 5)
+    cell = np.repeat(np.arange(len(middle)), 5)
+    cells = Foreground(np.arange(len(cell)), cell, many, middle, colour, 0.1, many)
+    view = SimpleNamespace(
+        frame=SimpleNamespace(rgb=True),
+        colour=lambda points: colour[cell[points]],
+        depth=np.full(1, np.inf),
+        project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
+    )
+    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]])
+
+
+def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
+    middle, tints = body(right, colour)
+    person = Person(label, middle, tints, 0, ColourHistogram.of(tints))
+    person.well, person.area = well, 30 * 5 * 9.0
+    return person
+
+
+def test_who_was_not_met_where_he_was_expected_is_missing_in_the_same_frame() -> None:
+    near, gone = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, RED, well=2)
+    sight = staged(body(0.1, RED))
+    come_back(sight, [near, gone], 30, now=10)
+    assert np.all(sight.owner == 1)
+
+
+def test_who_is_missing_is_looked_for_in_what_another_has_by_clothes() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, BLUE, well=5)
+    sight = staged(body(0.0, RED), body(0.3, BLUE))
+    sight.owner[:] = 1
+    come_back(sight, [both, gone], 30, now=10)
+    assert np.mean(sight.owner[:30] == 1) > 0.6
+    assert np.all(sight.owner[33:] == 2)
+
+
+@pytest.mark.parametrize(("wear", "doubted"), [(RED, True), (BLUE, False)])
+def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
+    wear: np.ndarray, doubted: bool
+) -> None:
+    found, gone = somebody(1, 0.0, RED, well=5), somebody(2, 0.2, wear, well=5)
+    found.missing = gone.missing = 4
+    sight = staged(body(0.1, RED))
+    sight.owner[:] = 1
+    assert mistakable(sight, [found, gone], found, 10) == doubted
+    group = Group([found, gone], 0.1, sight.flat, 30.0, 10)
+    group.doubt(sight, found, SURE)
+    assert found.doubted == doubted
+    # Alone, in his own clothes, he is himself again.
+    group.drop(2)
+    group.doubt(sight, found, SURE)
+    assert not found.doubted
+
+
+def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
+    group = Group([both, gone], 0.1, np.eye(3)[:, [0, 2]], 30.0, 10)
+    sight = staged(body(0.0, RED), body(0.3, RED))
+    sight.owner[:30] = 1
+    group.doubt(sight, both, replace(SURE, size=1.0))
+    assert not both.doubted
+    sight.owner[:] = 1
+    group.doubt(sight, both, replace(SURE, size=2.0))
+    assert both.doubted
+
+
+def test_scraps_are_not_where_somebody_was_well_seen() -> None:
+    person = somebody(1, 0.0, RED, well=4)
+    sight = staged(body(2.0, RED), body(0.2, RED))
+    # One point in a cell, of a few that lie elsewhere, is hardly anything of him.
+    sight.cells.count[:30] = 1
+    sight.owner[:10] = 1
+    person.follow(sight, np.array([2.0, 0.0, 0.0]), 9)
+    assert person.well == 4
+    come_back(sight, [person], 30, now=10)
+    assert np.all(sight.owner[30:] == 1)
