@@ -92,7 +92,7 @@ unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@$(BIN)/python -m pytest -q -n 2 --dist loadfile tests/e2e
+	@$(BIN)/python -m pytest -q -n 2 --dist worksteal tests/e2e
 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
