@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import follow
+from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.geometry.mean_field import agreed
@@ -21,6 +22,7 @@ from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
 RATE = 5.0
@@ -102,6 +104,34 @@ def test_what_they_hold_and_they_share_the_points_where_they_touch() -> None:
         assert overlap(result.assignments[1], truth == 1) > 0.85
 
 
+def outlined(frame: scenes.Frame, painted: bool) -> tuple[scenes.Frame, np.ndarray]:
+    """Every fifth pixel at the outlines lies 30 cm behind, as its truth if ``painted``; and which
+    those are."""
+    lens = find_lens(frame)
+    assert lens is not None
+    assert frame.truth is not None
+    cell = lens.cells(frame.xyz)[0]
+    image = np.zeros(lens.shape, np.bool_)
+    image.ravel()[cell] = frame.truth > 0
+    rim = (image & ~minimum_filter(image, 3)).ravel()[cell]
+    mixed = rim & (np.random.default_rng(1).random(len(cell)) < 0.2)
+    xyz, truth = frame.xyz.copy(), frame.truth.copy()
+    away = xyz[mixed] - lens.eye
+    xyz[mixed] += 0.3 * away / np.linalg.norm(away, axis=1, keepdims=True)
+    truth[mixed] = frame.truth[mixed] if painted else 0
+    return replace(frame, xyz=xyz.astype(np.float32), truth=truth), mixed
+
+
+@pytest.mark.parametrize("painted", [False, True])
+def test_flying_pixels_are_somebodys_where_he_was_painted_with_them(painted: bool) -> None:
+    made = [outlined(frame, painted) for frame in crossing(stranger=False, frames=4)]
+    shares = []
+    for result in follow([frame for frame, _ in made])[1:]:
+        found = np.concatenate(list(result.assignments.values()))
+        shares.append(np.isin(np.flatnonzero(made[result.frame][1]), found).mean())
+    assert np.mean(shares) > 0.75 if painted else np.mean(shares) < 0.4
+
+
 def test_what_touches_agrees_unless_it_costs_too_much() -> None:
     # Five cells in a row: the first is surely one's, the last the other's, the rest undecided.
     cost = np.array([[0.0, 9.0], [1.0, 1.0], [1.0, 1.0], [1.2, 1.0], [9.0, 0.0]])
@@ -154,7 +184,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray]) -> Observation:
         depth=np.full(1, np.inf),
         project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
     )
-    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]])
+    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]], cell[:0])
 
 
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
@@ -189,7 +219,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     sight = staged(body(0.1, RED))
     sight.owner[:] = 1
     assert mistakable(sight, [found, gone], found, 10) == doubted
-    group = Group([found, gone], 0.1, sight.flat, 30.0, 10)
+    group = Group([found, gone], 0.1, 0.01, sight.flat, 30.0, 10)
     group.doubt(sight, found, SURE)
     assert found.doubted == doubted
     # Alone, in his own clothes, he is himself again.
@@ -200,7 +230,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
-    group = Group([both, gone], 0.1, np.eye(3)[:, [0, 2]], 30.0, 10)
+    group = Group([both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], 30.0, 10)
     sight = staged(body(0.0, RED), body(0.3, RED))
     sight.owner[:30] = 1
     group.doubt(sight, both, replace(SURE, size=1.0))

@@ -8,6 +8,7 @@ import scenes
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
+from pointbrush.tracking.background.pixel_tests import least
 from pointbrush.tracking.background.scenery import (
     BLOCK,
     LEAST,
@@ -17,7 +18,7 @@ from pointbrush.tracking.background.scenery import (
     farthest,
     wavering,
 )
-from pointbrush.tracking.sensor.lens import Lens
+from pointbrush.tracking.sensor.lens import Lens, find_lens
 from pointbrush.tracking.sensor.view import View
 
 SHAPE = (96, 128)
@@ -168,3 +169,28 @@ def test_a_hand_that_passed_before_a_thing_leaves_no_scenery_there() -> None:
     points = again.labels[1]
     assert not scene.static(again, points)[0].any()
     assert scene.static(again, np.flatnonzero(~thing.ravel()))[0].all()
+
+
+def test_slanting_surfaces_are_as_deep_as_they_are_and_at_edges_the_nearest_counts() -> None:
+    scene = room_corner()
+    scene[60:, 100:] -= 0.3  # a box on the floor
+    known = np.append(scene.ravel(), np.float32(np.nan))
+    found = least(known, SHAPE, 0.001, 0.001)[:-1].reshape(SHAPE)
+    np.testing.assert_array_equal(found[85:95, 5:90], scene[85:95, 5:90])
+    np.testing.assert_array_equal(found[80:95, 99], scene[79:94, 100].clip(max=scene[81:96, 100]))
+
+
+def test_what_stands_for_a_while_before_the_scene_is_furniture() -> None:
+    camera = scenes.Camera(scenes.Sensor(64, 48, 50.0), scenes.room())
+    frame = camera.shoot([], np.random.default_rng(0))
+    view = View(0, frame, find_lens(frame))
+    every = np.arange(len(view.xyz))
+    background = ImageBackground(
+        DepthNoise(0.004, 0.002), view.depth.copy(), view.depth.copy(), np.ones_like(view.depth)
+    )
+    background.scene = view.depth.copy()
+    assert not background.furniture(view, every).any()
+    background.scene = view.depth + np.float32(1.0)
+    assert background.furniture(view, every).all()
+    background.depth += np.float32(0.5)
+    assert not background.furniture(view, every).any()

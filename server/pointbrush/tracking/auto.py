@@ -151,7 +151,7 @@ class Run:
         free: Mask,
     ) -> dict[int, tuple[TrackState, I64]]:
         """How people fared who are followed together, and what each of them has."""
-        if self.group is None:
+        if self.group is None or not isinstance(self.background, ImageBackground):
             return {}
         left = free.copy()
         for _, points in settled.values():

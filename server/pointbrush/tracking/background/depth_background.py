@@ -19,12 +19,13 @@ from pointbrush.tracking.background.pixel_tests import (
     HIDDEN,
     Images,
     before,
+    least,
     scenery,
     stood,
     uncovered,
 )
 from pointbrush.tracking.background.scenery import NEAR, continued, drawn_on, farthest, wavering
-from pointbrush.tracking.geometry.windows import least_around, widened
+from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
@@ -194,12 +195,18 @@ class ImageBackground:
         nearest = self._before(view)
         return before(*view.cells, indices, nearest, self.scale, *self._waver)
 
+    def furniture(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) are no nearer than what stands before the scene for a while."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        limit, stood = NEAR * self.waver(depth), self.depth[cell]
+        return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
+
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""
         if view.lens is None:
             return np.full_like(self.depth, np.nan)
         if self.nearest is None:
-            self.nearest = least(self._known, view.lens.shape)
+            self.nearest = least(self._known, view.lens.shape, *self._waver)
         return self.nearest
 
     @property
@@ -265,12 +272,3 @@ class ImageBackground:
         np.add(self.depth, change, out=self.depth, where=same)
         np.copyto(self.depth, seen, where=farther)
         self.nearest = None
-
-
-def least(known: F32, shape: tuple[int, int]) -> F32:
-    """The least of each cell's and its neighbours' depth: at an edge either is seen."""
-    least = known.copy()
-    depth = np.nan_to_num(known[:-1], nan=np.inf).reshape(shape)
-    least[:-1] = least_around(depth).ravel()
-    least[np.isnan(known)] = np.nan
-    return least

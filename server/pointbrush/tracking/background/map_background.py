@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import label
 
-from pointbrush.tracking.background.depth_background import ROUGHLY, least
+from pointbrush.tracking.background.depth_background import ROUGHLY
 from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.background.pixel_tests import least
 from pointbrush.tracking.background.point_background import PointBackground
 from pointbrush.tracking.background.scenery import NEAR, drawn_on
 from pointbrush.tracking.background.surface_map import SurfaceMap
@@ -33,7 +34,7 @@ class MapBackground(PointBackground):
         if self._drawn is None or self._drawn[0] != view.number:
             assert view.lens is not None  # noqa: S101  (only then there is a chart)
             depth = self._chart.drawn(view)
-            limit = least(depth, view.lens.shape)
+            limit = least(depth, view.lens.shape, self._waver.still, self._waver.growing)
             limit -= NEAR * self._waver(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(view.lens.shape)).ravel()
             if hole.any():

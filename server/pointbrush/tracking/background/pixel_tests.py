@@ -112,3 +112,35 @@ def uncovered(
             found[count] = i
             count += 1
     return found[:count].copy()
+
+
+@compiled
+def least(known: F32, shape: tuple[int, int], still: float, growing: float) -> F32:
+    """(cells + 1,) the least depth that the scene may show in each cell.
+
+    ``known`` (cells + 1,) its depth, NaN where unknown.  At an edge the cells beside it are seen
+    as well; where a surface goes on evenly, a slanting one too, it is as deep as it is.
+    """
+    height, width = shape
+    result = known.copy()
+    for row in range(height):
+        for column in range(width):
+            cell = row * width + column
+            depth = known[cell]
+            if np.isnan(depth):
+                continue
+            same = still + growing * depth * depth
+            for down, along in ((0, 1), (1, 0), (1, 1), (1, -1)):
+                one = other = np.float32(np.nan)
+                if row >= down and 0 <= column - along < width:
+                    one = known[cell - down * width - along]
+                if row + down < height and 0 <= column + along < width:
+                    other = known[cell + down * width + along]
+                # In inverse depth a plane is even: the middle of both ends is as deep as this.
+                if abs(2 * one * other - depth * (one + other)) < same * (one + other):
+                    continue
+                if one < result[cell]:
+                    result[cell] = one
+                if other < result[cell]:
+                    result[cell] = other
+    return result

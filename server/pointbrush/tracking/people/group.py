@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
 from pointbrush.tracking.objects.confidence import REGAIN
 from pointbrush.tracking.objects.thing import Thing
@@ -25,6 +25,7 @@ from pointbrush.tracking.people.observation import Observation, across
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
@@ -39,20 +40,23 @@ DOUBTED = 0.4
 
 @dataclass(eq=False)
 class Group:
-    """Everybody there, in cells of ``size`` metres; ``flat`` (3, 2) is the ground."""
+    """Everybody there, in cells of ``size`` metres; ``unit`` of tolerance, ``flat`` (3, 2) is the
+    ground."""
 
     people: list[Person]
     size: float
+    unit: float
     flat: F64
     usual: float
     now: int = 0
 
     @staticmethod
-    def of(view: View, things: Mapping[int, Thing], background: Background) -> Group:
+    def of(view: View, things: Mapping[int, Thing], background: ImageBackground) -> Group:
         """The painted people ``things`` of a first frame, and who else is there."""
         sizes = [max(CELL * thing.unit, FINE * thing.span) for thing in things.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
-        group = Group([], float(np.median(sizes)), across(view, people.values()), 0.0)
+        unit = float(np.median([thing.unit for thing in things.values()]))
+        group = Group([], float(np.median(sizes)), unit, across(view, people.values()), 0.0)
         sight = group._stage(view, background, np.ones(len(view.xyz), np.bool_))
         for label, thing in things.items():
             group.put(view, label, thing)
@@ -67,15 +71,16 @@ class Group:
         """Whom a person painted."""
         return {person.label for person in self.people if person.named}
 
-    def _stage(self, view: View, background: Background, free: Mask) -> Observation:
-        return Observation.of(view, background, free, self.size, self.flat)
+    def _stage(self, view: View, background: ImageBackground, free: Mask) -> Observation:
+        return Observation.of(view, background, free, self.size, self.unit, self.flat)
 
     def put(self, view: View, label: int, thing: Thing) -> None:
         """Somebody is where he was painted in a frame, whatever was thought of him."""
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        person = Person(label, cells.middle, cells.colour, self.now, thing.worn)
+        with_flying = painted_with_flying(view, view.labels[label], thing.unit)
+        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, with_flying)
         person.went = thing.motion.poses[-1][:3, 3]
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
@@ -85,7 +90,7 @@ class Group:
         self.people = [f for f in self.people if f.label != label]
 
     def step(
-        self, view: View, background: Background, free: Mask
+        self, view: View, background: ImageBackground, free: Mask
     ) -> dict[int, tuple[TrackState, I64]]:
         """Who has which of the ``free`` points (N,) of the next frame."""
         self.now += 1
@@ -154,5 +159,7 @@ def _state(
     person.trust = min(looks.likelihood(), person.trust + REGAIN)
     if person.doubted:
         person.trust = min(person.trust, DOUBTED)
+    if person.with_flying:
+        points = np.concatenate([points, sight.beside(points)])
     state = TrackState(pose, 0.0, looks.shown, person.trust, len(points), "tracked")
     return state, np.sort(points)

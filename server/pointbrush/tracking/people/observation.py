@@ -8,13 +8,15 @@ from functools import cached_property
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.fitting.search import PATIENT
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.foreground import Foreground
+from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.sensor.view import View
 
 CHANGE = 0.08
@@ -49,11 +51,12 @@ def across(view: View, people: Iterable[F64]) -> F64:
 @dataclass(eq=False)
 class Observation:
     """The ``cells`` of a frame, each with an ``owner`` (N,): a label, less than 0 for who has
-    none, 0 for nobody."""
+    none, 0 for nobody; ``flying`` pixels (F,) are in none."""
 
     view: View
     cells: Foreground
     flat: F64
+    flying: I64
     owner: I64 = field(init=False)
 
     def __post_init__(self) -> None:
@@ -61,12 +64,25 @@ class Observation:
         self.owner = np.zeros(len(self.cells.count), np.int64)
 
     @staticmethod
-    def of(view: View, background: Background, free: Mask, size: float, flat: F64) -> Observation:
+    def of(
+        view: View, background: ImageBackground, free: Mask, size: float, unit: float, flat: F64
+    ) -> Observation:
         """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
         some = np.flatnonzero(free)
-        some = some[~background.static(view, some)[0]]
+        some = some[~background.furniture(view, some)]
         moving = ~background.scenery(view, some, PATIENT) | (background.again(view, some) != 0)
-        return Observation(view, Foreground.of(view, some[moving], size), flat)
+        some = some[moving]
+        loose = flying(view, some, unit)
+        return Observation(view, Foreground.of(view, some[~loose], size), flat, some[loose])
+
+    def beside(self, points: I64) -> I64:
+        """The flying pixels (B,) at the outline of the ``points`` (M,)."""
+        assert self.view.lens is not None  # noqa: S101
+        cell = self.view.cells[0]
+        own = np.zeros(len(self.view.depth), np.bool_)
+        own[cell[points]] = True
+        around = widened(own[:-1].reshape(self.view.lens.shape), 1).ravel()
+        return self.flying[around[cell[self.flying]]]
 
     @cached_property
     def tints(self) -> F32 | None:

@@ -39,7 +39,8 @@ class Person:
     came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
     of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
-    came back in; ``doubted`` whether he may be another.
+    came back in; ``with_flying`` whether the
+    flying pixels at his outline are his; ``doubted`` whether he may be another.
     """
 
     label: int
@@ -47,6 +48,7 @@ class Person:
     colour: F32
     since: int
     worn: ColourHistogram | None = None
+    with_flying: bool = False
     step: F64 = field(default_factory=lambda: np.zeros(3))
     went: F64 = field(default_factory=lambda: np.zeros(3))
     size: float = 0.0

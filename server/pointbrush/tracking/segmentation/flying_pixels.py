@@ -9,12 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
 
 BEHIND, BESIDE = 4.0, 2.0
 """Units by which it lies behind a neighbour, and within which a neighbour is as deep as it is."""
+MOSTLY, FEWEST = 0.5, 20
+"""Share of them that a thing was painted with, to have them ever after, and how many tell it."""
 
 
 def flying(view: View, points: I64, unit: float) -> Mask:
@@ -24,17 +27,44 @@ def flying(view: View, points: I64, unit: float) -> Mask:
     """
     if view.lens is None or not len(points):
         return np.zeros(len(points), np.bool_)
+    own = np.zeros(len(view.depth), np.bool_)
+    own[view.cells[0][points]] = True
+    return _loose(view, points, own, unit)
+
+
+def painted_with_flying(view: View, points: I64, unit: float) -> bool:
+    """Whether most of the flying pixels at the outline of painted ``points`` (M,) are painted too.
+
+    Who outlines a thing in a picture paints those inside the outline as well.
+    """
+    if view.lens is None:
+        return False
+    painted = np.zeros(len(view.depth), np.bool_)
+    painted[view.cells[0][points]] = True
+    around = widened(painted[:-1].reshape(view.lens.shape), 1).ravel()
+    near = np.flatnonzero(around[view.cells[0]])
+    every = np.isfinite(view.depth)
+    loose = near[_loose(view, near, every, unit)]
+    return len(loose) >= FEWEST and float(painted[view.cells[0][loose]].mean()) > MOSTLY
+
+
+def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
+    assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
     width = view.lens.shape[1]
-    return _flying(*view.cells, view.depth, points, width, BEHIND * unit, BESIDE * unit)
+    return _flying(*view.cells, view.depth, points, own, width, BEHIND * unit, BESIDE * unit)
 
 
 @compiled
 def _flying(
-    cells: I32, depths: F32, image: F32, points: I64, width: int, behind: float, beside: float
+    cells: I32,
+    depths: F32,
+    image: F32,
+    points: I64,
+    own: Mask,
+    width: int,
+    behind: float,
+    beside: float,
 ) -> Mask:
-    own = np.zeros(len(image), np.bool_)
-    for point in points:
-        own[cells[point]] = True
     result = np.empty(len(points), np.bool_)
     for i in range(len(points)):
         cell, depth = cells[points[i]], depths[points[i]]
