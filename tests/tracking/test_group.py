@@ -141,6 +141,23 @@ def test_what_touches_agrees_unless_it_costs_too_much() -> None:
     assert agreed(cost, Paths(start, end, apart)).argmax(axis=1).tolist() == [0, 0, 0, 1, 1]
 
 
+def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same() -> None:
+    rng = np.random.default_rng(4)
+    count, many = 400, 3
+    cost = rng.uniform(0.0, 4.0, (count, many))
+    start = np.concatenate([[0], np.cumsum(np.r_[1, np.full(count - 2, 2), 1])])
+    end = np.array([j for i in range(count) for j in (i - 1, i + 1) if 0 <= j < count])
+    links = Paths(start, end, np.full(len(end), 1.0))
+    found, share = agreed(cost, links), np.exp(-cost)
+    share /= share.sum(axis=1, keepdims=True)
+    for _ in range(60):
+        for i in range(count):
+            beside = end[start[i] : start[i + 1]]
+            odds = np.exp(8.0 * min(1.0, len(beside) / 3) * share[beside].mean(axis=0) - cost[i])
+            share[i] = odds / odds.sum()
+    assert np.mean(found.argmax(axis=1) == share.argmax(axis=1)) > 0.98
+
+
 @pytest.mark.parametrize(
     "change",
     [{"fit": 3.0}, {"disputed": 0.8}, {"size": 0.1}, {"change": 0.3}, {"like": -2.0}],

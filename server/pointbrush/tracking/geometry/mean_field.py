@@ -14,8 +14,8 @@ from pointbrush.tracking.interface import F64
 
 SWEEPS, FIRM = 30, 8.0
 """Most sweeps over the cells, and how much all neighbours of a cell weigh against its own cost."""
-SETTLED = 0.02
-"""Change of probability under which a sweep was the last."""
+SETTLED, SAME = 0.02, 0.002
+"""Change of probability under which a sweep was the last, and of which no neighbour need know."""
 ENOUGH = 3.0
 """Neighbours from which they have their full weight."""
 
@@ -28,12 +28,18 @@ def agreed(cost: F64, links: Paths) -> F64:
     """
     count, many = cost.shape
     share, now = np.empty((count, many)), np.empty(many)
+    asked, moved = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for i in range(count):
         _normalised(-cost[i], share[i])
     for sweep in range(SWEEPS):
         change = 0.0
         for turn in range(count):
             i = turn if sweep % 2 == 0 else count - 1 - turn
+            newest = 0
+            for n in range(links.start[i], links.start[i + 1]):
+                newest = max(newest, moved[links.end[n]])
+            if sweep > 0 and newest < asked[i]:
+                continue
             now[:] = 0.0
             total = 0.0
             for n in range(links.start[i], links.start[i + 1]):
@@ -44,9 +50,14 @@ def agreed(cost: F64, links: Paths) -> F64:
             for k in range(many):
                 now[k] = scale * now[k] - cost[i, k]
             _normalised(now, now)
+            away = 0.0
             for k in range(many):
-                change = max(change, abs(now[k] - share[i, k]))
+                away = max(away, abs(now[k] - share[i, k]))
                 share[i, k] = now[k]
+            change = max(change, away)
+            asked[i] = sweep * count + turn + 1
+            if away > SAME:
+                moved[i] = asked[i]
         if change < SETTLED:
             break
     return share

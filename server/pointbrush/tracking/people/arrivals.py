@@ -166,12 +166,13 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
     bodies = sight.bodies
     fresh: list[Person] = []
     lowest = min([0, *(f.label for f in people)])
+    middles = _middles(sight, people) if now else []
     for number in np.unique(bodies[free]).tolist():
         cells = np.flatnonzero((bodies == number) & free)
         whole = np.count_nonzero(bodies == number)
         if len(cells) < max(FEWEST, WHOLE * whole):
             continue
-        owner = _whose(sight, people, cells) if now else None
+        owner = _whose(sight, middles, cells)
         if owner is None and len(cells) >= max(SMALLEST, SHARE * usual):
             owner = _beside(sight, [*people, *fresh], cells)
             if owner is None:
@@ -184,20 +185,25 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
     return fresh
 
 
-def _whose(sight: Observation, people: Sequence[Person], cells: I64) -> int | None:
-    """The label of who is in sight around a body, and not dressed otherwise."""
-    middle = np.median(sight.ground[cells], axis=0)
-    best, nearest = None, AROUND
+def _middles(sight: Observation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
+    """Where on the ground (2,) those with a label are who are in sight."""
+    found = []
     for person in people:
         own = sight.owner == person.label
         if person.named and own.any():
             known = np.vstack([sight.ground[own], (person.xyz + person.step) @ sight.flat])
-            away = float(np.linalg.norm(np.median(known, axis=0) - middle))
-            if away < nearest:
-                best, nearest = person, away
-    if best is None or best.likeness(sight.some(cells)) < -UNLIKE:
+            found.append((person, np.median(known, axis=0)))
+    return found
+
+
+def _whose(sight: Observation, middles: Sequence[tuple[Person, F64]], cells: I64) -> int | None:
+    """The label of who is in sight around a body, and not dressed otherwise."""
+    middle = np.median(sight.ground[cells], axis=0)
+    near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
+    away, best = min(near, default=(AROUND, 0))
+    if away >= AROUND or middles[best][0].likeness(sight.some(cells)) < -UNLIKE:
         return None
-    return best.label
+    return middles[best][0].label
 
 
 def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | None:

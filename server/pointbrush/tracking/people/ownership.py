@@ -28,8 +28,9 @@ HIDDEN = 1.0
 """What it costs to be somebody's who was hidden."""
 ROUND, BEYOND, REACH = 0.25, 0.2, 2.0
 """Metres from his middle, along the ground, that hold a body; deviation beyond; cost at most."""
-ROUNDS, DOUBT = 3, 0.15
-"""Times that strides are mended, and the visible share at which they are believed half."""
+ROUNDS, SETTLED, DOUBT = 3, 0.02, 0.15
+"""Most times that strides are mended, metres up to which once is enough, and the visible share at
+which they are believed half."""
 FITS, FITTING = 0.8, 0.2
 """Share of the cap that fits, and of its cells that must fit for a body to be anybody's."""
 SURE = 0.9
@@ -64,18 +65,23 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.missing]
     swing = LIMBS + SWING * min(max([0.02, *steps]), MOST)
     stride = stride.copy()
+    surfaces = [_Surface.of(f, swing, coloured=sight.tints is not None) for f in people]
     for _ in range(ROUNDS):
         cost = np.full((len(sight.owner), len(people)), CAP)
         near = []
-        for k, person in enumerate(people):
-            within = swing + UNSEEN * min(person.missing, LONG)
-            cost[:, k], nearest = _place(sight, person, stride[k], within)
+        for k, surface in enumerate(surfaces):
+            cost[:, k], nearest = _place(sight, surface, stride[k])
             near.append(nearest)
         cost += clothes
         chance = agreed(cost, sight.links)
         who = chance.argmax(axis=1)
+        mended = np.zeros_like(stride)
         for k, person in enumerate(people):
-            stride[k] += _mended(sight, person, stride[k], who == k, chance[:, k], near[k], swing)
+            has, sure = who == k, chance[:, k]
+            mended[k] = _mended(sight, person, stride[k], has, sure, near[k], swing)
+        stride += mended
+        if np.linalg.norm(mended, axis=1).max() < SETTLED:
+            break
     sight.owner = np.array([f.label for f in people], np.int64)[who]
     _leave(sight, cost.min(axis=1), chance.max(axis=1))
     for k, person in enumerate(people):
@@ -93,16 +99,34 @@ def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
     return cost
 
 
-def _place(sight: Observation, person: Person, stride: F64, within: float) -> tuple[F64, I64]:
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """Somebody's surface of the last frame, to be searched in units of ``within`` metres."""
+
+    person: Person
+    within: float
+    own: F64
+    tree: cKDTree
+
+    @staticmethod
+    def of(person: Person, swing: float, *, coloured: bool) -> _Surface:
+        within = swing + UNSEEN * min(person.missing, LONG)
+        own = person.xyz / within
+        if coloured:
+            own = np.hstack([own, person.colour / SHADE])
+        return _Surface(person, within, own, cKDTree(own))
+
+
+def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64]:
     """(N,) what it costs each cell to be his there, and his cell next to it, -1 for none."""
-    own, seen = (person.xyz + stride) / within, sight.cells.middle / within
-    if sight.tints is not None:
-        own = np.hstack([own, person.colour / SHADE])
+    own, person = surface.own, surface.person
+    seen = (sight.cells.middle - stride) / surface.within
+    if own.shape[1] > seen.shape[1]:
         seen = np.hstack([seen, sight.cells.colour / SHADE])
     reach = np.sqrt(2 * CAP)
     close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
     gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
-    gap[close], near[close] = cKDTree(own).query(seen[close], distance_upper_bound=reach)
+    gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
     cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, CAP) ** 2, CAP)
     middle = np.median((person.xyz + stride) @ sight.flat, axis=0)
     away = np.linalg.norm(sight.ground - middle, axis=1)
