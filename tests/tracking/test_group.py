@@ -150,8 +150,8 @@ def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same
     links = Paths(start, end, np.full(len(end), 1.0))
     found, share = agreed(cost, links), np.exp(-cost)
     share /= share.sum(axis=1, keepdims=True)
-    for _ in range(60):
-        for i in range(count):
+    for sweep in range(30):
+        for i in range(count) if sweep % 2 == 0 else reversed(range(count)):
             beside = end[start[i] : start[i + 1]]
             odds = np.exp(8.0 * min(1.0, len(beside) / 3) * share[beside].mean(axis=0) - cost[i])
             share[i] = odds / odds.sum()
