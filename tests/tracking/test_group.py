@@ -17,6 +17,7 @@ from pointbrush.tracking.geometry.mean_field import agreed
 from pointbrush.tracking.geometry.paths import Paths
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.arrivals import come_back, mistakable
+from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.people.observation import Observation
@@ -267,3 +268,22 @@ def test_scraps_are_not_where_somebody_was_well_seen() -> None:
     assert person.well == 4
     come_back(sight, [person], 30, now=10)
     assert np.all(sight.owner[30:] == 1)
+
+
+@pytest.mark.parametrize(("wear", "told"), [(BLUE, True), (RED, False)])
+def test_who_changed_places_are_changed_back_when_their_clothes_tell(
+    wear: np.ndarray, told: bool
+) -> None:
+    one, two = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, wear, well=9)
+    one.went = np.array([0.5, 0.0, 0.0])
+    sight = staged(body(0.0, wear), body(1.0, RED))
+    sight.owner[:] = np.repeat([1, 2], 30)
+    for now in range(10, 10 + FRAMES):
+        assert sight.owner[0] == 1
+        assert one.doubted == (told and now > 10)
+        one.well = two.well = now - 1
+        exchange(sight, [one, two], now)
+    assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
+    assert one.label == (2 if told else 1)
+    him = two if told else one
+    np.testing.assert_allclose(him.went, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)

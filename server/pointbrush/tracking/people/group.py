@@ -20,6 +20,7 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers
 from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
+from pointbrush.tracking.people.exchanges import exchange
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.observation import Observation, across
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
@@ -103,6 +104,7 @@ class Group:
             fresh = newcomers(sight, people, self.usual, self.now)
             gone |= merge(sight, [*people, *fresh], self.now)
             self.people = [f for f in [*people, *fresh] if f.label not in gone]
+            exchange(sight, self.people, self.now)
         found = {}
         for k, person in enumerate(people):
             stride = person.step if shares is None else shares.stride[k]

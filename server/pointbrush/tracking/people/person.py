@@ -39,8 +39,9 @@ class Person:
     came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
     of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
-    came back in; ``with_flying`` whether the
-    flying pixels at his outline are his; ``doubted`` whether he may be another.
+    came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubted``
+    whether he may be another; ``mistaken`` frames in which he and another were dressed as each
+    other.
     """
 
     label: int
@@ -61,6 +62,7 @@ class Person:
     back: int = -(2**20)
     trust: float = 1.0
     doubted: bool = False
+    mistaken: int = 0
     first: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -82,6 +84,17 @@ class Person:
         if colour is None or self.worn is None or not len(colour):
             return 0.0
         return self.worn.likeness(colour) - self.worn.usual
+
+    def become(self, other: Person) -> None:
+        """Change places with another: each is himself, where the other was thought to be."""
+        apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
+        one, two = self.went + apart, other.went - apart
+        for name in ("label", "worn", "with_flying", "first", "trust"):
+            mine, others = getattr(self, name), getattr(other, name)
+            setattr(self, name, others)
+            setattr(other, name, mine)
+        self.went, other.went = two, one
+        self.mistaken = other.mistaken = 0
 
     def follow(self, sight: Observation, step: F64, now: int) -> None:
         """Take in the cells he has in a frame, ``step`` (3,) metres on."""
