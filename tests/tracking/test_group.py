@@ -14,7 +14,7 @@ from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.geometry.mean_field import agreed
-from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
@@ -287,3 +287,11 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     assert one.label == (2 if told else 1)
     him = two if told else one
     np.testing.assert_allclose(him.went, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)
+
+
+def test_ways_lead_into_what_is_sought_alone() -> None:
+    links, length = np.array([[0, 1], [1, 2], [0, 3]]), np.array([1.0, 2.0, 3.0])
+    ways = paths_into(links, length, np.array([True, True, False, False]))
+    assert ways.start.tolist() == [0, 1, 2, 3, 4]
+    assert ways.end.tolist() == [1, 0, 1, 0]
+    assert ways.length.tolist() == [1.0, 1.0, 2.0, 3.0]

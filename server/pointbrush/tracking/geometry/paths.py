@@ -21,6 +21,27 @@ class Paths(NamedTuple):
 
 
 @compiled
+def paths_into(links: I64, length: F64, sought: Mask) -> Paths:
+    """Both ways along ``links`` (P, 2), each ``length`` (P,), into the cells that are ``sought``
+    (N,)."""
+    start = np.zeros(len(sought) + 1, np.int64)
+    for one, other in links:
+        start[one + 1] += sought[other]
+        start[other + 1] += sought[one]
+    for n in range(len(sought)):
+        start[n + 1] += start[n]
+    free = start[:-1].copy()
+    end, far = np.empty(start[-1], np.int64), np.empty(start[-1])
+    for k in range(len(links)):
+        for side in range(2):
+            here, there = links[k, side], links[k, 1 - side]
+            if sought[there]:
+                end[free[here]], far[free[here]] = there, length[k]
+                free[here] += 1
+    return Paths(start, end, far)
+
+
+@compiled
 def paths_over(links: I64, length: F64, leads: Mask) -> Paths:
     """Both ways along ``links`` (P, 2), each ``length`` (P,), out of the cells that ``leads`` (N,)
     anywhere."""

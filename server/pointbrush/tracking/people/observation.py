@@ -11,7 +11,7 @@ import numpy as np
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.fitting.search import PATIENT
 from pointbrush.tracking.geometry.components import parts
-from pointbrush.tracking.geometry.paths import Paths
+from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
@@ -102,15 +102,10 @@ class Observation:
     @cached_property
     def links(self) -> Paths:
         """From each cell to the solid ones that touch it, and how much it agrees with them."""
-        one = np.concatenate([self.cells.touching[:, 0], self.cells.touching[:, 1]])
-        other = np.concatenate([self.cells.touching[:, 1], self.cells.touching[:, 0]])
-        leads = self.cells.solid[other]
-        one, other = one[leads], other[leads]
-        order = np.argsort(one, kind="stable")
-        one, other = one[order], other[order]
-        start = np.searchsorted(one, np.arange(len(self.owner) + 1))
+        one, other = self.cells.touching.T
         change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
-        return Paths(start.astype(np.int64), other, np.exp(-change / CHANGE).astype(np.float64))
+        agree = np.exp(-change / CHANGE).astype(np.float64)
+        return paths_into(self.cells.touching, agree, self.cells.solid)
 
     def cells_of(self, label: int) -> I64:
         """The solid cells of an owner."""

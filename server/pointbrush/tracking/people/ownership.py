@@ -183,13 +183,15 @@ def _drop(sight: Observation, person: Person, stride: F64) -> None:
     count = np.bincount(part)
     if len(count) < 2:
         return
-    there = person.xyz + stride
-    middles = sight.cells.middle[cells]
-    gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles)[0])
-    known = np.asarray(cKDTree(there).query(middles)[0] < KNOWN)
+    rest = np.flatnonzero(count[part] < PART * count.max())
+    if not len(rest):
+        return
+    there, middles = person.xyz + stride, sight.cells.middle[cells]
+    gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles[rest])[0])
+    known = np.asarray(cKDTree(there).query(middles[rest])[0] < KNOWN)
     middle = np.median(there @ sight.flat, axis=0)
-    known &= np.linalg.norm(sight.ground[cells] - middle, axis=1) < BESIDE
-    for number in np.flatnonzero(count < PART * count.max()).tolist():
-        piece = part == number
+    known &= np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1) < BESIDE
+    for number in np.unique(part[rest]).tolist():
+        piece = part[rest] == number
         if gap[piece].min() > APART and known[piece].mean() < 0.5:
-            sight.owner[cells[piece]] = 0
+            sight.owner[cells[rest[piece]]] = 0
