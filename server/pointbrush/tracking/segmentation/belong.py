@@ -22,6 +22,7 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim, claim, cut_off, together
 from pointbrush.tracking.segmentation.connectivity import blob, connected
 from pointbrush.tracking.segmentation.flying_pixels import flying
+from pointbrush.tracking.segmentation.outline import outline
 from pointbrush.tracking.segmentation.regain import crumbs, lost_pieces
 from pointbrush.tracking.sensor.view import View
 
@@ -131,6 +132,10 @@ def grow(
         claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
         place.rim = crumbs(thing, view, place, together(core, new), taken, background)
         taken[place.rim] = True
+    for label in grown:
+        claims[label], grown[label] = _outlined(
+            things[label], view, places[label], claims[label], grown[label], taken, background
+        )
     for label, new in grown.items():
         if not things[label].dyed:
             own, rest = np.concatenate([claims[label].indices, new]), places[label].moving
@@ -159,6 +164,30 @@ def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tu
         return found, new
     place.neutral = np.concatenate([place.neutral, points[~kept]])
     return found.pick(kept[:count]), new[kept[count:]]
+
+
+def _outlined(
+    thing: Thing,
+    view: View,
+    place: Place,
+    found: Claim,
+    new: I64,
+    taken: Mask,
+    background: Background,
+) -> tuple[Claim, I64]:
+    """A claim and new surface of what is slow without flying pixels; ``place.rim`` takes in what
+    was missed at its outline."""
+    if view.lens is None or not thing.motion.slow(thing.unit):
+        return found, new
+    own = np.concatenate([found.indices, new, place.rim])
+    rest = place.around[~taken[place.around]]
+    rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
+    flies, rim = outline(view, own, rest, thing.unit)
+    place.neutral = np.concatenate([place.neutral, own[flies]])
+    taken[own[flies]], taken[rest[rim]] = False, True
+    first, last = len(found.indices), len(found.indices) + len(new)
+    place.rim = together(place.rim[~flies[last:]], rest[rim])
+    return found.pick(~flies[:first]), new[~flies[first:last]]
 
 
 def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:

@@ -1,0 +1,82 @@
+"""Pixels at the outline of a thing that stays where it is: its own, or flying, by their depth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+
+from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.objects.motion import MEMORY
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.segmentation.assign import claim
+from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.outline import outline
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
+
+BLUE, UNIT = (40, 90, 200), 0.008
+
+
+def shot(*parts: scenes.Part) -> View:
+    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
+    frame = camera.shoot(list(parts), np.random.default_rng(2))
+    return View(1, frame, find_lens(frame))
+
+
+def box() -> scenes.Part:
+    size = np.array([0.1, 0.12, 0.06])
+    return scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3))
+
+
+@pytest.mark.parametrize("behind", [0.0, 0.03, 0.12])
+def test_a_pixel_of_the_outline_is_the_things_where_it_is_as_deep(behind: float) -> None:
+    view = shot(box())
+    own = np.flatnonzero(view.frame.truth == 1)
+    height = view.xyz[own, 1]
+    top = own[height > np.sort(height)[-20]][::3]
+    away = view.xyz[top] - view.eye
+    view.frame.xyz[top] += behind * away / np.linalg.norm(away, axis=1, keepdims=True)
+    for name in ("xyz", "cells", "depth"):
+        view.__dict__.pop(name, None)
+    core = np.setdiff1d(own, top)
+    flies, _ = outline(view, own, top, UNIT)
+    _, rim = outline(view, core, top, UNIT)
+    lies_behind = behind > 6.6 * UNIT
+    assert (flies[np.isin(own, top)].mean() > 0.6) == lies_behind
+    assert (rim.mean() > 0.6) != lies_behind
+    assert flies[np.isin(own, core)].mean() < 0.03
+
+
+def test_what_is_as_deep_as_others_beside_it_is_no_rim() -> None:
+    view = shot(box())
+    own = np.flatnonzero(view.frame.truth == 1)
+    left = view.xyz[own, 0] < np.median(view.xyz[own, 0])
+    _, rim = outline(view, own[left], own[~left], UNIT)
+    assert rim.mean() < 0.02
+
+
+def test_what_rests_keeps_no_flying_pixels() -> None:
+    view = shot(box())
+    own = np.flatnonzero(view.frame.truth == 1)
+    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]][::3]
+    view.frame.xyz[top] += 0.08 * (view.frame.xyz[top] - view.eye)
+    for name in ("xyz", "cells", "depth"):
+        view.__dict__.pop(name, None)
+    thing = begin(view, 1, own, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
+    for _ in range(MEMORY):
+        thing.motion.add(np.eye(4))
+    limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
+    around = view.box(*limits)
+    place = Place(np.eye(4), thing.model.xyz, limits, around, around, around, 0.05)
+    found = claim(view, own, thing.model.xyz, thing.model.colour, thing.weight, 1.0)
+    claims = {1: found}
+    background = ImageBackground(DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan))
+    grown, _ = grow(
+        {1: thing}, view, {1: place}, claims, np.ones(len(view.xyz), np.bool_), background
+    )
+    has = np.concatenate([claims[1].indices, grown[1], place.rim])
+    assert np.isin(top, found.indices).mean() > 0.8
+    assert np.isin(top, has).mean() < 0.5
