@@ -500,6 +500,12 @@ def tabletop(seed=0, frames=60, sensor=None) -> list[Frame]:
     return out
 
 
+def _meet(one, other, seconds) -> bool:
+    """Whether two cars, each of lane, speed and place in it, are ever less than 5 m apart."""
+    gaps = [one[2] - other[2] + t * (one[1] - other[1]) for t in (0.0, seconds)]
+    return one[0] == other[0] and (min(np.abs(gaps)) < 5.0 or gaps[0] * gaps[1] < 0)
+
+
 def street(seed=0, frames=20, ego=True, rate=10.0) -> list[Frame]:
     """A spinning 48-beam lidar between parked and driving cars, walkers, houses."""
     rng = np.random.default_rng(seed)
@@ -527,17 +533,18 @@ def street(seed=0, frames=20, ego=True, rate=10.0) -> list[Frame]:
             )
         )
     cars = []
-    for k in range(7):
-        lane = [-2.0, 2.0, 5.5][k % 3]
-        v = [9.0, -8.0, 0.0][k % 3] * rng.uniform(0.8, 1.2)
-        cars.append((lane, rng.uniform(-12, 30), v))
+    while len(cars) < 7:
+        k = len(cars) % 3
+        car = [-2.0, 2.0, 5.5][k], rng.uniform(0.8, 1.2) * [9.0, -8.0, 0.0][k], rng.uniform(-12, 30)
+        if not any(_meet(car, other, frames / rate) for other in cars):
+            cars.append(car)
     walkers = [(rng.uniform(-7, 7), rng.uniform(4, 20), rng.uniform(-1.4, 1.4)) for _ in range(4)]
     out = []
     for i in range(frames):
         time = i / rate
         ego_z = 8.0 * time if ego else 0.0
         parts = []
-        for k, (x, z, v) in enumerate(cars):
+        for k, (x, v, z) in enumerate(cars):
             c = np.array([x, 0.55, z + v * time])
             parts.append(Part(k + 1, (120, 40, 40), c, np.array([0.9, 0.4, 2.1]), rot=e))
             parts.append(

@@ -42,6 +42,16 @@ def test_a_street_whose_ground_and_walls_would_fit_a_car_at_rest_as_well() -> No
     assert np.abs(poses(1) - true).max() < 0.02
 
 
+def test_the_front_quarter_of_a_street_is_mostly_road_and_does_not_slip_along_it() -> None:
+    quarter = []
+    for frame in alone(scenes.street(seed=5, frames=2)):
+        ahead = np.abs(np.arctan2(frame.xyz[:, 0], frame.xyz[:, 2])) < np.pi / 4
+        quarter.append(replace(frame, xyz=frame.xyz[ahead], truth=None))
+    poses = sensor_poses(quarter.__getitem__, range(2))
+    assert poses is not None
+    assert np.abs(poses(1)[:3, 3] - [0.0, 0.0, 0.8]).max() < 0.03
+
+
 def test_poses_that_are_told_count_from_the_first_frame(street: list[scenes.Frame]) -> None:
     far = np.eye(4)
     far[:3, 3] = [4e6, -3e6, 100.0]
@@ -74,6 +84,16 @@ def test_the_sensor_is_found_where_no_surface_hides_another(street: list[scenes.
     assert eye is not None
     assert np.abs(eye).max() < 1e-6
     assert find_eye(street[0].xyz + np.float32([9.0, 0.0, 5.0])) is None
+
+
+def test_what_was_swept_on_the_move_was_seen_from_about_one_place() -> None:
+    """Brought to one moment, points of one direction may lie behind each other."""
+    before, after = scenes.street(seed=1, frames=2)
+    xyz = np.concatenate([before.xyz[::2] - np.float32([0, 0, 0.8]), after.xyz[1::2]])
+    eye = find_eye(xyz)
+    assert eye is not None
+    assert np.abs(eye).max() < 1e-6
+    assert range_image_of(xyz, eye) is not None
 
 
 def test_what_lies_behind_a_car_is_hidden(street: list[scenes.Frame]) -> None:

@@ -11,8 +11,11 @@ from conftest import follow
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.background.point_background import PointBackground
 from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.fitting.fit import register
 from pointbrush.tracking.fitting.judge import Verdict, judge
+from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.geometry.grid import cells_of
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.objects.place import Place
@@ -122,3 +125,49 @@ def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
     learn(thing, view, place, found, np.empty(0, np.int64), verdict)
     assert thing.bends
     assert np.ptp(thing.model.xyz[:, 0]) > 7.5
+
+
+def test_what_comes_near_is_not_asked_more_finely_than_its_model_is_known() -> None:
+    thing = half_hidden()[0]
+    unit, spacing = thing.unit, thing.model.spacing
+    thing.come_to(10.0)
+    for away in (5.0, 2.5, 1.25):
+        thing.come_to(away)
+    assert 0.4 * spacing < thing.unit < unit
+    for away in (2.5, 5.0, 10.0):
+        thing.come_to(away)
+    assert np.isclose(thing.unit, unit)
+
+
+def test_a_side_that_comes_into_view_beside_a_coarse_model_is_learnt() -> None:
+    whole, view, place, _, _ = half_hidden()
+    old = np.flatnonzero(view.xyz[:1100, 0] < 5.0)
+    grown = np.flatnonzero((view.xyz[:1100, 0] > 5.32) & (view.xyz[:1100, 0] < 5.38))
+    thing = begin(view, 1, old, 0.0, whole.rivals)
+    thing.unit, thing.model.spacing = 0.1, 0.2
+    world = thing.model.xyz
+    found = claim(view, old, world, thing.model.colour, 0.0, 3 * thing.unit)
+    verdict = judge(thing, view, np.eye(4), world, found)
+    learn(thing, view, place, found, grown, verdict)
+    assert thing.model.xyz[:, 0].max() > 5.3
+
+
+def test_a_car_that_is_gone_is_not_the_one_beside_it() -> None:
+    """What drives past in the next lane is nearer to its shape than to its way."""
+    rng = np.random.default_rng(1)
+    side = rng.uniform((0, 5, -1), (4, 5.01, 0.5), (800, 3))
+    walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
+
+    def seen(shift: float) -> View:
+        xyz = np.concatenate([side + np.array([0.0, shift, 0.0]), walls]).astype(np.float32)
+        return View(1, scenes.Frame(xyz), None, np.eye(4))
+
+    view = seen(0.0)
+    thing = begin(view, 1, np.arange(800), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
+    for _ in range(3):
+        thing.motion.add(np.eye(4))
+    nobody = PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
+    search = crop(thing, seen(2.8), nobody, np.ones(5800, np.bool_))
+    assert search is not None
+    pose, _ = register(search)
+    assert abs(pose[1, 3]) < 2.0

@@ -29,9 +29,10 @@ LAST = (2.5, 2.0, 2.0)
 """Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
 TRIES, TRIES_FRESH = 6, 18
 """Guesses that are fitted beside the predictions, and while the motion is unknown."""
-STILL, STILL_FIRST, AS_WELL = 1.0, 3.0, 0.03
+STILL, STILL_FIRST, STILL_ROAMING, AS_WELL = 1.0, 3.0, 1.5, 0.03
 """Units by which a thing at rest seems to move at most, more before a lidar in the first frames,
-since it slips along its rings; and what it may cost more to leave it."""
+since it slips along its rings, which on the move are other ones in every frame; and what it may
+cost more to leave it."""
 OPEN = 0.6
 """Share of what faces the sensor from which a thing is seen well enough to tell how it moves."""
 SAME = 1.0
@@ -50,6 +51,9 @@ ELSEWHERE = 0.5
 """Radii between two guesses from which they are at different places."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
+LEASH, BEYOND = 0.5, 2.0
+"""Share of its radius and of its speed by which what a lidar sees may be off its predictions in a
+frame, and what a pose costs that is farther: nothing of that weight changes its way so fast."""
 
 
 def find(search: Search) -> Place:
@@ -134,7 +138,9 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     if search.view.lens is None:
         some = thing.model.xyz[search.few]
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
-        still = STILL_FIRST if thing.scanned and thing.motion.fresh else STILL
+        slips = thing.scanned and thing.motion.fresh
+        first = STILL_ROAMING if search.view.roams else STILL_FIRST
+        still = first if slips else STILL
         may = bool(moved <= still * thing.unit)
     else:
         may = thing.handy and thing.motion.rests(thing.unit) and _hidden(search, last)
@@ -271,4 +277,8 @@ def _surprise(search: Search, poses: F64) -> F64:
         return np.asarray(0.5 * SURPRISE * np.minimum(1.0, off))
     turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
-    return np.asarray(SURPRISE * np.minimum(1.0, off) + TURNED * turned)
+    cost = SURPRISE * np.minimum(1.0, off) + TURNED * turned
+    if search.thing.scanned:
+        leash = LEASH * (model.radius + motion.speed) + 3 * search.thing.unit
+        cost += BEYOND * (off * reach > leash * motion.gap)
+    return np.asarray(cost)

@@ -47,6 +47,9 @@ SOFT = 0.006
 """Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
 """Share of its size under which hardly anything of a thing was seen."""
+FINEST = 0.5
+"""Share of the spacing of a model that its tolerance is at least, however fine a lidar sees it when
+it is near: most of what is seen is farther from the model's points."""
 DENSE = 3000
 """Points from which a thing is looked at more coarsely than it is seen: so many points tell where
 it is, and a model and its targets have no more."""
@@ -113,7 +116,8 @@ class Thing:
     ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
     door is; ``flat`` whether it lies on the ground, ``grounded`` whether it was painted with that
     under it;
-    ``scanned`` whether a lidar sees it, ``away`` metres from that; ``broad`` whether it was painted
+    ``scanned`` whether a lidar sees it, ``away`` metres from that, points ``grain`` metres apart;
+    ``broad`` whether it was painted
     as broad as part of somebody, ``cut`` off by the edge of the picture.
     """
 
@@ -143,6 +147,7 @@ class Thing:
     broad: bool = False
     cut: bool = False
     grounded: bool = False
+    grain: float = 0.0
     worn: ColourHistogram = field(
         default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
     )
@@ -174,8 +179,10 @@ class Thing:
         if self.away > 0.0 and away > 0.0:
             closer = float(np.clip(self.away / away, 0.5, 2.0))
             self.size *= closer**2
-            self.unit /= closer
-            self.weight /= closer
+            self.grain /= closer
+            unit = max(self.grain, FINEST * self.model.spacing)
+            self.weight *= unit / self.unit
+            self.unit = unit
         self.away = away
 
     @property
@@ -269,6 +276,7 @@ def _made(
         rivals,
         float(count),
         last=count,
+        grain=unit,
         imaged=view.lens is not None,
         worn=ColourHistogram.of(colour),
         flat=low > FLAT,

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.geometry.deformation import nodes_of
 from pointbrush.tracking.geometry.registration import transform
-from pointbrush.tracking.interface import F64, Frames, TrackFrame
+from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
 from pointbrush.tracking.sensor.range_image import find_eye
@@ -48,7 +48,7 @@ SKEW = 0.1
 """Determinant off 1 from which what a recording tells is no pose."""
 NARROW = 0.2
 """Cells off its plane up to which something lies on it."""
-STANDS, AGREE, LEFT = 0.95, 0.5, 0.7
+STANDS, AGREE, LEFT = 0.95, 0.5, 0.75
 """Share of the planes still in place above which the sensor stands; share that has to be in
 place after it was moved, and share of those that were not in place before that may still not be."""
 AGREED, LESS = 0.95, 0.05
@@ -73,20 +73,39 @@ def planes_of(xyz: F64) -> Planes | None:
     xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
     if len(xyz) < 500:
         return None
-    away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
-    cell = COARSE * float(np.median(away))
+    cell = _cell(xyz)
     if cell <= 0.0:
         return None
+    # The ground before a sensor is seen by most of its points: what is far counts by its area.
+    for _ in range(2):
+        cell = _cell(nodes_of(xyz, cell))
     some = nodes_of(xyz, cell)
     if len(some) < 10 * AROUND:
         return None
     tree = cKDTree(some)
-    asked = some[:: max(1, len(some) // (2 * SAMPLE))]
+    asked = some[:: max(1, len(some) // (6 * SAMPLE))]
     _, near = tree.query(asked, k=AROUND)
     around = some[near] - some[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
     flat = (values[:, 0] < FLAT * values[:, 2]) & (values[:, 1] > BROAD * values[:, 2])
-    return Planes(asked[flat], vectors[flat, :, 0], tree, cell)
+    at, normal = asked[flat], vectors[flat, :, 0]
+    kept = _all_ways(normal)
+    return Planes(at[kept], normal[kept], tree, cell)
+
+
+def _cell(xyz: F64) -> float:
+    return COARSE * float(np.median(np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)))
+
+
+def _all_ways(normal: F64) -> I64:
+    """Sorted indices of planes with ``normal`` (M, 3), about as many facing along each axis.
+
+    Along a street nearly all are of the ground and the walls, on which a frame may slip.
+    Normal-space sampling, Rusinkiewicz and Levoy 2001.
+    """
+    axis = np.abs(normal).argmax(axis=1)
+    ways = [np.flatnonzero(axis == a) for a in range(3)]
+    return np.sort(np.concatenate([way[:: max(1, len(way) * 3 // (2 * SAMPLE))] for way in ways]))
 
 
 def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:

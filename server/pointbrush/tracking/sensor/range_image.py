@@ -18,9 +18,10 @@ DEEPER = 0.03
 FEWEST = 2000
 HEIGHTS = (0.0, 1.0, 1.8, 2.6)
 """Metres above a frame's origin at which its sensor is looked for."""
-BEHIND, SEES = 1.25, 0.02
-"""Ranges beyond the nearest in its direction that no sensor at that place can see, and the share
-of such points up to which the sensor is there."""
+BEHIND, SEES, SWEPT = 1.25, 0.02, 0.07
+"""Ranges beyond the nearest in its direction that no sensor at that place can see, the share of
+such points, of those in the very same direction, up to which the sensor is there, and of all: what
+a lidar swept while it drove, brought to one moment, was seen from a metre around."""
 DEEP = 1.5
 """Range of the farthest points, over the nearest, from which a place in between is a lidar's."""
 FINE, SOME = 0.1, 0.005
@@ -66,16 +67,17 @@ class RangeImage:
         return np.unique(_cells(xyz - self.eye, self.up, self.step)[0])
 
 
-def range_image_of(xyz: F32, eye: F64) -> RangeImage | None:
+def range_image_of(xyz: F32, eye: F64, most: float = SWEPT) -> RangeImage | None:
     """The ranges of a frame (N, 3) around ``eye``.
 
-    None where it has hardly any points, or was not seen from there.
+    None where it has hardly any points, or was not seen from there: more than the share ``most``
+    lies well behind others.
     """
     if len(xyz) < FEWEST:
         return None
     local = xyz - eye
     up = axis_up(local)
-    if _behind(local, up) > SEES and _confused(local, up) > SEES:
+    if _behind(local, up) > most and _confused(local, up) > SEES:
         return None
     for step in ELEVATIONS:
         cell, away = _cells(local, up, step)
@@ -108,8 +110,10 @@ def find_eye(xyz: F32) -> F64 | None:
         return None
     up = axis_up(xyz)
     above = np.eye(3)[up]
-    height = min(HEIGHTS, key=lambda h: _confused(xyz - h * above, up))
-    there = range_image_of(xyz, height * above) is not None and _deep(xyz - height * above)
+    height, most = 0.0, SWEPT
+    if _behind(xyz, up) > SWEPT:
+        height, most = min(HEIGHTS, key=lambda h: _confused(xyz - h * above, up)), SEES
+    there = range_image_of(xyz, height * above, most) is not None and _deep(xyz - height * above)
     return np.asarray(height * above) if there else None
 
 

@@ -183,7 +183,7 @@ def _claimed_again(
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
-    reach = (8 if place.whole else 3) * thing.unit
+    reach = (8 if place.whole or thing.scanned else 3) * thing.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
     rest = np.concatenate([found.indices[~kept], grown])
