@@ -58,7 +58,8 @@ def test_what_is_as_deep_as_others_beside_it_is_no_rim() -> None:
     assert rim.mean() < 0.02
 
 
-def test_what_rests_keeps_no_flying_pixels() -> None:
+@pytest.mark.parametrize("painted", [False, True])
+def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted: bool) -> None:
     view = shot(box())
     own = np.flatnonzero(view.frame.truth == 1)
     top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]][::3]
@@ -66,6 +67,7 @@ def test_what_rests_keeps_no_flying_pixels() -> None:
     for name in ("xyz", "cells", "depth"):
         view.__dict__.pop(name, None)
     thing = begin(view, 1, own, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
+    thing.with_flying = painted
     for _ in range(MEMORY):
         thing.motion.add(np.eye(4))
     limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
@@ -77,6 +79,8 @@ def test_what_rests_keeps_no_flying_pixels() -> None:
     grown, _ = grow(
         {1: thing}, view, {1: place}, claims, np.ones(len(view.xyz), np.bool_), background
     )
-    has = np.concatenate([claims[1].indices, grown[1], place.rim])
+    learnt = np.concatenate([claims[1].indices, grown[1]])
     assert np.isin(top, found.indices).mean() > 0.8
-    assert np.isin(top, has).mean() < 0.5
+    assert np.isin(top, learnt).mean() < 0.5
+    has = np.isin(top, np.concatenate([learnt, place.rim])).mean()
+    assert has > 0.8 if painted else has < 0.5

@@ -43,6 +43,7 @@ from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.rules import FEWEST, FrameRules
 from pointbrush.tracking.segmentation.assign import Claim, together
 from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
 from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
 from pointbrush.tracking.sensor.view import View
@@ -129,6 +130,7 @@ class Run:
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
         thing.grounded = painted_with_ground(view, indices)
+        thing.with_flying = painted_with_flying(view, indices, thing.unit)
         self.things[label] = thing
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
 

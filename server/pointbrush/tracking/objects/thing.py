@@ -115,7 +115,7 @@ class Thing:
     ``astray`` frames for which it was nowhere near where it should be;
     ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
     door is; ``flat`` whether it lies on the ground, ``grounded`` whether it was painted with that
-    under it;
+    under it, ``with_flying`` whether with the flying pixels at its outline;
     ``scanned`` whether a lidar sees it, ``away`` metres from that, points ``grain`` metres apart;
     ``broad`` whether it was painted
     as broad as part of somebody, ``cut`` off by the edge of the picture.
@@ -147,6 +147,7 @@ class Thing:
     broad: bool = False
     cut: bool = False
     grounded: bool = False
+    with_flying: bool = False
     grain: float = 0.0
     worn: ColourHistogram = field(
         default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))

@@ -26,7 +26,6 @@ from pointbrush.tracking.people.observation import Observation, across
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
-from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
@@ -80,8 +79,7 @@ class Group:
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        with_flying = painted_with_flying(view, view.labels[label], thing.unit)
-        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, with_flying)
+        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, thing.with_flying)
         person.went = thing.motion.poses[-1][:3, 3]
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)

@@ -176,17 +176,21 @@ def _outlined(
     background: Background,
 ) -> tuple[Claim, I64]:
     """A claim and new surface of what is slow without flying pixels; ``place.rim`` takes in what
-    was missed at its outline."""
+    was missed at its outline, and those if it was painted with them."""
     if view.lens is None or not thing.motion.slow(thing.unit):
         return found, new
     own = np.concatenate([found.indices, new, place.rim])
     rest = place.around[~taken[place.around]]
     rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
     flies, rim = outline(view, own, rest, thing.unit)
-    place.neutral = np.concatenate([place.neutral, own[flies]])
-    taken[own[flies]], taken[rest[rim]] = False, True
     first, last = len(found.indices), len(found.indices) + len(new)
     place.rim = together(place.rim[~flies[last:]], rest[rim])
+    if thing.with_flying:
+        place.rim = together(place.rim, own[flies])
+    else:
+        place.neutral = np.concatenate([place.neutral, own[flies]])
+        taken[own[flies]] = False
+    taken[rest[rim]] = True
     return found.pick(~flies[:first]), new[~flies[first:last]]
 
 
