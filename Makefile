@@ -12,7 +12,7 @@ PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo serve test checks lint types check-page unit e2e bench format setup page system clean
+.PHONY: demo serve test checks lint types check-page unit e2e bench format setup page system peers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -54,15 +54,25 @@ $(PAGE): $(STAMPS)/node $(PAGE_SOURCES)
 page: $(PAGE)
 
 # Debian packages that only the tests need: a browser, and a database server of their own.
+# Installs the Debian packages named in the shell's $$missing; $(1) says what they are for.
+define install_missing
+if [ -n "$$missing" ]; then \
+  echo "== Debian packages for $(1):$$missing"; \
+  $(SUDO) apt-get update -qq && \
+  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y -qq --no-install-recommends $$missing >/dev/null; \
+fi
+endef
+
 system:
 	@missing=""; \
 	command -v chromium >/dev/null || missing="$$missing chromium"; \
 	ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$$missing postgresql"; \
-	if [ -n "$$missing" ]; then \
-	  echo "== Debian packages for the browser and database tests:$$missing"; \
-	  $(SUDO) apt-get update -qq && \
-	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y -qq --no-install-recommends $$missing >/dev/null; \
-	fi
+	$(call install_missing,the browser and database tests)
+
+peers:
+	@missing=""; \
+	/sbin/ldconfig -p | grep -q libusb-1.0.so.0 || missing=" libusb-1.0-0"; \
+	$(call install_missing,Open3D among the benchmarks' peers)
 
 test: checks unit e2e  ## every check and every test; the runner's line comes last
 
@@ -94,7 +104,7 @@ e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two win
 	@echo "== pytest: the page in Chromium"
 	@$(BIN)/python -m pytest -q -n 2 --dist worksteal tests/e2e
 
-bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## every benchmark, with its peers, in one run
+bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
 
 format: $(STAMPS)/dev $(STAMPS)/node

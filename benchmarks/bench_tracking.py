@@ -104,9 +104,11 @@ def main() -> None:
     kinds = given.kinds.split(",")
     if given.real:
         kinds = [scene for scene in SCENES if (REAL / scene).is_dir()]
-    makers, absent = ready(given.methods.split(","))
     if given.ablation:
-        makers = dict.fromkeys(["auto", *(f"without {idea}" for idea in IDEAS)], METHODS["auto"])
+        names = ["auto", *(f"without {idea}" for idea in IDEAS)]
+        makers, absent = dict.fromkeys(names, METHODS["auto"]), {}
+    else:
+        makers, absent = ready(given.methods.split(","))
     print("| kind | method | IoU | frames until < 0.5 | never | at the end | ms | p95 |")
     print("|---|---|---|---|---|---|---|---|", flush=True)
     scores: dict[str, dict[str, Score]] = {}

@@ -35,7 +35,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
     "other guesses": ("pointbrush.tracking.fitting.fit.proposals", lambda *_: []),
     "growing": ("pointbrush.tracking.auto.grow", _claimed_only),
-    "model over frames": ("pointbrush.tracking.objects.model.Model.gather", lambda *_: None),
+    "model over frames": ("pointbrush.tracking.objects.model.Model.gather", lambda *_, **__: None),
     "rivals": (
         "pointbrush.tracking.segmentation.belong.contested",
         lambda _v, found, *_: np.zeros(len(found.indices), bool),
