@@ -84,3 +84,16 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     assert np.isin(top, learnt).mean() < 0.5
     has = np.isin(top, np.concatenate([learnt, place.rim])).mean()
     assert has > 0.8 if painted else has < 0.5
+
+
+def test_what_shares_a_pixel_with_the_thing_and_lies_behind_it_is_no_rim() -> None:
+    # A cloud that was moved has several points in a pixel.
+    view = shot(box())
+    own = np.flatnonzero(view.frame.truth == 1)
+    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]]
+    back = np.flatnonzero(view.frame.truth != 1)[: len(top)]
+    view.frame.xyz[back] = view.eye + 1.3 * (view.frame.xyz[top] - view.eye)
+    for name in ("xyz", "cells", "depth"):
+        view.__dict__.pop(name, None)
+    _, rim = outline(view, own, back, UNIT)
+    assert not rim.any()

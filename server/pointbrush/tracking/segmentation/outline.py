@@ -27,13 +27,13 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     ``unit`` metres of tolerance; needs a lens.
     """
     assert view.lens is not None  # noqa: S101
-    cell = view.cells[0]
+    cell, depth = view.cells
     image, width = view.depth, view.lens.shape[1]
     mine = np.zeros(len(image), np.bool_)
     mine[cell[own]] = True
     behind, level = BEHIND * unit, LEVEL * unit
-    flying = _flying(cell[own], image, mine, width, behind, level)
-    return flying, _rim(cell[rest], image, mine, width, behind, level)
+    flying = _flying(cell[own], depth[own], image, mine, width, behind, level)
+    return flying, _rim(cell[rest], depth[rest], image, mine, width, behind, level)
 
 
 @compiled
@@ -43,10 +43,12 @@ def _inside(cell: int, image: F32, width: int) -> bool:
 
 
 @compiled
-def _flying(cells: I32, image: F32, mine: Mask, width: int, behind: float, level: float) -> Mask:
+def _flying(
+    cells: I32, depths: F32, image: F32, mine: Mask, width: int, behind: float, level: float
+) -> Mask:
     result = np.zeros(len(cells), np.bool_)
     for i in range(len(cells)):
-        depth, like, lies_behind = image[cells[i]], 0, False
+        depth, like, lies_behind = depths[i], 0, False
         if not _inside(cells[i], image, width):
             continue
         for row in range(-2, 3):
@@ -62,10 +64,12 @@ def _flying(cells: I32, image: F32, mine: Mask, width: int, behind: float, level
 
 
 @compiled
-def _rim(cells: I32, image: F32, mine: Mask, width: int, behind: float, level: float) -> Mask:
+def _rim(
+    cells: I32, depths: F32, image: F32, mine: Mask, width: int, behind: float, level: float
+) -> Mask:
     result = np.zeros(len(cells), np.bool_)
     for i in range(len(cells)):
-        depth, others, touches, lies_behind = image[cells[i]], 0, False, False
+        depth, others, touches, lies_behind = depths[i], 0, False, False
         if not _inside(cells[i], image, width):
             continue
         for row in (-width, 0, width):
