@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scenes
+from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
@@ -40,6 +41,20 @@ def test_pixels_that_lie_alone_behind_an_outline_are_flying() -> None:
     found = own[flying(view, own, UNIT)]
     assert np.isin(top[::3], found).mean() > 0.6
     assert np.isin(rest, found).mean() < 0.03
+
+
+def test_where_pixels_hold_several_points_none_is_taken_to_be_flying() -> None:
+    size = np.array([0.1, 0.12, 0.06])
+    view = shot(scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3)))
+    own = np.flatnonzero(view.frame.truth == 1)
+    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]][::3]
+    view.frame.xyz[top] += 0.04 * (view.frame.xyz[top] - view.eye)
+    turn = Rotation.from_euler("xyz", (0.2, 0.3, 0.1)).as_matrix()
+    view.frame.xyz[:] = view.frame.xyz @ turn.T
+    lens = find_lens(view.frame)
+    assert lens is not None
+    assert not lens.lattice
+    assert not flying(View(1, view.frame, lens), own, UNIT).any()
 
 
 @pytest.mark.parametrize(("colour", "taken"), [(BLUE, True), (SKIN, False)])

@@ -25,7 +25,7 @@ def flying(view: View, points: I64, unit: float) -> Mask:
 
     ``unit`` metres of tolerance.  None before a sensor that sees no depth images.
     """
-    if view.lens is None or not len(points):
+    if view.lens is None or not view.lens.lattice or not len(points):
         return np.zeros(len(points), np.bool_)
     own = np.zeros(len(view.depth), np.bool_)
     own[view.cells[0][points]] = True
@@ -37,7 +37,7 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
 
     Who outlines a thing in a picture paints those inside the outline as well.
     """
-    if view.lens is None:
+    if view.lens is None or not view.lens.lattice:
         return False
     painted = np.zeros(len(view.depth), np.bool_)
     painted[view.cells[0][points]] = True

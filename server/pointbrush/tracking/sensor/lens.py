@@ -7,7 +7,7 @@ turned upright or noisy in all directions, have a depth image by that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -45,7 +45,8 @@ MOST_CELLS = 4_000_000
 class Lens:
     """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
 
-    ``turn`` (3, 3) takes the frame's axes to the image's, None where they are the same.
+    ``turn`` (3, 3) takes the frame's axes to the image's, None where they are the same;
+    ``lattice`` whether its pixels are the sensor's own, of one point each.
     """
 
     eye: F32
@@ -55,6 +56,7 @@ class Lens:
     least: tuple[float, float]
     pitch: tuple[float, float]
     shape: tuple[int, int]
+    lattice: bool = True
 
     def cells(self, xyz: F32) -> tuple[I32, F32]:
         """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
@@ -154,7 +156,9 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
     least = 0.0 if told else FILLED if place is None else FILLED_TURNED
-    return lens if lens is not None and _sees(lens, xyz, told, least) else None
+    if lens is None or not _sees(lens, xyz, told, least):
+        return None
+    return replace(lens, lattice=False)
 
 
 def _lens(
