@@ -125,3 +125,5 @@ def test_a_few_points_beside_what_rests_are_its_rim(rests: bool, few: int) -> No
     found = crumbs(thing, view, place, core, has, background)
     assert np.isin(beside, found).all() == (rests and few < 5)  # a hand has more than that
     assert np.isin(found, beside).all()
+    has[beside] = True  # what is left is the room
+    assert not len(crumbs(thing, view, place, core, has, background))

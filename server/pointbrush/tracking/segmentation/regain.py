@@ -75,10 +75,11 @@ def crumbs(
     Its rim, as a rule: what is so small is no hand's.  It is the thing's in this frame, but teaches
     the model nothing, which would creep on over what it stands on.
     """
-    rest = place.around[~taken[place.around]]
-    if view.lens is None or not thing.motion.rests(thing.unit) or thing.bends or not len(rest):
+    if view.lens is None or not thing.motion.rests(thing.unit) or thing.bends:
         return _NONE
-    rest = _apart(view, rest, background)
+    rest = _apart(view, place.around[~taken[place.around]], background)
+    if not len(rest):
+        return _NONE
     piece = pieces(view.xyz[rest].astype(np.float64), thing.unit)
     points = rest[np.bincount(piece)[piece] < _least(thing)]
     xyz = view.xyz[core].astype(np.float64)
