@@ -53,7 +53,6 @@ $(PAGE): $(STAMPS)/node $(PAGE_SOURCES)
 
 page: $(PAGE)
 
-# Debian packages that only the tests need: a browser, and a database server of their own.
 # Installs the Debian packages named in the shell's $$missing; $(1) says what they are for.
 define install_missing
 if [ -n "$$missing" ]; then \
@@ -63,6 +62,7 @@ if [ -n "$$missing" ]; then \
 fi
 endef
 
+# Debian packages that only the tests need: a browser, and a database server of their own.
 system:
 	@missing=""; \
 	command -v chromium >/dev/null || missing="$$missing chromium"; \

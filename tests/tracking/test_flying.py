@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scenes
+import views
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.background.depth_background import ImageBackground
@@ -17,26 +18,17 @@ from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
-BLUE, SKIN, UNIT = (40, 90, 200), (210, 160, 130), 0.01
-
-
-def shot(*parts: scenes.Part) -> View:
-    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
-    frame = camera.shoot(list(parts), np.random.default_rng(2))
-    return View(1, frame, find_lens(frame))
+SKIN, UNIT = (210, 160, 130), 0.01
 
 
 def test_pixels_that_lie_alone_behind_an_outline_are_flying() -> None:
-    size = np.array([0.1, 0.12, 0.06])
-    view = shot(scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3)))
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
-    height = view.xyz[own, 1]
-    top = own[height > np.sort(height)[-20]]
+    top = views.top_of(view, own)
     rest = np.setdiff1d(own, top)
     assert flying(view, own, UNIT).mean() < 0.03
-    view.frame.xyz[top[::3]] += 0.04 * (view.frame.xyz[top[::3]] - view.eye)  # 6 cm on
-    for name in ("xyz", "cells", "depth"):
-        view.__dict__.pop(name, None)
+    moved = top[::3]
+    views.put(view, moved, view.xyz[moved] + 0.04 * (view.xyz[moved] - view.eye))  # 6 cm
     assert flying(view, top[::3], UNIT).sum() == 0  # nothing of the thing is before them
     found = own[flying(view, own, UNIT)]
     assert np.isin(top[::3], found).mean() > 0.6
@@ -44,11 +36,10 @@ def test_pixels_that_lie_alone_behind_an_outline_are_flying() -> None:
 
 
 def test_where_pixels_hold_several_points_none_is_taken_to_be_flying() -> None:
-    size = np.array([0.1, 0.12, 0.06])
-    view = shot(scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3)))
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
-    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]][::3]
-    view.frame.xyz[top] += 0.04 * (view.frame.xyz[top] - view.eye)
+    top = views.top_of(view, own)[::3]
+    views.put(view, top, view.xyz[top] + 0.04 * (view.xyz[top] - view.eye))
     turn = Rotation.from_euler("xyz", (0.2, 0.3, 0.1)).as_matrix()
     view.frame.xyz[:] = view.frame.xyz @ turn.T
     lens = find_lens(view.frame)
@@ -57,13 +48,15 @@ def test_where_pixels_hold_several_points_none_is_taken_to_be_flying() -> None:
     assert not flying(View(1, view.frame, lens), own, UNIT).any()
 
 
-@pytest.mark.parametrize(("colour", "taken"), [(BLUE, True), (SKIN, False)])
+@pytest.mark.parametrize(("colour", "taken"), [(views.BLUE, True), (SKIN, False)])
 def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     colour: tuple[int, int, int], taken: bool
 ) -> None:
-    post = scenes.Part(1, BLUE, np.array([0, 1.08, 1.6]), np.array([0, 1.32, 1.6]), 0.07, 0.07)
+    post = scenes.Part(
+        1, views.BLUE, np.array([0, 1.08, 1.6]), np.array([0, 1.32, 1.6]), 0.07, 0.07
+    )
     size, at = np.array([0.03, 0.06, 0.02]), np.array([0.08, 1.2, 1.61])
-    view = shot(post, scenes.Part(2, colour, at, size, rot=np.eye(3)))
+    view = views.shot(post, scenes.Part(2, colour, at, size, rot=np.eye(3)))
     core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
     step = np.eye(4)
     step[:3, 3] = [0.15, 0.0, 0.0]  # farther than what is where it was may be

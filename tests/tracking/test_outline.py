@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scenes
+import views
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
@@ -14,33 +14,18 @@ from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.outline import outline
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
 
-BLUE, UNIT = (40, 90, 200), 0.008
-
-
-def shot(*parts: scenes.Part) -> View:
-    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
-    frame = camera.shoot(list(parts), np.random.default_rng(2))
-    return View(1, frame, find_lens(frame))
-
-
-def box() -> scenes.Part:
-    size = np.array([0.1, 0.12, 0.06])
-    return scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), size, rot=np.eye(3))
+UNIT = 0.008
 
 
 @pytest.mark.parametrize("behind", [0.0, 0.03, 0.12])
 def test_a_pixel_of_the_outline_is_the_things_where_it_is_as_deep(behind: float) -> None:
-    view = shot(box())
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
-    height = view.xyz[own, 1]
-    top = own[height > np.sort(height)[-20]][::3]
+    top = views.top_of(view, own)[::3]
     away = view.xyz[top] - view.eye
-    view.frame.xyz[top] += behind * away / np.linalg.norm(away, axis=1, keepdims=True)
-    for name in ("xyz", "cells", "depth"):
-        view.__dict__.pop(name, None)
+    far = behind * away / np.linalg.norm(away, axis=1, keepdims=True)
+    views.put(view, top, view.xyz[top] + far)
     core = np.setdiff1d(own, top)
     flies, _ = outline(view, own, top, UNIT)
     _, rim = outline(view, core, top, UNIT)
@@ -51,7 +36,7 @@ def test_a_pixel_of_the_outline_is_the_things_where_it_is_as_deep(behind: float)
 
 
 def test_what_is_as_deep_as_others_beside_it_is_no_rim() -> None:
-    view = shot(box())
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
     left = view.xyz[own, 0] < np.median(view.xyz[own, 0])
     _, rim = outline(view, own[left], own[~left], UNIT)
@@ -60,12 +45,10 @@ def test_what_is_as_deep_as_others_beside_it_is_no_rim() -> None:
 
 @pytest.mark.parametrize("painted", [False, True])
 def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted: bool) -> None:
-    view = shot(box())
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
-    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]][::3]
-    view.frame.xyz[top] += 0.08 * (view.frame.xyz[top] - view.eye)
-    for name in ("xyz", "cells", "depth"):
-        view.__dict__.pop(name, None)
+    top = views.top_of(view, own)[::3]
+    views.put(view, top, view.xyz[top] + 0.08 * (view.xyz[top] - view.eye))
     thing = begin(view, 1, own, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
     thing.with_flying = painted
     for _ in range(MEMORY):
@@ -88,12 +71,10 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
 
 def test_what_shares_a_pixel_with_the_thing_and_lies_behind_it_is_no_rim() -> None:
     # A cloud that was moved has several points in a pixel.
-    view = shot(box())
+    view = views.shot(views.box())
     own = np.flatnonzero(view.frame.truth == 1)
-    top = own[view.xyz[own, 1] > np.sort(view.xyz[own, 1])[-20]]
+    top = views.top_of(view, own)
     back = np.flatnonzero(view.frame.truth != 1)[: len(top)]
-    view.frame.xyz[back] = view.eye + 1.3 * (view.frame.xyz[top] - view.eye)
-    for name in ("xyz", "cells", "depth"):
-        view.__dict__.pop(name, None)
+    views.put(view, back, view.eye + 1.3 * (view.xyz[top] - view.eye))
     _, rim = outline(view, own, back, UNIT)
     assert not rim.any()

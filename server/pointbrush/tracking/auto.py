@@ -73,8 +73,8 @@ class AutoTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         labels = [seed.label for seed in seeds]
-        with Workers(frames if options.processes > 1 else None) as hands:
-            run = Run(frames, [*options.before, *order], labels, known, options, hands)
+        with Workers(frames if options.processes > 1 else None) as workers:
+            run = Run(frames, [*options.before, *order], labels, known, options, workers)
             with closing(run.scene):
                 if options.before:
                     run.recall(seeds)
@@ -98,10 +98,10 @@ class Run:
         labels: list[int],
         known: Known,
         options: TrackOptions,
-        hands: Workers,
+        workers: Workers,
     ) -> None:
         self.known, self.options, self.labels = known, options, labels
-        self.hands, self.twins = hands, Swaps()
+        self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
         self.group: Group | None = None
         self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
@@ -190,7 +190,7 @@ class Run:
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
         """Find everything in the next frame; ``given`` labels' points are known."""
         view, things = self.scene.view(number), self.things
-        self.hands.show(view, self.background)
+        self.workers.show(view, self.background)
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= given or {}
@@ -202,7 +202,7 @@ class Run:
         places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
         find_astray(sought, self.background, view, free, places, claims)
-        self.twins.meet(things, places)
+        self.swaps.meet(things, places)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)
         settled |= self._among_people(view, fixed, settled, free)
@@ -214,7 +214,7 @@ class Run:
             tell_apart(self.things, view, [label])
             self._join(view, label)
         self._look_around(view, places)
-        self.hands.learn(view, self.background, self._shadow(view, places))
+        self.workers.learn(view, self.background, self._shadow(view, places))
         found = with_ground(view, things, places, free)
         tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
         return FrameResult(number, found, tracks)
@@ -222,12 +222,12 @@ class Run:
     def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""
         there = [thing for thing in things if not thing.stopped]
-        known, here = (self.background, free), not self.hands.learns
-        cut = self.hands.each(crop, there, lambda _: known, here=here)
+        known, here = (self.background, free), not self.workers.learns
+        cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()))
         there = [self.things[label] for label in searches]
-        found = self.hands.each(placed, there, lambda thing: (searches[thing.label],))
+        found = self.workers.each(placed, there, lambda thing: (searches[thing.label],))
         places = {label: place for label, (place, _) in found.items()}
         return places, {label: claim for label, (_, claim) in found.items()}
 
@@ -255,12 +255,12 @@ class Run:
         small = [thing for thing in alive if not thing.large]
         large = {label: place for label, place in places.items() if things[label].large}
         meanwhile = small if large else []
-        wait = self.hands.begin(settle, meanwhile, given, changes=True)
+        wait = self.workers.begin(settle, meanwhile, given, changes=True)
         grown |= hang_together(view, things, large, claims, taken, background)
         again = bodies_left(loose, things, background, view, claims, grown)
         rest = [t for t in alive if not (t.label in again or t in meanwhile)]
         settled = wait()
-        return settled | self.hands.each(settle, rest, given, changes=True), again
+        return settled | self.workers.each(settle, rest, given, changes=True), again
 
     def _conclude(
         self,
@@ -309,7 +309,7 @@ class Run:
 
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
-        self.twins.forget(thing.label)
+        self.swaps.forget(thing.label)
         pose = None if self._accompanied(thing.label) else taught(thing, view, points)
         if pose is None:
             return self._reseed(thing, view, points)

@@ -105,19 +105,16 @@ class Thing:
     """State of a label: ``weight`` metres per unit of colour, ``unit`` metres of tolerance.
 
     ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
-    explain; ``size`` the most points it had, ``last`` in
-    the last frame; ``trust`` the last confidence; ``extent`` metres, the greatest radius it had;
-    ``glimpses`` of what lies around it.
-    ``imaged`` whether the sensor sees depth images;
-    ``worn`` the colours it showed where it was painted.
-    ``usual`` the mean cost in place and colour, in reaches, of its points alone in the air;
-    ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no better;
-    ``astray`` frames for which it was nowhere near where it should be;
-    ``strain`` share of its surface that bending alone explains; ``sheet`` whether it is flat, as a
-    door is; ``flat`` whether it lies on the ground, ``grounded`` whether it was painted with that
-    under it, ``with_flying`` whether with the flying pixels at its outline;
-    ``scanned`` whether a lidar sees it, ``away`` metres from that, points ``grain`` metres apart;
-    ``broad`` whether it was painted
+    explain; ``size`` the most points it had, ``last`` in the last frame; ``trust`` the last
+    confidence; ``extent`` metres, the greatest radius it had; ``glimpses`` of what lies around it.
+    ``imaged`` whether the sensor sees depth images; ``worn`` the colours it showed where it was
+    painted. ``usual`` the mean cost in place and colour, in reaches, of its points alone in the
+    air; ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no
+    better; ``astray`` frames for which it was nowhere near where it should be; ``strain`` share of
+    its surface that bending alone explains; ``sheet`` whether it is flat, as a door is; ``flat``
+    whether it lies on the ground, ``grounded`` whether it was painted with that under it,
+    ``with_flying`` whether with the flying pixels at its outline; ``scanned`` whether a lidar sees
+    it, ``away`` metres from that, points ``grain`` metres apart; ``broad`` whether it was painted
     as broad as part of somebody, ``cut`` off by the edge of the picture.
     """
 

@@ -39,8 +39,8 @@ OWN = 1.5
 def strides(sight: Observation, people: Sequence[Person]) -> F64:
     """(K, 3) metres that each person has gone."""
     at = sight.view.cells[0]
-    moving, taken = (np.zeros(len(sight.view.depth), np.bool_) for _ in range(2))
-    moving[at[sight.cells.indices]] = True
+    moving = sight.view.marked(sight.cells.indices)
+    taken = np.zeros_like(moving)
     tints = np.zeros((len(sight.view.depth), 3), np.float32)
     if sight.tints is not None:
         tints[at[sight.cells.indices]] = sight.tints
@@ -51,7 +51,7 @@ def strides(sight: Observation, people: Sequence[Person]) -> F64:
         there = cKDTree(people[k].xyz + found[k])
         gap = there.query(sight.cells.middle, distance_upper_bound=OWN * sight.cells.size)[0]
         own = np.isfinite(gap)[sight.cells.cell]
-        taken[at[sight.cells.indices[own]]] = True
+        taken |= sight.view.marked(sight.cells.indices[own])
     return found
 
 

@@ -57,7 +57,7 @@ class Group:
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
         unit = float(np.median([thing.unit for thing in things.values()]))
         group = Group([], float(np.median(sizes)), unit, across(view, people.values()), 0.0)
-        sight = group._stage(view, background, np.ones(len(view.xyz), np.bool_))
+        sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, thing in things.items():
             group.put(view, label, thing)
             inside = np.isin(sight.cells.indices, view.labels[label])
@@ -71,7 +71,7 @@ class Group:
         """Whom a person painted."""
         return {person.label for person in self.people if person.named}
 
-    def _stage(self, view: View, background: ImageBackground, free: Mask) -> Observation:
+    def _sight(self, view: View, background: ImageBackground, free: Mask) -> Observation:
         return Observation.of(view, background, free, self.size, self.unit, self.flat)
 
     def put(self, view: View, label: int, thing: Thing) -> None:
@@ -93,7 +93,7 @@ class Group:
     ) -> dict[int, tuple[TrackState, I64]]:
         """Who has which of the ``free`` points (N,) of the next frame."""
         self.now += 1
-        sight = self._stage(view, background, free)
+        sight = self._sight(view, background, free)
         people = self.people
         shares = None
         if len(sight.owner) and people:

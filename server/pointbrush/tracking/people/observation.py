@@ -12,7 +12,6 @@ from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.fitting.search import PATIENT
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.paths import Paths, paths_into
-from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.foreground import Foreground
@@ -77,12 +76,7 @@ class Observation:
 
     def beside(self, points: I64) -> I64:
         """The flying pixels (B,) at the outline of the ``points`` (M,)."""
-        assert self.view.lens is not None  # noqa: S101
-        cell = self.view.cells[0]
-        own = np.zeros(len(self.view.depth), np.bool_)
-        own[cell[points]] = True
-        around = widened(own[:-1].reshape(self.view.lens.shape), 1).ravel()
-        return self.flying[around[cell[self.flying]]]
+        return self.flying[self.view.around(points)[self.view.cells[0][self.flying]]]
 
     @cached_property
     def tints(self) -> F32 | None:

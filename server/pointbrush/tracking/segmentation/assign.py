@@ -119,7 +119,5 @@ def cut_off(view: View, rest: I64, step: float, most: float = 0.05, by: I64 | No
     with np.errstate(invalid="ignore"):
         nearer = view.depth[around] < depth[rest][:, None] - step
     if by is not None:
-        hiding = np.zeros(len(view.depth), np.bool_)
-        hiding[cell[by]] = True
-        nearer &= hiding[around]
+        nearer &= view.marked(by)[around]
     return float(nearer.any(axis=1).mean()) > most

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.geometry.compiled import compiled
-from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
@@ -27,9 +26,7 @@ def flying(view: View, points: I64, unit: float) -> Mask:
     """
     if view.lens is None or not view.lens.lattice or not len(points):
         return np.zeros(len(points), np.bool_)
-    own = np.zeros(len(view.depth), np.bool_)
-    own[view.cells[0][points]] = True
-    return _loose(view, points, own, unit)
+    return _loose(view, points, view.marked(points), unit)
 
 
 def painted_with_flying(view: View, points: I64, unit: float) -> bool:
@@ -39,13 +36,10 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
     """
     if view.lens is None or not view.lens.lattice:
         return False
-    painted = np.zeros(len(view.depth), np.bool_)
-    painted[view.cells[0][points]] = True
-    around = widened(painted[:-1].reshape(view.lens.shape), 1).ravel()
-    near = np.flatnonzero(around[view.cells[0]])
-    every = np.isfinite(view.depth)
-    loose = near[_loose(view, near, every, unit)]
-    return len(loose) >= FEWEST and float(painted[view.cells[0][loose]].mean()) > MOSTLY
+    cell = view.cells[0]
+    near = np.flatnonzero(view.around(points)[cell])
+    loose = near[_loose(view, near, np.isfinite(view.depth), unit)]
+    return len(loose) >= FEWEST and float(view.marked(points)[cell[loose]].mean()) > MOSTLY
 
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:

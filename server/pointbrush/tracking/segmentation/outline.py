@@ -29,8 +29,7 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     assert view.lens is not None  # noqa: S101
     cell, depth = view.cells
     image, width = view.depth, view.lens.shape[1]
-    mine = np.zeros(len(image), np.bool_)
-    mine[cell[own]] = True
+    mine = view.marked(own)
     behind, level = BEHIND * unit, LEVEL * unit
     flying = _flying(cell[own], depth[own], image, mine, width, behind, level)
     return flying, _rim(cell[rest], depth[rest], image, mine, width, behind, level)

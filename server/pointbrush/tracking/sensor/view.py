@@ -16,6 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.near import Runs, in_box, runs_of
 from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.sensor.ground import on_ground
 from pointbrush.tracking.sensor.lens import I32, Lens
@@ -123,6 +124,17 @@ class View:
         image[cell] = depth
         image[-1] = np.nan
         return image
+
+    def marked(self, points: I64) -> Mask:
+        """(cells + 1,) the pixels that show some of the ``points`` (M,)."""
+        mask = np.zeros(len(self.depth), np.bool_)
+        mask[self.cells[0][points]] = True
+        return mask
+
+    def around(self, points: I64) -> Mask:
+        """(cells,) the same pixels, and those that touch them."""
+        assert self.lens is not None  # noqa: S101
+        return widened(self.marked(points)[:-1].reshape(self.lens.shape), 1).ravel()
 
     @cached_property
     def shade(self) -> RangeImage | None:
