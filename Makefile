@@ -74,7 +74,10 @@ peers:
 	/sbin/ldconfig -p | grep -q libusb-1.0.so.0 || missing=" libusb-1.0-0"; \
 	$(call install_missing,Open3D among the benchmarks' peers)
 
-test: checks unit e2e  ## every check and every test; the runner's line comes last
+# The set-up that is left and the checks go side by side: some wait for the network, some compute.
+test: $(STAMPS)/dev  ## every check and every test; the runner's line comes last
+	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops types $(PAGE) check-page lint
+	@$(MAKE) --no-print-directory unit e2e
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 lint types check-page
@@ -102,7 +105,7 @@ unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@$(BIN)/python -m pytest -q -n 2 --dist worksteal tests/e2e
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist worksteal tests/e2e
 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench

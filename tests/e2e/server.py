@@ -1,13 +1,15 @@
-"""The real command in a process of its own, which tests may kill."""
+"""The command ``pointbrush serve`` in a process of its own, which tests may kill."""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import socket
-import subprocess
 import sys
 import time
+from collections.abc import Callable
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +17,14 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cli import main
+
 TOKEN = "end-to-end-token-of-the-owner"
 START_SECONDS = 60
-COMMAND = [sys.executable, "-c", "import sys; from pointbrush.cli import main; sys.exit(main())"]
+STOP_SECONDS = 20
+# Servers are forked from a process that has imported everything: that is half of their start.
+FORKSERVER = multiprocessing.get_context("forkserver")
+FORKSERVER.set_forkserver_preload(["pointbrush.cli", "pointbrush.web.server"])
 
 
 def free_port() -> int:
@@ -27,6 +34,16 @@ def free_port() -> int:
         return port
 
 
+def serve(workspace: Path, port: int, log: Path) -> None:
+    """Run the command as from a terminal of its own, with ``log`` for a screen."""
+    os.setsid()
+    with log.open("ab") as screen:
+        for stream in (1, 2):
+            os.dup2(screen.fileno(), stream)
+    os.environ["POINTBRUSH_TOKEN"] = TOKEN
+    sys.exit(main(["serve", "--workspace", str(workspace), "--port", str(port)]))
+
+
 class LiveServer:
     """``pointbrush serve`` on one port; started, killed and started again."""
 
@@ -34,7 +51,7 @@ class LiveServer:
         self.workspace = workspace
         self.port = free_port()
         self.log = workspace.parent / f"{workspace.name}.log"
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: BaseProcess | None = None
 
     @property
     def url(self) -> str:
@@ -45,23 +62,11 @@ class LiveServer:
         return f"{self.url}/?token={TOKEN}"
 
     def start(self) -> None:
-        environment = {
-            **os.environ,
-            "POINTBRUSH_TOKEN": TOKEN,
-            "OMP_NUM_THREADS": "1",
-            "OPENBLAS_NUM_THREADS": "1",
-        }
-        with self.log.open("ab") as log:
-            self._process = subprocess.Popen(
-                [*COMMAND, "serve", "--workspace", str(self.workspace), "--port", str(self.port)],
-                stdout=log,
-                stderr=log,
-                env=environment,
-                start_new_session=True,
-            )
+        self._process = FORKSERVER.Process(target=serve, args=(self.workspace, self.port, self.log))
+        self._process.start()
         deadline = time.monotonic() + START_SECONDS
         while not self._answers():
-            assert self._process.poll() is None, self.log.read_text()
+            assert self._process.is_alive(), self.log.read_text()
             if time.monotonic() > deadline:
                 self.kill()
                 raise AssertionError("the server did not start")
@@ -75,20 +80,19 @@ class LiveServer:
 
     def kill(self) -> None:
         """As a power cut would: nothing is tidied up."""
-        self._end(signal.SIGKILL)
+        # Job workers too: they are children of their own session.
+        self._end(os.killpg, signal.SIGKILL)
 
     def stop(self) -> None:
-        self._end(signal.SIGTERM)
+        self._end(os.kill, signal.SIGTERM)
 
-    def _end(self, number: signal.Signals) -> None:
+    def _end(self, send: Callable[[int, int], None], number: signal.Signals) -> None:
         if self._process is None:
             return
-        if number is signal.SIGKILL:
-            # Job workers too: they are children of their own session.
-            os.killpg(self._process.pid, number)
-        else:
-            self._process.send_signal(number)
-        self._process.wait(20)
+        assert self._process.pid is not None
+        send(self._process.pid, number)
+        self._process.join(STOP_SECONDS)
+        assert self._process.exitcode is not None, "the server did not end"
         self._process = None
 
     # ── REST ─────────────────────────────────────────────────────────────────────────────
