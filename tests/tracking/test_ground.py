@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -50,8 +51,9 @@ def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it:
     view = View(1, frame, None, np.eye(4), np.zeros(3))
     mine = np.flatnonzero((truth == 1) | (beside if with_it else False))
     thing = begin(view, 1, mine, 0.05, NO_RIVALS)
-    thing.unit, thing.grounded = 0.15, painted_with_ground(view, mine)
-    assert thing.grounded == with_it
+    grounded = painted_with_ground(view, mine)
+    assert grounded == with_it
+    thing.unit, thing.painted = 0.15, replace(thing.painted, grounded=grounded)
     # Ground that was seen before is in no search; what drives on is on other ground.
     place = find(among(thing, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
     view.labels = {1: own_points(thing, view, place).indices}

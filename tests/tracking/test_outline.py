@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import views
@@ -50,7 +52,7 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     top = views.top_of(view, own)[::3]
     views.put(view, top, view.xyz[top] + 0.08 * (view.xyz[top] - view.eye))
     thing = begin(view, 1, own, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
-    thing.with_flying = painted
+    thing.painted = replace(thing.painted, with_flying=painted)
     for _ in range(MEMORY):
         thing.motion.add(np.eye(4))
     limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))

@@ -129,8 +129,11 @@ class Run:
 
     def _begin(self, view: View, label: int, indices: I64) -> None:
         thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
-        thing.grounded = painted_with_ground(view, indices)
-        thing.with_flying = painted_with_flying(view, indices, thing.unit)
+        thing.painted = replace(
+            thing.painted,
+            grounded=painted_with_ground(view, indices),
+            with_flying=painted_with_flying(view, indices, thing.unit),
+        )
         self.things[label] = thing
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
 

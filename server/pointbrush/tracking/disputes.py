@@ -46,7 +46,7 @@ def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
 def _far_off(thing: Thing, search: Search, place: Place) -> bool:
     """Whether a large thing would be far from where it is hidden now: that is somebody else."""
     motion = thing.motion
-    if motion.fresh or thing.cut:  # what was painted in part grows by what comes out
+    if motion.fresh or thing.painted.cut:  # what was painted in part grows by what comes out
         return False
     centre = motion.centre[None]
     at = transform(place.pose, centre)[0]

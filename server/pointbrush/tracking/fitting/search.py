@@ -119,7 +119,7 @@ def crop(
         if slow and not thing.large:
             hardly = far & background.faint(view, around)
         near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
-        if view.roams and not thing.flat:
+        if view.roams and not thing.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None

@@ -16,16 +16,13 @@ from pointbrush.tracking.objects.confidence import USUAL
 from pointbrush.tracking.objects.free_space import Glimpse
 from pointbrush.tracking.objects.model import SURE, Model
 from pointbrush.tracking.objects.motion import Motion
+from pointbrush.tracking.objects.painted import Painted
 from pointbrush.tracking.objects.shape import (
     BETWEEN,
     LEAST_NOISE,
     across_rings,
-    across_way,
-    away_from,
     colourless,
-    cut_off_by_edge,
     texture,
-    uneven,
 )
 from pointbrush.tracking.sensor.view import View
 
@@ -34,15 +31,10 @@ BENT, BENT_LARGE = 0.2, 0.05
 TALL, COARSE = 0.4, 12.0
 """Metres, and units, of radius from which a thing is large as people are, however coarse it is
 seen."""
-SHEET = 0.016
-"""Radii from its plane within which half of a door, a drawer or a cloth lies, but of nobody."""
-HALF, BROAD, AFAR = 0.25, 0.06, 1.5
-"""Metres of radius, of deviation across, and from the sensor, from which what is painted is part
-of somebody: sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
+HALF = 0.25
+"""Metres of radius from which what was painted as broad as part of somebody is that."""
 VAGUE = 5.0
 """Units of radius that such a part has at least."""
-FLAT = 0.6
-"""Share of its points on the ground from which a thing is taken to lie there."""
 SOFT = 0.006
 """Share of the known surface that has to be found again by bending alone."""
 HARDLY = 0.2
@@ -111,11 +103,8 @@ class Thing:
     painted. ``usual`` the mean cost in place and colour, in reaches, of its points alone in the
     air; ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no
     better; ``astray`` frames for which it was nowhere near where it should be; ``strain`` share of
-    its surface that bending alone explains; ``sheet`` whether it is flat, as a door is; ``flat``
-    whether it lies on the ground, ``grounded`` whether it was painted with that under it,
-    ``with_flying`` whether with the flying pixels at its outline; ``scanned`` whether a lidar sees
-    it, ``away`` metres from that, points ``grain`` metres apart; ``broad`` whether it was painted
-    as broad as part of somebody, ``cut`` off by the edge of the picture.
+    its surface that bending alone explains; ``scanned`` whether a lidar sees it, ``away`` metres
+    from that, points ``grain`` metres apart.
     """
 
     label: int
@@ -124,6 +113,7 @@ class Thing:
     weight: float
     unit: float
     rivals: Rivals
+    painted: Painted
     size: float
     missing: int = 0
     bend: float = 0.0
@@ -137,14 +127,8 @@ class Thing:
     strain: float = 0.0
     vain: bool = False
     astray: int = 0
-    flat: bool = False
-    sheet: bool = False
     away: float = 0.0
     scanned: bool = False
-    broad: bool = False
-    cut: bool = False
-    grounded: bool = False
-    with_flying: bool = False
     grain: float = 0.0
     worn: ColourHistogram = field(
         default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
@@ -193,9 +177,9 @@ class Thing:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
         if self.scanned:
             return True
-        part = self.cut or (self.broad and self.span > HALF)
+        part = self.painted.cut or (self.painted.broad and self.span > HALF)
         part = part and self.imaged and self.span > VAGUE * self.unit
-        return (part or self.span > max(TALL, COARSE * self.unit)) and not self.sheet
+        return (part or self.span > max(TALL, COARSE * self.unit)) and not self.painted.sheet
 
     @property
     def body(self) -> bool:
@@ -243,7 +227,9 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if not kept.all():
         without = _made(view, label, indices[kept], noise, rivals)
         thing = thing if without.large else without
-    if thing.large and (thing.broad or thing.cut):  # it stays that, however little of it is seen
+    if thing.large and (
+        thing.painted.broad or thing.painted.cut
+    ):  # it stays that, however little of it is seen
         thing.extent = max(thing.model.radius, TALL)
     return thing
 
@@ -264,7 +250,6 @@ def _made(
     model.hits[:] = SURE
     count = len(indices)
     motion = Motion(model.centre)
-    low = float(view.low[indices].mean())
     return Thing(
         label,
         model,
@@ -272,14 +257,11 @@ def _made(
         weight,
         unit,
         rivals,
+        Painted.of(view, indices, xyz, model.radius),
         float(count),
         last=count,
         grain=unit,
         imaged=view.lens is not None,
         worn=ColourHistogram.of(colour),
-        flat=low > FLAT,
-        sheet=uneven(xyz) < SHEET * model.radius,
         scanned=view.scans,
-        broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
-        cut=cut_off_by_edge(view, indices),
     )

@@ -79,7 +79,8 @@ class Group:
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, thing.with_flying)
+        flying = thing.painted.with_flying
+        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, flying)
         person.went = thing.motion.poses[-1][:3, 3]
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)

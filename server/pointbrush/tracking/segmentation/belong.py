@@ -80,7 +80,7 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     beyond = thing.reach if thing.large else thing.unit
     unlike = near.cost > thing.reach + (UNLIKE - 1) * beyond
     unlike &= near.gap > 1.2 * thing.reach
-    if not thing.flat:  # The ground touches what stands on it, and goes on.
+    if not thing.painted.flat:  # The ground touches what stands on it, and goes on.
         lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
     found = near.pick(~lost & ~unlike & (near.gap < thing.reach + (REACH - 1) * beyond))
     # A pose is never exact: what lies on well confirmed surface is not asked.
@@ -185,7 +185,7 @@ def _outlined(
     flies, rim = outline(view, own, rest, thing.unit)
     first, last = len(found.indices), len(found.indices) + len(new)
     place.rim = together(place.rim[~flies[last:]], rest[rim])
-    if thing.with_flying:
+    if thing.painted.with_flying:
         place.rim = together(place.rim, own[flies])
     else:
         place.neutral = np.concatenate([place.neutral, own[flies]])

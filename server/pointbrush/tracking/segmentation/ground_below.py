@@ -40,7 +40,7 @@ def with_ground(
     ``free`` (N,) are those that a run may take.
     """
     found = dict(view.labels)
-    have = [n for n in found if n in places and things[n].grounded]
+    have = [n for n in found if n in places and things[n].painted.grounded]
     rest = free & ~view.labelled() if have else free
     for label in have:
         ground = _within(view, places[label].world)

@@ -121,7 +121,7 @@ def learn(
         again = _claimed_again(thing, view, place, found, grown, number)
         if not place.whole:
             again = again.pick(again.cost < 2 * thing.reach)
-        if not thing.flat:
+        if not thing.painted.flat:
             again = again.pick(~view.low[again.indices] | (again.gap < 0.9 * thing.model.spacing))
         xyz = transform(back, view.xyz[again.indices].astype(np.float64))
         colour = view.colour(again.indices)

@@ -1,0 +1,44 @@
+"""What a person painted: facts of the first sight that hold however little is seen later."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.objects.shape import across_way, away_from, cut_off_by_edge, uneven
+from pointbrush.tracking.sensor.view import View
+
+SHEET = 0.016
+"""Radii from its plane within which half of a door, a drawer or a cloth lies, but of nobody."""
+BROAD, AFAR = 0.06, 1.5
+"""Metres of deviation across, and from the sensor, from which what is painted is part of somebody:
+sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
+FLAT = 0.6
+"""Share of its points on the ground from which a thing is taken to lie there."""
+
+
+@dataclass(frozen=True)
+class Painted:
+    """How a thing was painted.
+
+    ``flat`` lying on the ground; ``sheet`` flat in itself, as a door is; ``broad`` as part of
+    somebody is; ``cut`` off by the edge of the picture; ``grounded`` with the ground under it;
+    ``with_flying`` with the flying pixels at its outline.
+    """
+
+    flat: bool
+    sheet: bool
+    broad: bool
+    cut: bool
+    grounded: bool = False
+    with_flying: bool = False
+
+    @staticmethod
+    def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
+        """As the points ``indices`` (M,) at ``xyz`` (M, 3) show it, ``radius`` metres in size."""
+        return Painted(
+            flat=float(view.low[indices].mean()) > FLAT,
+            sheet=uneven(xyz) < SHEET * radius,
+            broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
+            cut=cut_off_by_edge(view, indices),
+        )
