@@ -16,13 +16,16 @@ from pointbrush.tracking.geometry.columns import (
     columns,
     nearer_than,
     nearest,
+    nearest_one,
     nearest_three,
     pairs,
+    spans,
 )
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.grid import numbered, perhaps_near
 from pointbrush.tracking.geometry.near import RUN, close_to, in_box, runs_of
 from pointbrush.tracking.geometry.paths import paths_over, reach
+from pointbrush.tracking.geometry.registration import Target, excess
 from pointbrush.tracking.segmentation.connectivity import STEPS, flood
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
@@ -63,6 +66,28 @@ def test_nearest(
     np.testing.assert_allclose(distance[found], away.min(axis=1)[found], atol=1e-6)
     np.testing.assert_allclose(away[found, index[found]], distance[found], atol=1e-6)
     assert (distance[~found] == most).all()
+
+
+@given(clouds(1), clouds(1), st.sampled_from([0.5012, 2.0012]), st.booleans())
+def test_a_likely_point_to_begin_with_changes_nothing(
+    wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
+) -> None:
+    grid = columns(points, np.float32(points), 0.7 if coloured else 0.0)
+    x, y, z = wanted[0].tolist()
+    place, room = (x, y, z), spans(grid)
+    for likely in range(len(points)):
+        found = nearest_one(grid, place, place, most, room, likely)
+        assert found[0] == nearest_one(grid, place, place, most, room, -1)[0]
+
+
+@given(clouds(1), clouds(1))
+def test_what_lies_just_beside_a_surface(
+    surface: NDArray[np.float64], points: NDArray[np.float64]
+) -> None:
+    away = apart(points, surface).min(axis=1)
+    on, beside = np.sum(away < 3 * 0.1504), np.sum((away >= 3 * 0.1504) & (away < 6 * 0.1504))
+    found = excess(surface, Target(points, NONE, 0.0), 0.1504)
+    assert found == pytest.approx(0.3 * min(1.0, beside / max(on, 1)))
 
 
 @given(clouds(), clouds(), st.sampled_from([0.0112, 0.5012, 2.0012]), st.booleans())

@@ -19,9 +19,11 @@ from pointbrush.tracking.background.pixel_tests import (
     HIDDEN,
     Images,
     before,
+    keep_up,
     least,
     scenery,
     stood,
+    take_in,
     uncovered,
 )
 from pointbrush.tracking.background.scenery import NEAR, continued, drawn_on, farthest, wavering
@@ -251,10 +253,7 @@ class ImageBackground:
             beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.hiding, self.previous = self.previous, view.depth
-        moved = ~(np.abs(seen - self.anchor) < limit * self.scale) & ~np.isnan(seen)
-        self.age += 1
-        self.age *= ~moved
-        np.copyto(self.anchor, seen, where=moved)
+        keep_up(self.anchor, self.age, seen, limit, self.scale)
         if not first and labelled.any():
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(height, width)
@@ -263,12 +262,6 @@ class ImageBackground:
             part = image[top : rows[-1] + 4, left : columns[-1] + 4]
             part[...] = widened(part, 3)
         seen[labelled] = np.nan
-        change = seen - self.depth
-        # Comparing with NaN is false: neither holds where the cell shows nothing now.
-        same = np.abs(change) < limit
-        farther = (change > limit) | (np.isnan(self.depth) & ~np.isnan(seen))
         self.last = seen
-        change *= np.float32(0.2)
-        np.add(self.depth, change, out=self.depth, where=same)
-        np.copyto(self.depth, seen, where=farther)
+        take_in(self.depth, seen, limit)
         self.nearest = None

@@ -18,6 +18,8 @@ from pointbrush.tracking.sensor.lens import I32
 
 HIDDEN = 0.985
 """Share of its depth at which the scene drawn on behind an object begins."""
+LEARNT = 0.2
+"""Share of the way that a known depth goes to what is seen, which wavers about it."""
 
 
 class Images(NamedTuple):
@@ -112,6 +114,29 @@ def uncovered(
             found[count] = i
             count += 1
     return found[:count].copy()
+
+
+@compiled
+def keep_up(anchor: F32, age: NDArray[np.int32], seen: F32, limit: F32, scale: F32) -> None:
+    """Count the frames for which each cell has been as deep as it is ``seen``, within a ``limit``;
+    one that shows nothing may still be."""
+    for c in range(len(seen)):
+        age[c] += 1
+        if not (np.isnan(seen[c]) or abs(seen[c] - anchor[c]) < limit[c] * scale[c]):
+            anchor[c], age[c] = seen[c], 0
+
+
+@compiled
+def take_in(known: F32, seen: F32, limit: F32) -> None:
+    """Bring the ``known`` depth of each cell nearer to what is ``seen``; what lies farther is known
+    at once."""
+    share = np.float32(LEARNT)
+    for c in range(len(seen)):
+        change = seen[c] - known[c]
+        if abs(change) < limit[c]:
+            known[c] += share * change
+        elif change > limit[c] or np.isnan(known[c]):
+            known[c] = seen[c]
 
 
 @compiled

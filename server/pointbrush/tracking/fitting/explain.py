@@ -97,11 +97,11 @@ def _distances(
     What is not to be seen, but was looked through, is as far off as it can be.
     """
     total, count = np.zeros(len(world)), np.zeros(len(world))
-    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
     for k in range(len(world)):
         for i in range(world.shape[1]):
             if seen[k, i]:
-                if len(grid.tint):
+                if coloured:
                     tint = toned(colour, i, weight)
                 place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
                 square, at = nearest_one(grid, place, tint, most, room)

@@ -9,6 +9,7 @@ import numpy as np
 from pointbrush.tracking.fitting.explain import costs_of, look
 from pointbrush.tracking.fitting.recovery import nudges, proposals, shifts
 from pointbrush.tracking.fitting.search import Search
+from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.deformation import warp
 from pointbrush.tracking.geometry.registration import (
     Fits,
@@ -213,18 +214,34 @@ def _over_places(thing: Thing, poses: F64, first: I64, rest: I64) -> I64:
     The ``first`` (N,) have had their turns.
     """
     at = transform_each(poses, thing.model.centre[None])[:, 0]
-    places, turns = np.empty((0, 3)), np.empty(0, np.int64)
-    turn = np.zeros(len(poses), np.int64)
-    for one in [*first.tolist(), *rest.tolist()]:
-        away = np.linalg.norm(places - at[one], axis=1)
-        if not len(away) or away.min() > ELSEWHERE * thing.model.radius:
-            places, turns = np.vstack([places, at[one]]), np.append(turns, 0)
-            nearest = len(places) - 1
-        else:
-            nearest = int(np.argmin(away))
-        turn[one] = turns[nearest]
+    turn = _turns(at[np.concatenate([first, rest])], ELSEWHERE * thing.model.radius)
+    return rest[np.argsort(turn[len(first) :], kind="stable")]
+
+
+@compiled
+def _turns(at: F64, apart: float) -> I64:
+    """(N,) how many of the points (N, 3) before each have been at its place.
+
+    A place is where the first was that was more than ``apart`` metres from all places before.
+    """
+    turn, turns = np.empty(len(at), np.int64), np.zeros(len(at), np.int64)
+    places, count = np.empty_like(at), 0
+    for i in range(len(at)):
+        nearest, least = -1, apart
+        for k in range(count):
+            square = 0.0
+            for a in range(3):
+                square += (places[k, a] - at[i, a]) ** 2
+            away = np.sqrt(square)
+            if away < least or (nearest < 0 and away == apart):
+                nearest, least = k, away
+        if nearest < 0:
+            places[count] = at[i]
+            nearest = count
+            count += 1
+        turn[i] = turns[nearest]
         turns[nearest] += 1
-    return rest[np.argsort(turn[rest], kind="stable")]
+    return turn
 
 
 def _scores(search: Search, poses: F64) -> F64:

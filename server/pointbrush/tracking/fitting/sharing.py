@@ -81,14 +81,15 @@ def _drop_theirs(
     drop: Mask, xyz: F64, colour: F32, own: _Surface, theirs: _Surface, reach: float
 ) -> None:
     """Mark which points (N, 3) are nearer to another's surface than half as far as to their own."""
-    room, other_room = spans(own.columns), spans(theirs.columns)
+    mine, others = own.columns, theirs.columns
+    room, other_room = spans(mine), spans(others)
     for i in range(len(xyz)):
         x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
         away = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
         if drop[i] or max(away, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
             continue
         tint = toned(colour, i, theirs.weight)
-        square, at = nearest_one(theirs.columns, (x, y, z), tint, reach, other_room)
+        square, at = nearest_one(others, (x, y, z), tint, reach, other_room)
         if at >= 0:
             tint = toned(colour, i, own.weight)
-            drop[i] = square < 0.25 * nearest_one(own.columns, (x, y, z), tint, 2 * reach, room)[0]
+            drop[i] = square < 0.25 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]

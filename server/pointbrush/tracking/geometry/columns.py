@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 Triple = tuple[float, float, float]
@@ -42,7 +42,7 @@ class Columns(NamedTuple):
     across: int
 
 
-@compiled
+@innermost
 def _slot(at: float, count: int) -> int:
     """Which of ``count`` slots holds ``at``; the first or the last for what lies outside.
 
@@ -103,7 +103,7 @@ def spans(grid: Columns) -> I64:
     return np.empty((4 * max(grid.along, grid.across) + 4, 2), np.int64)
 
 
-@compiled
+@innermost
 def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) -> int:
     """Number of stretches of sorted points, now in ``room``, that a ring of columns holds.
 
@@ -138,23 +138,41 @@ def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) 
     return count
 
 
-@compiled
+@innermost
+def _square(grid: Columns, at: int, place: Triple, tint: Triple) -> float:
+    """Square of the distance to the point that is sorted ``at``."""
+    (x, y, z), (r, g, b) = place, tint
+    dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+    square = float(dx * dx + dy * dy + dz * dz)
+    if len(grid.tint):
+        dr, dg, db = grid.tint[at, 0] - r, grid.tint[at, 1] - g, grid.tint[at, 2] - b
+        square += dr * dr + dg * dg + db * db
+    return square
+
+
+@innermost
 def nearest_one(
     grid: Columns,
     place: Triple,
     tint: Triple,
     most: float,
     room: I64,
+    likely: int = -1,
 ) -> tuple[float, int]:
     """Square of the distance to the nearest point, and where it is sorted; -1 for none.
 
-    ``place`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``.
+    ``place`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``;
+    ``likely`` where a point is sorted beyond which there is nothing to look for.
     """
     x, y, z = place
     r, g, b = tint
     coloured = len(grid.tint) > 0
     u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
     best, nearest_at, ring = most * most, -1, 0
+    if likely >= 0:
+        square = _square(grid, likely, place, tint)
+        if square < best:
+            best, nearest_at = square, likely
     while True:
         count = _ring(grid, u, v, ring, best, room)
         if count < 0:
@@ -171,7 +189,7 @@ def nearest_one(
         ring += 1
 
 
-@compiled
+@innermost
 def toned(colour: F32, i: int, weight: float) -> Triple:
     """One of the colours (M, 3), in metres."""
     return weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2]
@@ -197,7 +215,7 @@ def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> t
     return distance, index
 
 
-@compiled
+@innermost
 def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
     """Whether a point is less than ``most`` metres away; see ``nearest_one``."""
     x, y, z = place
@@ -246,34 +264,41 @@ def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
     Nearest first; infinite, and -1, where there are no more.
     """
     distance, index = np.full((len(xyz), 3), np.inf), np.full((len(xyz), 3), -1)
-    room = spans(grid)
+    order, room = grid.order, spans(grid)
     for i in range(len(xyz)):
-        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-        u = xyz[i, grid.axes[0]] - grid.low[0]
-        v = xyz[i, grid.axes[1]] - grid.low[1]
-        first, second, third = most * most, most * most, most * most
-        one, two, three, ring = -1, -1, -1, 0
-        while True:
-            count = _ring(grid, u, v, ring, third, room)
-            if count < 0:
-                break
-            for k in range(count):
-                for at in range(room[k, 0], room[k, 1]):
-                    dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
-                    square = dx * dx + dy * dy + dz * dz
-                    if square < first:
-                        third, second, first = second, first, square
-                        three, two, one = two, one, at
-                    elif square < second:
-                        third, second = second, square
-                        three, two = two, at
-                    elif square < third:
-                        third, three = square, at
-            ring += 1
-        for k, square, at in ((0, first, one), (1, second, two), (2, third, three)):
-            if at >= 0:
-                distance[i, k], index[i, k] = np.sqrt(square), grid.order[at]
+        squares, places = _three(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), most, room)
+        for k in range(3):
+            if places[k] >= 0:
+                distance[i, k], index[i, k] = np.sqrt(squares[k]), order[places[k]]
     return distance, index
+
+
+@innermost
+def _three(
+    grid: Columns, place: Triple, most: float, room: I64
+) -> tuple[Triple, tuple[int, int, int]]:
+    """Squares of the distances to the three nearest, and where they are sorted; -1 for none."""
+    x, y, z = place
+    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    first, second, third = most * most, most * most, most * most
+    one, two, three, ring = -1, -1, -1, 0
+    while True:
+        count = _ring(grid, u, v, ring, third, room)
+        if count < 0:
+            return (first, second, third), (one, two, three)
+        for k in range(count):
+            for at in range(room[k, 0], room[k, 1]):
+                dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
+                square = dx * dx + dy * dy + dz * dz
+                if square < first:
+                    third, second, first = second, first, square
+                    three, two, one = two, one, at
+                elif square < second:
+                    third, second = second, square
+                    three, two = two, at
+                elif square < third:
+                    third, three = square, at
+        ring += 1
 
 
 @compiled
@@ -281,26 +306,35 @@ def pairs(xyz: F64, most: float) -> I64:
     """(P, 2) all pairs of points (N, 3) at most ``most`` metres apart, the lesser number first."""
     grid = columns(xyz, np.empty((0, 3), np.float32), 0.0)
     found, count = np.empty((8 * len(xyz) + 8, 2), np.int64), 0
-    steps = int(most / grid.size) + 1
+    steps, start = int(most / grid.size) + 1, grid.start
     for row in range(grid.along):
         for column in range(grid.across):
             here = row * grid.across + column
             low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
-            for one in range(grid.start[here], grid.start[here + 1]):
+            for one in range(start[here], start[here + 1]):
                 # Each pair is met once: from the point that is sorted first.
                 for other_row in range(row, min(row + steps, grid.along - 1) + 1):
-                    first = max(grid.start[other_row * grid.across + low], one + 1)
-                    for other in range(first, grid.start[other_row * grid.across + high + 1]):
-                        square = 0.0
-                        for a in range(3):
-                            square += (grid.xyz[one, a] - grid.xyz[other, a]) ** 2
-                        if not square <= most * most:
-                            continue
-                        if count == len(found):
-                            more = np.empty((2 * count, 2), np.int64)
-                            more[:count] = found
-                            found = more
-                        i, j = grid.order[one], grid.order[other]
-                        found[count, 0], found[count, 1] = min(i, j), max(i, j)
-                        count += 1
+                    first = max(start[other_row * grid.across + low], one + 1)
+                    end = start[other_row * grid.across + high + 1]
+                    if count + end - first > len(found):
+                        more = np.empty((2 * len(found) + end - first, 2), np.int64)
+                        more[:count] = found[:count]
+                        found = more
+                    count = _pairs_of(grid, one, first, end, most, found, count)
     return found[:count]
+
+
+@innermost
+def _pairs_of(
+    grid: Columns, one: int, first: int, end: int, most: float, found: I64, count: int
+) -> int:
+    """Put behind the ``count`` pairs ``found`` those of a point and the ones sorted up to ``end``;
+    how many there are then."""
+    x, y, z = grid.xyz[one, 0], grid.xyz[one, 1], grid.xyz[one, 2]
+    for other in range(first, end):
+        dx, dy, dz = x - grid.xyz[other, 0], y - grid.xyz[other, 1], z - grid.xyz[other, 2]
+        if dx * dx + dy * dy + dz * dz <= most * most:
+            i, j = grid.order[one], grid.order[other]
+            found[count, 0], found[count, 1] = min(i, j), max(i, j)
+            count += 1
+    return count

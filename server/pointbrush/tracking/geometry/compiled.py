@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 
@@ -23,9 +23,23 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     Without the liberties that some compilers take with floating point: the same input gives the
     same labels.  A division by zero gives what NumPy gives.
     """
+    return _compiled(function)
+
+
+def innermost(function: Callable[P, R]) -> Callable[P, R]:
+    """The same for what a compiled loop calls for every point: it makes and keeps no array.
+
+    Without counting references to the arrays that it is given, which its caller holds: counting
+    them, by atomic instructions, takes longer than looking through a few points.
+    """
+    return _compiled(function, _nrt=False)
+
+
+def _compiled(function: Callable[P, R], **options: bool) -> Callable[P, R]:
+    njit = cast(Callable[..., Any], numba.njit)
     try:
-        made = numba.njit(cache=True, error_model="numpy")(function)
+        made = njit(cache=True, error_model="numpy", **options)(function)
     except RuntimeError:  # no place to keep it
         logger.info("%s will be compiled by each process anew", function.__name__)
-        made = numba.njit(error_model="numpy")(function)
+        made = njit(error_model="numpy", **options)(function)
     return cast(Callable[P, R], made)

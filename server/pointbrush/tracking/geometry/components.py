@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.geometry.columns import pairs
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 
@@ -47,7 +47,7 @@ def parts(links: I64, some: Mask) -> I64:
     return part
 
 
-@compiled
+@innermost
 def _root(root: I64, at: int) -> int:
     while root[at] != at:
         root[at] = root[root[at]]

@@ -71,16 +71,18 @@ def _pulled(
     """Displacements (M, 3) of points that are ``link``ed (M, LINKS) to nodes by a ``share``."""
     moved, offset = np.zeros((len(around), 3)), np.zeros_like(place)
     pulls, total = np.empty_like(moved), np.empty(len(around))
-    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
+    last = np.full(len(place), -1)
     for turn in range(ROUNDS):
         s = scale / (1 + 0.5 * turn)
         pulls[:], total[:] = LEAN * moved, LEAN
         for i in range(len(place)):
-            if len(grid.tint):
+            if coloured:
                 tint = toned(colour, i, weight)
             x, y, z = place[i, 0], place[i, 1], place[i, 2]
             at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
-            square, near = nearest_one(grid, at, tint, 3.0 * s, room)
+            square, near = nearest_one(grid, at, tint, 3.0 * s, room, last[i])
+            last[i] = near
             if near < 0:
                 continue
             w = 1.0 / (1.0 + square / (s * s)) ** 2

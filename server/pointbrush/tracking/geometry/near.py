@@ -88,13 +88,16 @@ def runs_of(xyz: F32) -> Runs:
 @compiled
 def in_box(runs: Runs, lo: F64, hi: F64) -> I64:
     """Sorted indices of the points that lie in a box."""
-    found, count = np.empty(len(runs.xyz), np.int64), 0
+    meeting, meetings = np.empty(len(runs.low), np.int64), 0
     for run in range(len(runs.low)):
         meets = True
         for a in range(3):
             meets &= (runs.low[run, a] <= hi[a]) & (runs.high[run, a] >= lo[a])
-        if not meets:
-            continue
+        meeting[meetings] = run
+        meetings += meets
+    # No longer than needed: most boxes are small, and a frame is long.
+    found, count = np.empty(meetings * RUN, np.int64), 0
+    for run in meeting[:meetings]:
         for i in range(run * RUN, min(run * RUN + RUN, len(runs.xyz))):
             found[count] = i
             inside = True

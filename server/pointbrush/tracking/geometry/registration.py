@@ -13,13 +13,14 @@ from pointbrush.tracking.geometry.columns import (
     NONE,
     Columns,
     Triple,
+    any_near,
     columns,
     nearest,
     nearest_one,
     spans,
     toned,
 )
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
@@ -147,7 +148,7 @@ def robust_fits(
     return Fits(*_robust_fits(source, colour, seen, target.columns, target.weight, T, steps))
 
 
-@compiled
+@innermost
 def carried(T: F64, x: float, y: float, z: float) -> Triple:
     """The point that a motion (4, 4) takes (x, y, z) to."""
     return (
@@ -164,9 +165,11 @@ def _robust_fits(
     motions, costs = start.copy(), np.ones(len(start))
     count = len(source)
     moved, near, share = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
-    tint, room = (0.0, 0.0, 0.0), spans(grid)
+    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
+    last = np.empty(count, np.int64)
     for k in range(len(start)):
         T = motions[k]
+        last[:] = -1
         for scale in scales:
             pairs, total, which = 0, 0.0, 0
             for i in range(count):
@@ -174,9 +177,11 @@ def _robust_fits(
                     continue
                 place = carried(T, source[i, 0], source[i, 1], source[i, 2])
                 moved[pairs] = place
-                if len(grid.tint):
+                if coloured:
                     tint = toned(colour, i, weight)
-                square, at = nearest_one(grid, place, tint, 3.0 * scale, room)
+                # What was the nearest before is so again, or nearly.
+                square, at = nearest_one(grid, place, tint, 3.0 * scale, room, last[i])
+                last[i] = at
                 which += 1
                 if at < 0:
                     total += 9.0
@@ -237,12 +242,15 @@ def excess(moved: F64, target: Target, unit: float) -> float:
 @compiled
 def _beside(surface: Columns, xyz: F64, unit: float) -> float:
     """Points (N, 3) three to six units from the surface, for each that is nearer."""
-    on, beside, room = 0, 0, spans(surface)
+    on, beside, none = 0, 0, (0.0, 0.0, 0.0)
+    lo, hi = bounds(surface.xyz)
     for i in range(len(xyz)):
-        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
-        square, at = nearest_one(surface, place, (0.0, 0.0, 0.0), 6.0 * unit, room)
-        if at >= 0:
-            near = square < 9.0 * unit * unit
-            on += near
-            beside += not near
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+        if away >= 6.0 * unit:
+            continue
+        if any_near(surface, (x, y, z), none, 3.0 * unit):
+            on += 1
+        elif any_near(surface, (x, y, z), none, 6.0 * unit):
+            beside += 1
     return beside / max(on, 1)

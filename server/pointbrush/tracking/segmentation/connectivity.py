@@ -38,10 +38,9 @@ def blob(
     few steps hangs together with something larger (a hand, a body).
     """
     front = view.xyz[core].astype(np.float64)
-    xyz = view.xyz[rest].astype(np.float64)
     lo, hi = bounds(front)
-    inside = np.flatnonzero(within(xyz, lo - STEPS * reach, hi + STEPS * reach))
-    rest, xyz = rest[inside], xyz[inside]
+    rest = rest[within(view.xyz.take(rest, axis=0), lo - STEPS * reach, hi + STEPS * reach)]
+    xyz = view.xyz[rest].astype(np.float64)
     joined, ends = flood(front, xyz, reach, most, box[0] + reach, box[1] - reach)
     return rest[joined] if ends else None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
@@ -35,7 +35,7 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     return flying, _rim(cell[rest], depth[rest], image, mine, width, behind, level)
 
 
-@compiled
+@innermost
 def _inside(cell: int, image: F32, width: int) -> bool:
     """Whether there are two rows of pixels before and behind a cell."""
     return 2 * width + 2 <= cell < len(image) - 2 * width - 3

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, TrackFrame
 from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.view import View
@@ -85,7 +85,7 @@ def _layer(image: Image) -> Layer:
     return Layer(image, np.hstack([plane * depth, depth]), flat[there])
 
 
-@compiled
+@innermost
 def _seen_at(T: F64, point: F64, image: Image) -> tuple[float, float, float, float, float]:
     """A moved point, and the column and row of it, -1 outside the image."""
     x = T[0, 0] * point[0] + T[0, 1] * point[1] + T[0, 2] * point[2] + T[0, 3]

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, TrackFrame
 
 I32 = NDArray[np.int32]
@@ -98,7 +98,7 @@ class Pixels(NamedTuple):
     width: int
 
 
-@compiled
+@innermost
 def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
     """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
     x, y, z = at[0] - lens.eye[0], at[1] - lens.eye[1], at[2] - lens.eye[2]
