@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.auto import Run
+from pointbrush.tracking.disputes import placed
+from pointbrush.tracking.fitting import relocation
+from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.parallel.workers import Workers
 
 SKIN, BLUE, GREEN = (210, 160, 130), (40, 90, 200), (60, 160, 70)
 TURN = 0.5
@@ -89,3 +97,37 @@ def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
     assert not rather[20:].any()
     # Who holds it wears the same: nothing is told by colour.
     assert worn.rather(some(blue, 300)).mean() < 0.1
+
+
+def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def poor(search: Search) -> Place:  # as where a side shows that is not known yet
+        place = find(search)
+        place.cost = 0.4
+        return place
+
+    monkeypatch.setattr(relocation, "find", poor)
+    at = np.array([0.0, 1.2, 1.4])
+    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+    bat = [
+        scenes.Part(1, BLUE, at, at + [0, 0.14, 0], 0.04, 0.03),
+        scenes.Part(1, GREEN, at - [0, 0.14, 0], at, 0.02, 0.035),
+    ]
+    other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
+    rng = np.random.default_rng(3)
+    frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
+    painted = np.flatnonzero(frames[0].truth == 1)
+    with Workers(None) as workers:
+        run = Run(frames.__getitem__, [0, 1], [1], lambda _: None, TrackOptions(), workers)
+        run.start([Seed(1, painted)])
+        view, thing, background = run.scene.view(1), run.things[1], run.background
+        free = np.ones(len(view.xyz), np.bool_)
+        search = crop(thing, view, background, free)
+        assert search is not None
+        place, claim = placed(thing, view, search)
+        for cost in (0.3, 0.6):
+            place.cost = cost
+            places, claims = {1: place}, {1: claim}
+            relocation.find_astray([thing], background, view, free, places, claims)
+            assert (places[1] is place) == (cost < 0.4)

@@ -67,7 +67,7 @@ def find_astray(
     points = points[~(far | still)]
     for thing in some:
         before = _own(places.get(thing.label))
-        found = _alone(thing, background, view, without(free, claims.values()))
+        found = _alone(thing, background, view, without(free, claims.values()), before)
         if found is None:
             found = _best(thing, background, view, left, points[left[points]], before)
         if found is not None:
@@ -94,9 +94,13 @@ def _own(place: Place | None) -> Place | None:
 
 
 def _alone(
-    thing: Thing, background: Background, view: View, nobodys: Mask
+    thing: Thing, background: Background, view: View, nobodys: Mask, before: Place | None
 ) -> tuple[Place, Claim] | None:
-    """The thing where it should be, if something like it is alone there that nobody has."""
+    """The thing where it should be, if something like it is alone there that nobody has.
+
+    It has to fit better than ``before``.
+    """
+    most = LOOSE if before is None else min(LOOSE, before.cost)
     middle = _lone_piece(thing, background, view, nobodys)
     if middle is None:
         return None
@@ -107,7 +111,7 @@ def _alone(
     place = find(search)
     claim = own_points(thing, view, place)
     seen = judge(thing, view, place.pose, place.world, claim).found
-    return (place, claim) if seen and place.cost < LOOSE else None
+    return (place, claim) if seen and place.cost < most else None
 
 
 def _lone_piece(thing: Thing, background: Background, view: View, nobodys: Mask) -> F64 | None:
