@@ -33,6 +33,7 @@ $(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
 
 $(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py)
 	@echo "== compiling the tracker's loops (half a minute, once)"
+	@find server/pointbrush/tracking -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 
