@@ -117,10 +117,10 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
     rng = np.random.default_rng(3)
     frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
-    painted = np.flatnonzero(frames[0].truth == 1)
+    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
     with Workers(None) as workers:
-        run = Run(frames.__getitem__, [0, 1], [1], lambda _: None, TrackOptions(), workers)
-        run.start([Seed(1, painted)])
+        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
+        run.start(seeds)
         view, thing, background = run.scene.view(1), run.things[1], run.background
         free = np.ones(len(view.xyz), np.bool_)
         search = crop(thing, view, background, free)

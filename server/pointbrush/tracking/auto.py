@@ -27,6 +27,7 @@ from pointbrush.tracking.interface import (
     F32,
     F64,
     I64,
+    FrameKnowledge,
     FrameResult,
     Frames,
     Known,
@@ -72,12 +73,12 @@ class AutoTracker:
         options: TrackOptions,
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
-        labels = [seed.label for seed in seeds]
+        begun = _before(seeds, known(options.before[0])) if options.before else list(seeds)
         with Workers(frames if options.processes > 1 else None) as workers:
-            run = Run(frames, [*options.before, *order], labels, known, options, workers)
+            run = Run(frames, [*options.before, *order], begun, known, options, workers)
             with closing(run.scene):
                 if options.before:
-                    run.recall(seeds)
+                    run.recall(begun)
                     given = {seed.label: np.sort(seed.indices) for seed in seeds}
                     first = run.step(order[0], given)
                 else:
@@ -95,16 +96,18 @@ class Run:
         self,
         frames: Frames,
         order: list[int],
-        labels: list[int],
+        seeds: list[Seed],
         known: Known,
         options: TrackOptions,
         workers: Workers,
     ) -> None:
-        self.known, self.options, self.labels = known, options, labels
+        """``seeds`` of the first frame of ``order``."""
+        self.known, self.options, self.labels = known, options, [s.label for s in seeds]
         self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
         self.group: Group | None = None
-        self.scene = Scene(frames, order, self._reach, ahead=options.processes > 1)
+        painted = np.concatenate([_EMPTY, *(seed.indices for seed in seeds)])
+        self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
 
     @property
     def background(self) -> Background:
@@ -181,13 +184,8 @@ class Run:
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""
-        first, *others = self.options.before
-        know = self.known(first)
-        if know is not None:
-            label = np.where(know.deleted, 0, know.label)
-            mine = [Seed(s.label, np.flatnonzero(label == s.label)) for s in seeds]
-            self.start([seed for seed in mine if len(seed.indices) >= FEWEST])
-        for number in others:
+        self.start([seed for seed in seeds if len(seed.indices) >= FEWEST])
+        for number in self.options.before[1:]:
             self.step(number)
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
@@ -344,6 +342,14 @@ class Run:
 
 _EMPTY: I64 = np.empty(0, np.int64)
 _NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+
+
+def _before(seeds: Sequence[Seed], known: FrameKnowledge | None) -> list[Seed]:
+    """The seeds as they are in another frame, without points where nothing is known of it."""
+    if known is None:
+        return [Seed(seed.label, _EMPTY) for seed in seeds]
+    label = np.where(known.deleted, 0, known.label)
+    return [Seed(seed.label, np.flatnonzero(label == seed.label)) for seed in seeds]
 
 
 def _painted(points: int, pose: F64) -> TrackState:

@@ -24,6 +24,8 @@ from pointbrush.tracking.sensor.viewpoint import find_camera
 
 CALM = 4
 """Frames from which the noise of each place is measured."""
+LEAST = 0.1
+"""Share of a picture that tells the noise alone."""
 SURVEY = 16
 """Frames that are looked through for what large things hide."""
 
@@ -35,9 +37,18 @@ class Scene:
     """
 
     def __init__(
-        self, frames: Frames, order: list[int], reach: Callable[[F32], F32], *, ahead: bool
+        self,
+        frames: Frames,
+        order: list[int],
+        reach: Callable[[F32], F32],
+        painted: I64 | None = None,
+        *,
+        ahead: bool,
     ) -> None:
-        """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame."""
+        """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame.
+
+        What is ``painted`` (M,) in the first frame may move, and tells nothing of the sensor.
+        """
         self._frames, self._order = frames, order
         # Long arrays most of it, which leave the interpreter to others.
         self._ahead = ThreadPoolExecutor(1) if ahead else None
@@ -48,19 +59,27 @@ class Scene:
         self._pose_of: Callable[[int], F64] | None = None
         self._about: F64 | None = None
         if self.lens is None:
-            self._pose_of = sensor_poses(frames, order)
+            self._pose_of = sensor_poses(frames, order, painted)
             moves = self._pose_of is not None
             self.lens, self._about = _sensor(first, others, moves=moves)
         self.first = self._look(order[0])
         self._waver = DepthNoise(0.004, 0.002)
         self.background: Background = PointBackground(reach)
         if self.lens is not None and self._pose_of is None:
-            depth = self.first.depth
+            depth = self._beside(painted)
             if len(order) > 1:
                 self._waver = measure_noise(depth, self._look(order[1]).depth)
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
         self._reach = reach
+
+    def _beside(self, painted: I64 | None) -> F32:
+        """The first depth image without what is ``painted`` (M,), unless that is nearly all."""
+        depth = self.first.depth.copy()
+        if painted is not None:
+            depth[self.first.cells[0][painted]] = np.nan
+        enough = np.isfinite(depth).sum() > LEAST * np.isfinite(self.first.depth).sum()
+        return depth if enough else self.first.depth
 
     def view(self, number: int) -> View:
         """Frame ``number`` with what is known of the sensor."""

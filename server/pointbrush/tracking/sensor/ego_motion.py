@@ -194,10 +194,13 @@ def stands(frames: Frames, order: Sequence[int]) -> bool:
     return True
 
 
-def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] | None:
+def sensor_poses(
+    frames: Frames, order: Sequence[int], painted: I64 | None = None
+) -> Callable[[int], F64] | None:
     """Frame number → ``T_world_frame`` (4, 4), the world being the first frame of ``order``.
 
-    As the recording tells it, else as the scenery shows it; None where the sensor is at rest.
+    As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
+    first frame; None where the sensor is at rest.
     """
     first, *others = (_told(frames(order[at])) for at in (0, len(order) // 2, -1))
     back = None if first is None else np.linalg.inv(first)
@@ -213,7 +216,7 @@ def sensor_poses(frames: Frames, order: Sequence[int]) -> Callable[[int], F64] |
     lens = find_lens(frames(order[0]), moves=True)
     if lens is not None:
         asked = [order[at] for at in (0, *TRIES) if at < len(order)]
-        at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens)
+        at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens, painted)
         return None if at_rest else CameraTrajectory(frames, order, lens).pose
     at_rest = not _of_one(frames(order[0])) or stands(frames, order)
     return None if at_rest else ScanTrajectory(frames, order).pose

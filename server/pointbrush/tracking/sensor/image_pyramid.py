@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.tracking.geometry.compiled import compiled, innermost
-from pointbrush.tracking.interface import F32, F64, TrackFrame
+from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
 from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.view import View
 
@@ -46,10 +46,16 @@ class Layer:
     values: F32
 
 
-def picture_of(frame: TrackFrame, lens: Lens) -> list[Layer]:
-    """The layers of a frame whose sensor has a pixel lattice, the coarsest first."""
+def picture_of(frame: TrackFrame, lens: Lens, aside: I64 | None = None) -> list[Layer]:
+    """The layers of a frame whose sensor has a pixel lattice, the coarsest first.
+
+    Without the points ``aside`` (M,), which may have moved by themselves.
+    """
     cell, depth = lens.cells(np.asarray(frame.xyz, np.float32))
-    seen = np.flatnonzero(cell >= 0)
+    there = cell >= 0
+    if aside is not None:
+        there[aside] = False
+    seen = np.flatnonzero(there)
     tones = View(0, frame, lens).colour(seen)[:, : 0 if frame.rgb is None else 3]
     flat = np.full((lens.shape[0] * lens.shape[1], tones.shape[1] + 1), np.nan, np.float32)
     flat[cell[seen]] = np.column_stack([tones, 1.0 / depth[seen]])

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.geometry.registration import inverse, transform
-from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
+from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
 from pointbrush.tracking.sensor.image_pyramid import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.sensor.lens import MARGIN, Lens
 from pointbrush.tracking.sensor.trajectory import Trajectory
@@ -164,10 +164,13 @@ def _mended(layer: Layer, image: Image, T: F64, steps: int) -> F64:
     return T
 
 
-def moves(frames: Frames, numbers: Sequence[int], lens: Lens) -> bool:
-    """Whether the sensor has moved between the first of some frames and any other."""
+def moves(frames: Frames, numbers: Sequence[int], lens: Lens, painted: I64 | None = None) -> bool:
+    """Whether the sensor has moved between the first of some frames and any other.
+
+    What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell.
+    """
     first, *others = numbers
-    picture = picture_of(frames(first), lens)
+    picture = picture_of(frames(first), lens, painted)
     for number in others:
         fit = motion_between(picture, picture_of(frames(number), lens), lens, [np.eye(4)])
         if fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before):
