@@ -13,13 +13,15 @@ from conftest import follow
 from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking import FrameResult
+from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.geometry.mean_field import agreed
 from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.group import Group
+from pointbrush.tracking.people.group import Group, _fine, _state
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
@@ -236,14 +238,31 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     found.missing = gone.missing = 4
     sight = staged(body(0.1, RED))
     sight.owner[:] = 1
-    assert mistakable(sight, [found, gone], found, 10) == doubted
+    assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
     group = Group([found, gone], 0.1, 0.01, sight.flat, 30.0, 10)
     group.doubt(sight, found, SURE)
-    assert found.doubted == doubted
-    # Alone, in his own clothes, he is himself again.
-    group.drop(2)
+    assert found.doubts == ({2} if doubted else set())
+    assert gone.doubts == ({1} if doubted else set())
+    # The other is found elsewhere: in clothes that both wear, either may still be either.
+    found.missing, gone.well = 0, 10
+    sight.owner[15:] = 2
     group.doubt(sight, found, SURE)
-    assert not found.doubted
+    assert bool(found.doubts) == doubted
+    # Painted anew, or looked for no more, the other is not he.
+    group.drop(2)
+    assert not found.doubts
+
+
+def test_doubts_end_when_clothes_tell() -> None:
+    one, two = somebody(1, 0.0, RED, well=10), somebody(2, 1.0, BLUE, well=10)
+    one.doubts.add(2)
+    two.doubts.add(1)
+    sight = staged(body(0.0, RED), body(1.0, RED))
+    sight.owner[:] = np.repeat([1, 2], 30)
+    group = Group([one, two], 0.1, 0.01, sight.flat, 30.0, 10)
+    group.doubt(sight, one, SURE)
+    group.doubt(sight, two, replace(SURE, like=-2.0))
+    assert (one.doubts, two.doubts) == (set(), {1})
 
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
@@ -252,10 +271,34 @@ def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     sight = staged(body(0.0, RED), body(0.3, RED))
     sight.owner[:30] = 1
     group.doubt(sight, both, replace(SURE, size=1.0))
-    assert not both.doubted
+    assert not both.doubts
     sight.owner[:] = 1
     group.doubt(sight, both, replace(SURE, size=2.0))
-    assert both.doubted
+    assert both.doubts
+    assert gone.doubts
+
+
+@pytest.mark.parametrize(("noise", "size"), [(0.002, 0.04), (0.01, 0.05), (0.05, 0.09)])
+def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
+    noise: float, size: float
+) -> None:
+    view = SimpleNamespace(cells=(None, np.full(5, 3.0)), labels={1: np.arange(5)})
+    thing = SimpleNamespace(label=1, unit=0.01, span=0.9)
+    background = SimpleNamespace(waver=lambda depth: np.full(len(depth), noise))
+    found = _fine(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
+    assert found == pytest.approx(size, rel=0.02)
+
+
+def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
+    person = somebody(1, 0.0, RED, well=9)
+    sight = staged(body(0.0, RED))
+    sight.owner[:2] = 1
+    person.follow(sight, np.zeros(3), 10)
+    assert person.missing == 1
+    track, points = _state(sight, person, None)
+    assert track.state == "occluded"
+    assert np.all(sight.owner[sight.cells.cell[points]] == 1)
+    assert len(points) > 0
 
 
 def test_scraps_are_not_where_somebody_was_well_seen() -> None:
@@ -280,7 +323,7 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     sight.owner[:] = np.repeat([1, 2], 30)
     for now in range(10, 10 + FRAMES):
         assert sight.owner[0] == 1
-        assert one.doubted == (told and now > 10)
+        assert bool(one.doubts) == (told and now > 10)
         one.well = two.well = now - 1
         exchange(sight, [one, two], now)
     assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])

@@ -150,14 +150,22 @@ def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
     return _least(there, sight.cells.middle[cells]) / reach
 
 
-def mistakable(sight: Observation, people: Sequence[Person], person: Person, now: int) -> bool:
-    """Whether what somebody has may as well be another's, who is missing near it."""
+def mistakable(
+    sight: Observation, people: Sequence[Person], person: Person, now: int
+) -> list[Person]:
+    """Those who are missing near what somebody has, and whose it may as well be."""
     cells = sight.cells_of(person.label)
-    some = sight.some(cells)
-    like = person.likeness(some)
+    if not len(cells):
+        return []
     rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
-    rivals = [f for f in rivals if some is None or like - f.likeness(some) < TOLD]
-    return len(cells) > 0 and any(far_from(sight, f, cells, now) < 1.0 for f in rivals)
+    rivals = [f for f in rivals if not told(sight, person, f)]
+    return [f for f in rivals if far_from(sight, f, cells, now) < 1.0]
+
+
+def told(sight: Observation, person: Person, other: Person) -> bool:
+    """Whether what somebody has is certainly not another's, by their clothes."""
+    some = sight.some(sight.cells_of(person.label))
+    return some is not None and person.likeness(some) - other.likeness(some) >= TOLD
 
 
 def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:

@@ -46,7 +46,8 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
             person.mistaken = 0
     for one, other in pairs:
         one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
-        one.doubted = other.doubted = True
+        one.doubts.add(other.label)
+        other.doubts.add(one.label)
         if min(one.mistaken, other.mistaken) >= FRAMES:
             mine, others = sight.owner == one.label, sight.owner == other.label
             sight.owner[mine], sight.owner[others] = other.label, one.label

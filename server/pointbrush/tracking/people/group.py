@@ -17,7 +17,7 @@ from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
 from pointbrush.tracking.objects.confidence import REGAIN
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers
+from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers, told
 from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
@@ -29,6 +29,9 @@ from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
+NOISY, LIMB = 5.0, 0.1
+"""Deviations of the depth noise that a cell has, so that those beside each other agree, and share
+of somebody's radius that is a limb: for noise alone no cell is larger."""
 FORGOTTEN = 5
 """Frames unseen after which who has no label is forgotten."""
 GROWN, LIKE = 1.3, 0.7
@@ -53,7 +56,7 @@ class Group:
     @staticmethod
     def of(view: View, things: Mapping[int, Thing], background: ImageBackground) -> Group:
         """The painted people ``things`` of a first frame, and who else is there."""
-        sizes = [max(CELL * thing.unit, FINE * thing.span) for thing in things.values()]
+        sizes = [_fine(view, thing, background) for thing in things.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
         unit = float(np.median([thing.unit for thing in things.values()]))
         group = Group([], float(np.median(sizes)), unit, across(view, people.values()), 0.0)
@@ -86,8 +89,10 @@ class Group:
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
 
     def drop(self, label: int) -> None:
-        """Look for somebody no more."""
+        """Look for somebody no more; nobody else is taken to be him either."""
         self.people = [f for f in self.people if f.label != label]
+        for person in self.people:
+            person.doubts.discard(label)
 
     def step(
         self, view: View, background: ImageBackground, free: Mask
@@ -117,14 +122,24 @@ class Group:
         return found
 
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
-        """Doubt who is found again, or much larger, where another may be; and on, until his
-        clothes tell."""
-        other = mistakable(sight, self.people, person, self.now)
+        """Doubt who is found again, or much larger, where another may be, and that other; and on,
+        until their clothes tell."""
+        others = mistakable(sight, self.people, person, self.now)
         most = GROWN * max(person.first, self.usual)
-        if other and (person.missing > 0 or looks.size * person.size > most):
-            person.doubted = True
-        elif not other and sight.tints is not None and looks.like > -LIKE:
-            person.doubted = False
+        if person.well < self.now - 1 or looks.size * person.size > most:
+            for other in others:
+                person.doubts.add(other.label)
+                other.doubts.add(person.label)
+        if looks.like > -LIKE:
+            here = [f for f in self.people if f.label in person.doubts and f not in others]
+            person.doubts -= {f.label for f in here if told(sight, person, f)}
+
+
+def _fine(view: View, thing: Thing, background: ImageBackground) -> float:
+    """Metres of a cell that is fine enough for somebody."""
+    noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
+    calm = min(NOISY * noise, LIMB * thing.span)
+    return max(CELL * thing.unit, FINE * thing.span, calm)
 
 
 def _looks(
@@ -152,15 +167,14 @@ def _state(
     pose = np.eye(4)
     pose[:3, 3] = person.went
     points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
-    if person.missing or looks is None:
-        person.trust = max(0.0, person.trust - REGAIN)
-        lost = person.missing > PATIENCE
-        state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
-        return state, points[:0]
-    person.trust = min(looks.likelihood(), person.trust + REGAIN)
-    if person.doubted:
-        person.trust = min(person.trust, DOUBTED)
     if person.with_flying:
         points = np.concatenate([points, sight.beside(points)])
-    state = TrackState(pose, 0.0, looks.shown, person.trust, len(points), "tracked")
-    return state, np.sort(points)
+    points = np.sort(points)
+    if person.missing or looks is None:  # what shows of him is his, but too little to follow
+        person.trust = max(0.0, person.trust - REGAIN)
+        lost = person.missing > PATIENCE
+        return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
+    person.trust = min(looks.likelihood(), person.trust + REGAIN)
+    if person.doubts:
+        person.trust = min(person.trust, DOUBTED)
+    return TrackState(pose, 0.0, looks.shown, person.trust, len(points), "tracked"), points

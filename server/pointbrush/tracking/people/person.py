@@ -39,9 +39,9 @@ class Person:
     came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
     of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
-    came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubted``
-    whether he may be another; ``mistaken`` frames in which he and another were dressed as each
-    other.
+    came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubts``
+    whom he may be as well, by label; ``mistaken`` frames in which he and another were dressed as
+    each other.
     """
 
     label: int
@@ -61,7 +61,7 @@ class Person:
     known: F64 = field(init=False)
     back: int = -(2**20)
     trust: float = 1.0
-    doubted: bool = False
+    doubts: set[int] = field(default_factory=set)
     mistaken: int = 0
     first: float = field(init=False)
 
@@ -89,7 +89,7 @@ class Person:
         """Change places with another: each is himself, where the other was thought to be."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
         one, two = self.went + apart, other.went - apart
-        for name in ("label", "worn", "with_flying", "first", "trust"):
+        for name in ("label", "worn", "with_flying", "first", "trust", "doubts"):
             mine, others = getattr(self, name), getattr(other, name)
             setattr(self, name, others)
             setattr(other, name, mine)

@@ -31,7 +31,7 @@ class PersonEvidence:
         return [
             self.fit,
             self.disputed,
-            abs(_log(self.size, 2.0)),
+            abs(_log(self.size, 4.0)),
             abs(_log(self.change, 1.0)),
             self.shown,
             max(min(self.like, 0.0), -3.0),
