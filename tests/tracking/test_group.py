@@ -135,6 +135,18 @@ def test_flying_pixels_are_somebodys_where_he_was_painted_with_them(painted: boo
     assert np.mean(shares) > 0.75 if painted else np.mean(shares) < 0.4
 
 
+def test_a_flying_pixel_between_two_people_is_one_of_theirs() -> None:
+    frame = crossing(stranger=False, frames=1)[0]
+    view = View(0, frame, find_lens(frame))
+    assert frame.truth is not None
+    left, right = np.array_split(np.flatnonzero(frame.truth == 1), 2)
+    both = np.flatnonzero((view.around(left) & view.around(right))[view.cells[0]])
+    cells = Foreground.of(view, np.setdiff1d(np.concatenate([left, right]), both), 0.1)
+    sight = Observation(view, cells, np.eye(3)[:, [0, 2]], both)
+    assert np.array_equal(sight.take_flying(left), both)
+    assert not len(sight.take_flying(right))
+
+
 def test_what_touches_agrees_unless_it_costs_too_much() -> None:
     # Five cells in a row: the first is surely one's, the last the other's, the rest undecided.
     cost = np.array([[0.0, 9.0], [1.0, 1.0], [1.0, 1.0], [1.2, 1.0], [9.0, 0.0]])

@@ -168,7 +168,7 @@ def _state(
     pose[:3, 3] = person.went
     points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
     if person.with_flying:
-        points = np.concatenate([points, sight.beside(points)])
+        points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
     if person.missing or looks is None:  # what shows of him is his, but too little to follow
         person.trust = max(0.0, person.trust - REGAIN)

@@ -50,7 +50,7 @@ def across(view: View, people: Iterable[F64]) -> F64:
 @dataclass(eq=False)
 class Observation:
     """The ``cells`` of a frame, each with an ``owner`` (N,): a label, less than 0 for who has
-    none, 0 for nobody; ``flying`` pixels (F,) are in none."""
+    none, 0 for nobody; ``flying`` pixels (F,) that nobody took are in none."""
 
     view: View
     cells: Foreground
@@ -74,9 +74,11 @@ class Observation:
         loose = flying(view, some, unit)
         return Observation(view, Foreground.of(view, some[~loose], size), flat, some[loose])
 
-    def beside(self, points: I64) -> I64:
-        """The flying pixels (B,) at the outline of the ``points`` (M,)."""
-        return self.flying[self.view.around(points)[self.view.cells[0][self.flying]]]
+    def take_flying(self, points: I64) -> I64:
+        """The flying pixels (B,) at the outline of the ``points`` (M,): nobody else's."""
+        beside = self.view.around(points)[self.view.cells[0][self.flying]]
+        taken, self.flying = self.flying[beside], self.flying[~beside]
+        return taken
 
     @cached_property
     def tints(self) -> F32 | None:
