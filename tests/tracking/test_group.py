@@ -21,7 +21,7 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.group import Group, _fine, _state
+from pointbrush.tracking.people.group import Group, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
@@ -290,14 +290,14 @@ def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     assert gone.doubts
 
 
-@pytest.mark.parametrize(("noise", "size"), [(0.002, 0.04), (0.01, 0.05), (0.05, 0.09)])
+@pytest.mark.parametrize(("noise", "size"), [(0.002, 0.04), (0.01, 0.045), (0.05, 0.09)])
 def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
     noise: float, size: float
 ) -> None:
     view = SimpleNamespace(cells=(None, np.full(5, 3.0)), labels={1: np.arange(5)})
     thing = SimpleNamespace(label=1, unit=0.01, span=0.9)
     background = SimpleNamespace(waver=lambda depth: np.full(len(depth), noise))
-    found = _fine(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
+    found = cell_size(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
     assert found == pytest.approx(size, rel=0.02)
 
 
@@ -307,7 +307,7 @@ def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
     sight.owner[:2] = 1
     person.follow(sight, np.zeros(3), 10)
     assert person.missing == 1
-    track, points = _state(sight, person, None)
+    track, points = outcome(sight, person, None)
     assert track.state == "occluded"
     assert np.all(sight.owner[sight.cells.cell[points]] == 1)
     assert len(points) > 0

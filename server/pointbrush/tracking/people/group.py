@@ -29,7 +29,7 @@ from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
-NOISY, LIMB = 5.0, 0.1
+NOISY, LIMB = 4.5, 0.1
 """Deviations of the depth noise that a cell has, so that those beside each other agree, and share
 of somebody's radius that is a limb: for noise alone no cell is larger."""
 FORGOTTEN = 5
@@ -56,7 +56,7 @@ class Group:
     @staticmethod
     def of(view: View, things: Mapping[int, Thing], background: ImageBackground) -> Group:
         """The painted people ``things`` of a first frame, and who else is there."""
-        sizes = [_fine(view, thing, background) for thing in things.values()]
+        sizes = [cell_size(view, thing, background) for thing in things.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
         unit = float(np.median([thing.unit for thing in things.values()]))
         group = Group([], float(np.median(sizes)), unit, across(view, people.values()), 0.0)
@@ -117,7 +117,7 @@ class Group:
                 self.doubt(sight, person, looks)
             person.follow(sight, stride, self.now)
             if person.named:
-                found[person.label] = _state(sight, person, looks)
+                found[person.label] = outcome(sight, person, looks)
         self.people = [f for f in self.people if f.named or f.missing < FORGOTTEN]
         return found
 
@@ -135,7 +135,7 @@ class Group:
             person.doubts -= {f.label for f in here if told(sight, person, f)}
 
 
-def _fine(view: View, thing: Thing, background: ImageBackground) -> float:
+def cell_size(view: View, thing: Thing, background: ImageBackground) -> float:
     """Metres of a cell that is fine enough for somebody."""
     noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
     calm = min(NOISY * noise, LIMB * thing.span)
@@ -160,7 +160,7 @@ def _looks(
     )
 
 
-def _state(
+def outcome(
     sight: Observation, person: Person, looks: PersonEvidence | None
 ) -> tuple[TrackState, I64]:
     """How somebody fared, and his points."""
