@@ -75,13 +75,15 @@ peers:
 	/sbin/ldconfig -p | grep -q libusb-1.0.so.0 || missing=" libusb-1.0-0"; \
 	$(call install_missing,Open3D among the benchmarks' peers)
 
+CHECKS := types check-page lint
+
 # The set-up that is left and the checks go side by side: some wait for the network, some compute.
 test: $(STAMPS)/dev  ## every check and every test; the runner's line comes last
-	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops types $(PAGE) check-page lint
+	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops $(PAGE) $(CHECKS)
 	@$(MAKE) --no-print-directory unit e2e
 
 checks: $(STAMPS)/dev $(STAMPS)/node
-	@$(MAKE) --no-print-directory --output-sync --jobs 2 lint types check-page
+	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
 
 lint: $(STAMPS)/dev
 	@echo "== ruff, import-linter, wire types"

@@ -227,9 +227,8 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
     if not kept.all():
         without = _made(view, label, indices[kept], noise, rivals)
         thing = thing if without.large else without
-    if thing.large and (
-        thing.painted.broad or thing.painted.cut
-    ):  # it stays that, however little of it is seen
+    if thing.large and (thing.painted.broad or thing.painted.cut):
+        # It stays that, however little of it is seen.
         thing.extent = max(thing.model.radius, TALL)
     return thing
 

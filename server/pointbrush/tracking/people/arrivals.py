@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.geometry.components import parts
-from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import FEWEST, UNLIKE, Person
@@ -158,13 +158,13 @@ def mistakable(
     if not len(cells):
         return []
     rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
-    rivals = [f for f in rivals if not told(sight, person, f)]
+    some = sight.some(cells) if rivals else None
+    rivals = [f for f in rivals if not told(some, person, f)]
     return [f for f in rivals if far_from(sight, f, cells, now) < 1.0]
 
 
-def told(sight: Observation, person: Person, other: Person) -> bool:
-    """Whether what somebody has is certainly not another's, by their clothes."""
-    some = sight.some(sight.cells_of(person.label))
+def told(some: F32 | None, person: Person, other: Person) -> bool:
+    """Whether colours (S, 3) of what somebody has are certainly not another's clothes."""
     return some is not None and person.likeness(some) - other.likeness(some) >= TOLD
 
 

@@ -132,7 +132,8 @@ class Group:
                 other.doubts.add(person.label)
         if looks.like > -LIKE:
             here = [f for f in self.people if f.label in person.doubts and f not in others]
-            person.doubts -= {f.label for f in here if told(sight, person, f)}
+            some = sight.some(sight.cells_of(person.label)) if here else None
+            person.doubts -= {f.label for f in here if told(some, person, f)}
 
 
 def cell_size(view: View, thing: Thing, background: ImageBackground) -> float:
