@@ -7,11 +7,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import httpx
 
@@ -87,12 +85,3 @@ def running(workspace: Path, **environment: str) -> Iterator[ServerProcess]:
         yield server
     finally:
         server.kill()
-
-
-def eventually(found: Callable[[], Any], seconds: float = 20.0, every: float = 0.05) -> Any:
-    """What ``found`` gives once it is true."""
-    deadline = time.monotonic() + seconds
-    while not (value := found()):
-        assert time.monotonic() < deadline, f"not within {seconds} s"
-        time.sleep(every)
-    return value

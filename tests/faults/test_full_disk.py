@@ -13,9 +13,10 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from waiting import eventually
 
 from tests.faults.clients import ENDED, RefusedError, SocketTalk
-from tests.faults.server import TOKEN, ServerProcess, eventually, running
+from tests.faults.server import TOKEN, ServerProcess, running
 from tests.faults.torture import check
 from tests.serving import add_sequence, settings_in, surface
 

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from waiting import eventually
 
 from tests.faults.clients import SocketTalk
-from tests.faults.server import TOKEN, ServerProcess, eventually, running
+from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
 
 SAMPLES = [{"origin": [0.6 * (-1) ** i, 0.02 * i - 0.4, 3.0]} for i in range(40)]

@@ -10,9 +10,10 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from waiting import eventually
 
 from tests.faults.clients import SocketTalk
-from tests.faults.server import TOKEN, ServerProcess, eventually, running
+from tests.faults.server import TOKEN, ServerProcess, running
 from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 from tests.serving import add_sequence, settings_in
 

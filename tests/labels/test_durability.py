@@ -21,6 +21,7 @@ from label_model import Model
 from postgres import PostgresServer
 from random_edits import POINTS, apply_to_model, differences
 from sqlalchemy import event
+from waiting import eventually
 
 from pointbrush.errors import UnavailableError
 from pointbrush.labels import LabelStore, Write
@@ -194,6 +195,6 @@ def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServe
     assert store.values("s", 0).label.sum() == 1
     assert stroke(2) == 3
     assert stroke(1) == 2
-    assert heard == [2, 3]
+    eventually(lambda: heard == [2, 3])
     assert store.check("s") == []
     store.close()

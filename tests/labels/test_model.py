@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from label_model import Model
+from waiting import eventually
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit, LabelStore, Write, sessions
@@ -146,7 +147,8 @@ class Pair:
             }
             assert found == self.model.visible()
             assert int(np.count_nonzero(seen.any(axis=2))) == len(found)
-            assert (copy == seen).all(), "the deltas do not add up to the state"
+            # The deltas add up to the state; the store's own thread may still be telling of them.
+            eventually(lambda copy=copy, seen=seen: bool((copy == seen).all()), 5)
             shown = {one.id: (one.name, one.locked) for one in store.palette(self.sequence)}
             assert shown == {n: (f["name"], f["locked"]) for n, f in palette.items()}
             assert store.counts(self.sequence) == self.model.counts()

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from waiting import eventually
 
 from pointbrush.errors import (
     BadInputError,
@@ -269,6 +270,7 @@ def test_subscribers_hear_each_commit_once_and_in_order(pins: LabelStore) -> Non
         thread.start()
     for thread in threads:
         thread.join()
+    eventually(lambda: len(heard) >= 40)
     unsubscribe()
     paint(pins, [99])
     assert [commit.revision for commit in heard] == list(range(first, first + 40))
@@ -283,7 +285,7 @@ def test_a_failing_subscriber_fails_nobody(pins: LabelStore) -> None:
     pins.subscribe(fail)
     pins.subscribe(heard.append)
     assert paint(pins, [1]).changed == 1
-    assert len(heard) == 1
+    eventually(lambda: len(heard) == 1)
 
 
 def test_the_history_tells_who_what_and_where(pins: LabelStore) -> None:

@@ -6,11 +6,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import eventually
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels import Commit, LabelStore, Write, sessions
@@ -30,12 +30,6 @@ for number in range(count):
                 writes={number % 2: write}, summary=f"{time.time()}")
 store.close()
 """
-
-
-def wait_until(done: Callable[[], bool], seconds: float = 20) -> None:
-    deadline = time.monotonic() + seconds
-    while not done() and time.monotonic() < deadline:
-        time.sleep(0.01)
 
 
 def start(url: str, author: str, count: int) -> subprocess.Popen[bytes]:
@@ -73,7 +67,7 @@ def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
         here.apply(SEQ, edit_id=None, author="ann", kind="paint", writes={0: write}, summary="")
     for other in others:
         assert other.wait() == 0
-    wait_until(lambda: len(heard) >= 60)
+    eventually(lambda: len(heard) >= 60)
     assert [commit.revision for commit in heard] == list(range(first + 1, first + 61))
     copies = [np.zeros(n, np.uint16) for n in POINTS]
     for commit in heard:
@@ -91,9 +85,33 @@ def test_a_sequence_that_was_never_opened_here_is_heard_of_too(url: str, here: L
     heard: list[int] = []
     there.subscribe(lambda commit: heard.append(commit.revision))
     here.apply(SEQ, edit_id=None, author="a", kind="paint", writes={}, summary="")
-    wait_until(lambda: bool(heard))
+    eventually(lambda: bool(heard))
     there.close()
     assert heard == [3]
+
+
+def test_what_was_missed_is_told_before_what_is_committed_while_opening(
+    url: str, here: LabelStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = LabelStore(url)
+    heard: list[int] = []
+    outbox = there._sessions.outbox
+    outbox.subscribe(lambda commit: heard.append(commit.revision))  # but does not look by itself
+    here.update_label(SEQ, "ann", 1, name="missed")
+    edit = threading.Thread(target=there.update_label, args=(SEQ, "bob", 1), kwargs={"name": "x"})
+    put = outbox.put
+
+    def slow_put(commit: Commit) -> None:
+        if edit.ident is None:
+            edit.start()
+            edit.join(0.5)  # it must wait until the sequence is open
+        put(commit)
+
+    monkeypatch.setattr(outbox, "put", slow_put)
+    there.revision(SEQ)
+    edit.join()
+    there.close()
+    assert heard == [3, 4]
 
 
 def test_an_edit_reaches_the_other_process_soon(url: str, here: LabelStore) -> None:

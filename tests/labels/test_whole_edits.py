@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import eventually
 
 from pointbrush.labels import GapError, LabelStore, Write
 from pointbrush.labels import changes as packed_changes
@@ -74,6 +75,7 @@ def test_who_listens_is_told_to_read_the_frame_whole(store: LabelStore) -> None:
     heard = []
     store.subscribe(heard.append)
     put(store, wanted(3), edit_id="e")
+    eventually(lambda: heard)
     again = store.apply(
         "scan", edit_id="e", author="me", kind="import", writes={}, summary="sent twice"
     )

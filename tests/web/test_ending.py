@@ -11,6 +11,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from waiting import eventually
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
 
@@ -65,7 +66,4 @@ def test_workers_end_with_the_server(tmp_path: Path, how: signal.Signals) -> Non
         finally:
             server.kill()
     assert how == signal.SIGKILL or status == 0
-    deadline = time.monotonic() + 10
-    while alive(workers) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    assert not alive(workers)
+    eventually(lambda: not alive(workers))

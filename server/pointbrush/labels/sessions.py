@@ -111,9 +111,10 @@ class Sessions:
                 missed = self._missed(
                     connection, state, self._seen.get(sequence, 0), state.revision
                 )
-            self._states[sequence] = state
+            # Before anybody can commit on it, or these would come after.
             for commit in missed:
                 self.outbox.put(commit)
+            self._states[sequence] = state
             return state
 
     def _refresh(self, connection: Connection, state: SequenceState, *, lock: bool = False) -> None:
