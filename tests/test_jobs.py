@@ -76,7 +76,7 @@ def seen() -> Seen:
 def cluster() -> Iterator[str]:
     """A Dask scheduler with one worker, in processes of their own; its address."""
     options = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1"}
-    with LocalCluster(**options, dashboard_address=None, silence_logs=50) as started:
+    with LocalCluster(**options, dashboard_address="127.0.0.1:0", silence_logs=50) as started:
         yield started.scheduler_address
 
 

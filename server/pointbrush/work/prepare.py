@@ -48,6 +48,7 @@ class _Frame:
 def prepare() -> None:
     """Track small samples by every method; by the paper's, whose loops are few, a step."""
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
+    track(generate("tabletop", 1, 3), "auto")
     track(generate("walking", 1, 2), "auto")
     track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
     for method in METHODS.keys() - {"auto"}:
