@@ -9,7 +9,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
 
-PATIENCE = 30.0
+PATIENCE = 60.0
 RESULTS = Path(__file__).parents[2] / "test-results"
 
 
