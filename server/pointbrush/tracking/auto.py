@@ -48,6 +48,7 @@ from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
 from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
 from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.smoothing import Held, Smoother
 from pointbrush.tracking.swaps import Swaps
 from pointbrush.tracking.update.corrections import taught
 from pointbrush.tracking.update.settle import settle
@@ -85,8 +86,13 @@ class AutoTracker:
                     first = run.start(seeds)
                 back = {n: inverse(track.pose) for n, track in first.tracks.items()}
                 yield run.scene.since(replace(first, assignments={}), back, order[0])
+                smoother = Smoother(options)
                 for number in order[1:]:
-                    yield run.scene.since(run.step(number), back, order[0])
+                    run.step(number)
+                    for result in smoother.take(run.held, run.things, run.background):
+                        yield run.scene.since(result, back, order[0])
+                for result in smoother.rest():
+                    yield run.scene.since(result, back, order[0])
 
 
 class Run:
@@ -218,7 +224,10 @@ class Run:
         self.workers.learn(view, self.background, self._shadow(view, places))
         found = with_ground(view, things, places, free)
         tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
-        return FrameResult(number, found, tracks)
+        result = FrameResult(number, found, tracks)
+        most = {n: place.most for n, place in places.items()}
+        self.held = Held(view, free, result, most)
+        return result
 
     def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""
