@@ -126,8 +126,13 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
         search = crop(thing, view, background, free)
         assert search is not None
         place, claim = placed(thing, view, search)
+        astray: dict[int, int] = {}
+        # A second process has the thing as it was, until it is judged.
+        before = dict(vars(thing))
         for cost in (0.3, 0.6):
             place.cost = cost
             places, claims = {1: place}, {1: claim}
-            relocation.find_astray([thing], background, view, free, places, claims)
+            relocation.find_astray([thing], astray, background, view, free, places, claims)
             assert (places[1] is place) == (cost < 0.4)
+            assert astray == ({1: 1} if cost < 0.4 else {})
+            assert vars(thing) == before

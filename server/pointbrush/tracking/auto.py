@@ -111,6 +111,7 @@ class Run:
         self.known, self.options, self.labels = known, options, [s.label for s in seeds]
         self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
+        self.astray: dict[int, int] = {}
         self.group: Group | None = None
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in seeds)])
         self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
@@ -144,6 +145,7 @@ class Run:
             with_flying=painted_with_flying(view, indices, thing.unit),
         )
         self.things[label] = thing
+        self.astray.pop(label, None)
         set_rivals(thing, view, around(thing, view, thing.model.xyz))
 
     def _gather(self, view: View, labels: Iterable[int]) -> None:
@@ -208,7 +210,7 @@ class Run:
         absent = [thing for thing in sought if thing.absent]
         places, claims = self._find([t for t in sought if not t.absent], free)
         claims = settle_conflicts(things, self.background, view, free, places, claims)
-        find_astray(sought, self.background, view, free, places, claims)
+        find_astray(sought, self.astray, self.background, view, free, places, claims)
         self.swaps.meet(things, places)
         loose = look_for(absent, things, self.background, view, free, places, claims)
         settled, again = self._settle(sought, view, places, claims, loose, free)

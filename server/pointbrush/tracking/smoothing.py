@@ -106,6 +106,7 @@ class Smoother:
             motion=Motion(thing.motion.centre, [thing.motion.poses[-1]]),
             glimpses=list(thing.glimpses),
         )
+        astray: dict[int, int] = {}
         first = next(i for i, held in enumerate(self._held) if held.open(label))
         for at in range(len(self._held) - 1, first - 1, -1):
             held = self._held[at]
@@ -113,18 +114,22 @@ class Smoother:
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
             most = new.most.get(label, 1.0)
-            track, points = _found_again(again, held, background, most, self._options)
+            track, points = _found_again(again, astray, held, background, most, self._options)
             held.improve(label, track, points)
 
 
 def _found_again(
     thing: Thing,
+    astray: dict[int, int],
     held: Held,
     background: Background,
     most: float,
     options: TrackOptions,
 ) -> tuple[TrackState, I64]:
-    """Find a thing among what the others left in an earlier frame, and learn from it."""
+    """Find a thing among what the others left in an earlier frame, and learn from it.
+
+    ``astray``: see ``find_astray``.
+    """
     view, label = held.view, thing.label
     free = held.free.copy()
     for other, points in held.result.assignments.items():
@@ -136,7 +141,7 @@ def _found_again(
     if search is not None:
         places[label] = find(search)
         claims[label] = own_points(thing, view, places[label])
-    find_astray([thing], background, view, free, places, claims)
+    find_astray([thing], astray, background, view, free, places, claims)
     grown, taken = grow({label: thing}, view, places, claims, free, background)
     place = places.get(label)
     if place is not None:

@@ -50,14 +50,18 @@ PATIENT, SELDOM = 2, 3
 
 def find_astray(
     things: Iterable[Thing],
+    astray: dict[int, int],
     background: Background,
     view: View,
     free: Mask,
     places: dict[int, Place],
     claims: dict[int, Claim],
 ) -> None:
-    """Look for ``things`` that fit badly or not at all; ``places`` and ``claims`` take them in."""
-    some = [thing for thing in things if _is_astray(thing, view, places.get(thing.label))]
+    """Look for ``things`` that fit badly or not at all; ``places`` and ``claims`` take them in.
+
+    ``astray`` label → frames for which a thing was nowhere near where it should be; kept up.
+    """
+    some = [thing for thing in things if _is_astray(thing, astray, view, places.get(thing.label))]
     if not some:
         return
     sought = {thing.label for thing in some}
@@ -73,19 +77,19 @@ def find_astray(
         if found is not None:
             places[thing.label], claims[thing.label] = found
             left[found[1].indices] = False
-            thing.astray = 0
+            astray.pop(thing.label, None)
 
 
-def _is_astray(thing: Thing, view: View, place: Place | None) -> bool:
+def _is_astray(thing: Thing, astray: dict[int, int], view: View, place: Place | None) -> bool:
     """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
     if view.lens is None or thing.large or thing.bends or thing.stopped:
         return False
     place = _own(place)
     if place is not None and place.cost < DOUBT:
-        thing.astray = 0
+        astray.pop(thing.label, None)
         return False
-    thing.astray += 1
-    return thing.astray <= PATIENT or (view.number + thing.label) % SELDOM == 0
+    count = astray[thing.label] = astray.get(thing.label, 0) + 1
+    return count <= PATIENT or (view.number + thing.label) % SELDOM == 0
 
 
 def _own(place: Place | None) -> Place | None:

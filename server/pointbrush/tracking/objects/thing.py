@@ -102,9 +102,8 @@ class Thing:
     ``imaged`` whether the sensor sees depth images; ``worn`` the colours it showed where it was
     painted. ``usual`` the mean cost in place and colour, in reaches, of its points alone in the
     air; ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no
-    better; ``astray`` frames for which it was nowhere near where it should be; ``strain`` share of
-    its surface that bending alone explains; ``scanned`` whether a lidar sees it, ``away`` metres
-    from that, points ``grain`` metres apart.
+    better; ``strain`` share of its surface that bending alone explains; ``scanned`` whether a lidar
+    sees it, ``away`` metres from that, points ``grain`` metres apart.
     """
 
     label: int
@@ -126,7 +125,6 @@ class Thing:
     imaged: bool = False
     strain: float = 0.0
     vain: bool = False
-    astray: int = 0
     away: float = 0.0
     scanned: bool = False
     grain: float = 0.0
