@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import scenes
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import Sequence, import_frames, open_sequence
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions
+from pointbrush.tracking.parallel import second_process
 from pointbrush.tracking.parallel.second_process import SecondProcess
 
 FIRST, LAST = 5, 8
@@ -51,6 +53,18 @@ def assert_same(found: list[FrameResult], expected: list[FrameResult]) -> None:
             assert np.array_equal(points, other.assignments[label])
 
 
+def end_waiting() -> None:
+    while second_process._spare:
+        with second_process._spare.pop() as waiting:
+            waiting.kill()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_process_is_left() -> Iterator[None]:
+    yield
+    end_waiting()
+
+
 def test_two_processes_find_what_one_finds(
     stored: Sequence, alone: list[FrameResult], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,3 +93,22 @@ def test_a_run_goes_on_when_the_second_process_ends(
 
     monkeypatch.setattr(SecondProcess, when, ended)
     assert_same(run(stored, 2), alone)
+
+
+def test_the_second_process_waits_for_the_next_run(
+    stored: Sequence, alone: list[FrameResult]
+) -> None:
+    run(stored, 2)
+    (waiting,) = second_process._spare
+    assert_same(run(stored, 2), alone)
+    assert second_process._spare == [waiting]
+    assert waiting.poll() is None
+
+
+def test_a_busy_second_process_is_ended(stored: Sequence) -> None:
+    end_waiting()
+    second = SecondProcess(stored.__getitem__)
+    second._asked.append(1)
+    second.close()
+    assert not second_process._spare
+    assert second._process.poll() is not None

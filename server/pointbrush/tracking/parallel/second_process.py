@@ -182,7 +182,12 @@ class SecondProcess:
         return answer
 
     def close(self) -> None:
-        """End the process, whatever it does."""
+        """Let the process wait for the next run, with what it has loaded; end it if it is busy."""
+        if not (self._asked or _spare):
+            with suppress(*GONE):
+                self._line.send(("end", None))
+                _spare.append(self._process)
+                return
         self._process.kill()
         self._process.wait()
         for end in (self._process.stdin, self._process.stdout):
@@ -217,19 +222,23 @@ def _name_parts(names: _Names, label: int, values: Iterable[object], parts: Sequ
 
 
 def serve() -> None:
-    """Be the second process: do what comes until nothing comes any more."""
+    """Be the second process: of one run after the other, until none comes any more."""
     # What something prints must not come between the answers.
     outgoing = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     with suppress(EOFError, BrokenPipeError):
-        _serve(_Line(sys.stdin.buffer, outgoing))
+        while True:
+            _serve(_Line(sys.stdin.buffer, outgoing))
 
 
 def _serve(line: _Line) -> None:
+    """Do what comes in a run."""
     frames: Frames = line.receive()
     view: View | None = None
     while True:
         kind, what = line.receive()
+        if kind == "end":
+            return
         if kind == "know":
             line.names.add(*what)
         elif kind == "learn" and view is not None:

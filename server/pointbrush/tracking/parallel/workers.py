@@ -167,6 +167,6 @@ class Workers(AbstractContextManager["Workers"]):
             self._second = None
 
     def __exit__(self, *_: object) -> None:
-        """End the second process."""
+        """Let go of the second process."""
         if self._second is not None:
             self._second.close()
