@@ -22,7 +22,7 @@ from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, cell_size, outcome
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import Observation, across, upright
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.sensor.lens import find_lens
@@ -142,7 +142,7 @@ def test_a_flying_pixel_between_two_people_is_one_of_theirs() -> None:
     left, right = np.array_split(np.flatnonzero(frame.truth == 1), 2)
     both = np.flatnonzero((view.around(left) & view.around(right))[view.cells[0]])
     cells = Foreground.of(view, np.setdiff1d(np.concatenate([left, right]), both), 0.1)
-    sight = Observation(view, cells, np.eye(3)[:, [0, 2]], both)
+    sight = Observation(view, cells, np.eye(3)[:, [0, 2]], UP, both)
     assert np.array_equal(sight.take_flying(left), both)
     assert not len(sight.take_flying(right))
 
@@ -194,29 +194,31 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     assert len(person.xyz) == 5
 
 
+UP = np.array([0.0, -1.0, 0.0])
 RED, BLUE = np.array([0.4, 0.0, 0.5], np.float32), np.array([-0.4, 0.1, 0.5], np.float32)
 
 
-def body(right: float, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def body(right: float, colour: np.ndarray, tall: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Middles (30, 3) of cells 0.1 m apart, three metres away, and their colours."""
-    across, up = np.meshgrid(np.arange(3) / 10, np.arange(10) / 10)
-    middle = np.stack([right + across.ravel(), up.ravel(), np.full(30, 3.0)], axis=1)
+    across, down = np.meshgrid(np.arange(3) / 10, np.arange(10) / 10 - tall)
+    middle = np.stack([right + across.ravel(), down.ravel(), np.full(30, 3.0)], axis=1)
     return middle, np.tile(colour, (30, 1))
 
 
-def staged(*bodies: tuple[np.ndarray, np.ndarray]) -> Observation:
+def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Observation:
     """The bodies, five points in each cell."""
     middle, colour = (np.vstack(each) for each in zip(*bodies, strict=True))
     many = np.full(len(middle), 5)
     cell = np.repeat(np.arange(len(middle)), 5)
     cells = Foreground(np.arange(len(cell)), cell, many, middle, colour, 0.1, many)
     view = SimpleNamespace(
-        frame=SimpleNamespace(rgb=True),
+        frame=SimpleNamespace(rgb=True if coloured else None),
+        xyz=middle[cell],
         colour=lambda points: colour[cell[points]],
         depth=np.full(1, np.inf),
         project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
     )
-    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]], cell[:0])
+    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])
 
 
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
@@ -251,7 +253,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     sight = staged(body(0.1, RED))
     sight.owner[:] = 1
     assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
-    group = Group([found, gone], 0.1, 0.01, sight.flat, 30.0, 10)
+    group = Group([found, gone], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, found, SURE)
     assert found.doubts == ({2} if doubted else set())
     assert gone.doubts == ({1} if doubted else set())
@@ -271,7 +273,7 @@ def test_doubts_end_when_clothes_tell() -> None:
     two.doubts.add(1)
     sight = staged(body(0.0, RED), body(1.0, RED))
     sight.owner[:] = np.repeat([1, 2], 30)
-    group = Group([one, two], 0.1, 0.01, sight.flat, 30.0, 10)
+    group = Group([one, two], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, one, SURE)
     group.doubt(sight, two, replace(SURE, like=-2.0))
     assert (one.doubts, two.doubts) == (set(), {1})
@@ -279,7 +281,7 @@ def test_doubts_end_when_clothes_tell() -> None:
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
-    group = Group([both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], 30.0, 10)
+    group = Group([both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
     sight = staged(body(0.0, RED), body(0.3, RED))
     sight.owner[:30] = 1
     group.doubt(sight, both, replace(SURE, size=1.0))
@@ -342,6 +344,62 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     assert one.label == (2 if told else 1)
     him = two if told else one
     np.testing.assert_allclose(him.went, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)
+
+
+def as_tall(label: int, right: float, tall: float) -> Person:
+    person = somebody(label, right, RED, well=9)
+    person.stature.tops = [tall, tall]
+    return person
+
+
+@pytest.mark.parametrize(("other", "told"), [(0.2, True), (0.01, False)])
+def test_who_changed_places_are_changed_back_when_their_statures_tell(
+    other: float, told: bool
+) -> None:
+    one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, other)
+    sight = staged(body(0.0, RED, other), body(1.0, RED, 0.0), coloured=False)
+    sight.owner[:] = np.repeat([1, 2], 30)
+    exchange(sight, [one, two], 10)
+    assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
+    assert one.stature.tops[0] == (other if told else 0.0)
+
+
+def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -> None:
+    one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, 0.2)
+    group = Group([one, two], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
+    for tall, doubts in ((0.2, {2}), (0.0, set())):
+        sight = staged(body(0.0, RED, tall), coloured=False)
+        sight.owner[:] = 1
+        group.doubt(sight, one, SURE)
+        assert one.doubts == doubts
+    # While something hides his head, the top of what shows is not his.
+    sight = staged(body(0.0, RED, 0.2), coloured=False)
+    sight.owner[:] = 1
+    sight.view.depth[:] = 2.0
+    group.doubt(sight, one, SURE)
+    assert not one.doubts
+
+
+def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:
+    gone = [as_tall(1, 0.05, 0.0), as_tall(2, 0.1, 0.2)]
+    for person in gone:
+        person.well = 5
+    sight = staged(body(0.0, RED, 0.2), coloured=False)
+    come_back(sight, gone, 30, now=10)
+    assert np.all(sight.owner == 2)
+
+
+def test_the_floor_tells_the_way_up() -> None:
+    rng = np.random.default_rng(1)
+    right, ahead = rng.uniform(-2, 2, 3000), rng.uniform(2, 5, 3000)
+    floor = np.stack([right, 1.2 + rng.normal(0, 0.01, 3000), ahead], axis=1)
+    wall = np.stack([right, rng.uniform(-1.0, 1.2, 3000), np.full(3000, 5.0)], axis=1)
+    leaning = np.stack([np.linspace(0.0, 0.1, 50), np.linspace(1.2, -0.5, 50), np.full(50, 3)], 1)
+    xyz = np.vstack([floor, wall]).astype(np.float32)
+    none = np.zeros(len(xyz), np.bool_)
+    view = SimpleNamespace(lens=1, T_picture_world=np.eye(4), xyz=xyz, labelled=lambda: none)
+    up = upright(cast(View, view), [leaning], across(cast(View, view), [leaning]))
+    np.testing.assert_allclose(up, UP, atol=0.01)
 
 
 def test_ways_lead_into_what_is_sought_alone() -> None:

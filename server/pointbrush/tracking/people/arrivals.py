@@ -17,6 +17,7 @@ from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import FEWEST, UNLIKE, Person
+from pointbrush.tracking.people.stature import DECISIVE, ratio, top_of
 
 SMALLEST, SHARE = 12, 0.12
 """Cells, and share of the usual number, from which a body may be somebody new."""
@@ -29,8 +30,9 @@ WHOLE = 0.7
 """Share of what hangs together that must be nobody's."""
 NEAR, FARTHER, LONG = 0.3, 0.2, 10
 """Metres from where somebody missing should be, more a frame, up to so many frames."""
-CLOTHES, NAMELESS = 0.5, 0.5
-"""Weight of clothes against the way, and what a body costs that was followed without a label."""
+CLOTHES, STATURE, NAMELESS = 0.5, 0.25, 0.5
+"""Weights of clothes and of stature against the way, and what a body costs that was followed
+without a label."""
 TOLD = 0.3
 """How much more like his clothes than another's what somebody has is certainly not the other's."""
 AROUND = 0.6
@@ -140,7 +142,9 @@ def _cost(
     if away > 1.0 or like < -UNLIKE:
         return None
     nameless = NAMELESS if sight.tints is None and other is not None else 0.0
-    return away - CLOTHES * like + nameless
+    top = top_of(sight, cells, person.area) if person.stature.known else None
+    tall = 0.0 if top is None else person.stature.likelihood(top)
+    return away - CLOTHES * like - STATURE * tall + nameless
 
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
@@ -159,13 +163,17 @@ def mistakable(
         return []
     rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
     some = sight.some(cells) if rivals else None
-    rivals = [f for f in rivals if not told(some, person, f)]
+    top = person.top(sight) if rivals else None
+    rivals = [f for f in rivals if not told(some, top, person, f)]
     return [f for f in rivals if far_from(sight, f, cells, now) < 1.0]
 
 
-def told(some: F32 | None, person: Person, other: Person) -> bool:
-    """Whether colours (S, 3) of what somebody has are certainly not another's clothes."""
-    return some is not None and person.likeness(some) - other.likeness(some) >= TOLD
+def told(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
+    """Whether what somebody has is certainly not another's, by colours (S, 3) of it or by its top,
+    where the other of both does not speak against it."""
+    like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
+    tall = ratio(top, person.stature, other.stature)
+    return (like >= TOLD and tall > -DECISIVE) or (tall >= DECISIVE and like > -TOLD)
 
 
 def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:

@@ -22,10 +22,11 @@ from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.observation import Observation, across
+from pointbrush.tracking.people.observation import Observation, across, upright
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.people.stature import DECISIVE, ratio
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
@@ -37,6 +38,8 @@ FORGOTTEN = 5
 GROWN, LIKE = 1.3, 0.7
 """Times as many cells as people have that are too many for one, and how much less like his clothes
 what he has may be to be his without doubt."""
+SURE = 0.9
+"""Likelihood of a frame from which it tells how tall somebody is."""
 DOUBTED = 0.4
 """Confidence of what may be another's at most."""
 
@@ -44,12 +47,13 @@ DOUBTED = 0.4
 @dataclass(eq=False)
 class Group:
     """Everybody there, in cells of ``size`` metres; ``unit`` of tolerance, ``flat`` (3, 2) is the
-    ground."""
+    ground, ``up`` (3,) the way off it."""
 
     people: list[Person]
     size: float
     unit: float
     flat: F64
+    up: F64
     usual: float
     now: int = 0
 
@@ -59,12 +63,16 @@ class Group:
         sizes = [cell_size(view, thing, background) for thing in things.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
         unit = float(np.median([thing.unit for thing in things.values()]))
-        group = Group([], float(np.median(sizes)), unit, across(view, people.values()), 0.0)
+        flat = across(view, people.values())
+        up = upright(view, people.values(), flat)
+        group = Group([], float(np.median(sizes)), unit, flat, up, 0.0)
         sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, thing in things.items():
             group.put(view, label, thing)
             inside = np.isin(sight.cells.indices, view.labels[label])
             sight.owner[np.unique(sight.cells.cell[inside])] = label
+        for person in group.people:
+            person.measure(person.top(sight))
         group.usual = float(np.median([person.size for person in group.people]))
         group.people += newcomers(sight, group.people, group.usual, 0)
         return group
@@ -75,7 +83,7 @@ class Group:
         return {person.label for person in self.people if person.named}
 
     def _sight(self, view: View, background: ImageBackground, free: Mask) -> Observation:
-        return Observation.of(view, background, free, self.size, self.unit, self.flat)
+        return Observation.of(view, background, free, self.size, self.unit, self.flat, self.up)
 
     def put(self, view: View, label: int, thing: Thing) -> None:
         """Somebody is where he was painted in a frame, whatever was thought of him."""
@@ -122,18 +130,25 @@ class Group:
         return found
 
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
-        """Doubt who is found again, or much larger, where another may be, and that other; and on,
-        until their clothes tell."""
+        """Doubt who is found again, or much larger, where another may be, and that other, until
+        clothes or stature tell; and who is as tall as another, while he is."""
         others = mistakable(sight, self.people, person, self.now)
         most = GROWN * max(person.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
                 person.doubts.add(other.label)
                 other.doubts.add(person.label)
+        top = person.top(sight)
         if looks.like > -LIKE:
             here = [f for f in self.people if f.label in person.doubts and f not in others]
             some = sight.some(sight.cells_of(person.label)) if here else None
-            person.doubts -= {f.label for f in here if told(some, person, f)}
+            person.doubts -= {f.label for f in here if told(some, top, person, f)}
+        as_tall = [f for f in self.people if f.named and f is not person]
+        as_tall = [f for f in as_tall if ratio(top, f.stature, person.stature) >= DECISIVE]
+        some = sight.some(sight.cells_of(person.label)) if as_tall else None
+        person.doubts |= {f.label for f in as_tall if told(some, top, f, person)}
+        if not person.doubts and looks.likelihood() > SURE:
+            person.measure(top)
 
 
 def cell_size(view: View, thing: Thing, background: ImageBackground) -> float:

@@ -27,6 +27,13 @@ BEFORE = 0.15
 LEANING = 0.7
 """Cosine of the image's downward axis and the way people stand under which that is not known."""
 
+LOWEST, EVERY, BROAD = 1.0, 3, 300
+"""Percentile of somebody's heights that his feet are at, which points are asked for the floor, and
+how many of them have to lie on it."""
+FLOOR, TILTED, DEEP = (0.25, 0.12, 0.06), 0.985, 0.3
+"""Metres about the floor that are fitted, one after the other, cosine of the angle that it may be
+off, and deviation of its points along its shorter side."""
+
 
 def across(view: View, people: Iterable[F64]) -> F64:
     """(3, 2) directions along the ground, to the right and ahead of the sensor.
@@ -47,14 +54,37 @@ def across(view: View, people: Iterable[F64]) -> F64:
     return np.asarray(flat / np.linalg.norm(flat, axis=0))
 
 
+def upright(view: View, people: Iterable[F64], flat: F64) -> F64:
+    """(3,) the way up to a fraction of a degree: the normal of the plane about the height of the
+    lowest of the people (M, 3) each, the floor, or a table that hides it; where none is seen, off
+    the ways along the ground ``flat`` (3, 2)."""
+    up = np.cross(flat[:, 0], flat[:, 1])
+    up = up / np.linalg.norm(up) * -np.sign(up @ view.T_picture_world[1, :3])
+    feet = min(float(np.percentile(xyz @ up, LOWEST)) for xyz in people)
+    rest = view.xyz[~view.labelled()][::EVERY].astype(np.float64)
+    height, normal = rest @ up - feet, up
+    for within in FLOOR:
+        floor = rest[np.abs(height) < within]
+        if len(floor) < BROAD:
+            return up
+        spread, axes = np.linalg.eigh(np.cov(floor.T))
+        normal = axes[:, 0] * np.sign(axes[:, 0] @ up)
+        if normal @ up < TILTED or spread[1] < DEEP**2:
+            return up
+        height = (rest - floor.mean(axis=0)) @ normal
+    return np.asarray(normal)
+
+
 @dataclass(eq=False)
 class Observation:
-    """The ``cells`` of a frame, each with an ``owner`` (N,): a label, less than 0 for who has
-    none, 0 for nobody; ``flying`` pixels (F,) that nobody took are in none."""
+    """The ``cells`` of a frame, ``flat`` (3, 2) and ``up`` (3,) the ways along and off the ground,
+    each cell with an ``owner`` (N,): a label, less than 0 for who has none, 0 for nobody;
+    ``flying`` pixels (F,) that nobody took are in none."""
 
     view: View
     cells: Foreground
     flat: F64
+    up: F64
     flying: I64
     owner: I64 = field(init=False)
 
@@ -64,7 +94,13 @@ class Observation:
 
     @staticmethod
     def of(
-        view: View, background: ImageBackground, free: Mask, size: float, unit: float, flat: F64
+        view: View,
+        background: ImageBackground,
+        free: Mask,
+        size: float,
+        unit: float,
+        flat: F64,
+        up: F64,
     ) -> Observation:
         """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
         some = np.flatnonzero(free)
@@ -72,7 +108,7 @@ class Observation:
         moving = ~background.scenery(view, some, PATIENT) | (background.again(view, some) != 0)
         some = some[moving]
         loose = flying(view, some, unit)
-        return Observation(view, Foreground.of(view, some[~loose], size), flat, some[loose])
+        return Observation(view, Foreground.of(view, some[~loose], size), flat, up, some[loose])
 
     def take_flying(self, points: I64) -> I64:
         """The flying pixels (B,) at the outline of the ``points`` (M,): nobody else's."""

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.stature import Stature, top_of
 
 FEWEST, HARDLY = 4, 0.02
 """Cells, and share of the most that there were, under which somebody is not seen."""
@@ -41,7 +42,7 @@ class Person:
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
     came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubts``
     whom he may be as well, by label; ``mistaken`` frames in which he and another were dressed as
-    each other.
+    each other; ``stature`` how tall he is.
     """
 
     label: int
@@ -63,6 +64,7 @@ class Person:
     trust: float = 1.0
     doubts: set[int] = field(default_factory=set)
     mistaken: int = 0
+    stature: Stature = field(default_factory=Stature)
     first: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -85,11 +87,20 @@ class Person:
             return 0.0
         return self.worn.likeness(colour) - self.worn.usual
 
+    def top(self, sight: Observation) -> float | None:
+        """Metres up to the top of what he has, where that is seen."""
+        return top_of(sight, np.flatnonzero(sight.owner == self.label), self.area)
+
+    def measure(self, top: float | None) -> None:
+        """Take a top (m) that is surely his for how tall he is."""
+        if top is not None:
+            self.stature.tops.append(top)
+
     def become(self, other: Person) -> None:
         """Change places with another: each is himself, where the other was thought to be."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
         one, two = self.went + apart, other.went - apart
-        for name in ("label", "worn", "with_flying", "first", "trust", "doubts"):
+        for name in ("label", "worn", "with_flying", "first", "trust", "doubts", "stature"):
             mine, others = getattr(self, name), getattr(other, name)
             setattr(self, name, others)
             setattr(other, name, mine)
