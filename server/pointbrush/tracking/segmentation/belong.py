@@ -54,6 +54,8 @@ STAYED = 0.25
 LONGER = 2.0
 """Radii beyond where a thing on the move was looked for in which it may end: painted end on, it is
 longer than its model."""
+ALONG = 0.75
+"""Share of new surface, many times what is known, that was beside a thing and has gone along."""
 WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
@@ -239,16 +241,21 @@ def _whole(
         return None
     other = free.copy()
     other[core] = False
+    more = 1.2 if view.roams else 0.5
+    most = int(max(more * len(core) + 10, 1.8 * thing.size - len(core)))
     around, (lo, hi) = place.around, place.box
     if view.lens is not None and not thing.motion.slow(thing.unit):
         lo, hi = lo - LONGER * thing.model.radius, hi + LONGER * thing.model.radius
         around = view.box(lo, hi)
     near = around[other[around]]
-    more = 1.2 if view.roams else 0.5
-    most = int(max(more * len(core) + 10, 1.8 * thing.size - len(core)))
-    new = blob(view, core, near, 2.5 * thing.unit, most, (lo, hi))
+    flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
+    new = blob(view, core, near, 2.5 * thing.unit, len(near) if flies else most, (lo, hi))
     if new is None or not len(new):
         return new
+    if len(new) > most:  # Painted end on, it has many times the points that are known.
+        along = _was_there(thing, view, new, step_of(thing, place)).mean()
+        if along < ALONG or taken[new].any():
+            return None
     before = _was_there(thing, view, new)
     # A sensor that moves sees new sides all the time, and what it missed once it may see again.
     if taken[new].any() or (_seen_before(thing, view, place, new, before) and not view.roams):
