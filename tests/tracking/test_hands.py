@@ -53,16 +53,10 @@ def assert_same(found: list[FrameResult], expected: list[FrameResult]) -> None:
             assert np.array_equal(points, other.assignments[label])
 
 
-def end_waiting() -> None:
-    while second_process._spare:
-        with second_process._spare.pop() as waiting:
-            waiting.kill()
-
-
 @pytest.fixture(scope="module", autouse=True)
 def no_process_is_left() -> Iterator[None]:
     yield
-    end_waiting()
+    second_process.end_waiting()
 
 
 def test_two_processes_find_what_one_finds(
@@ -105,8 +99,20 @@ def test_the_second_process_waits_for_the_next_run(
     assert waiting.poll() is None
 
 
+def test_one_that_ended_while_it_waited_is_replaced(
+    stored: Sequence, alone: list[FrameResult]
+) -> None:
+    second_process.make_ready()
+    (waiting,) = second_process._spare
+    waiting.kill()
+    waiting.wait()
+    assert_same(run(stored, 2), alone)
+    assert waiting not in second_process._spare
+    assert len(second_process._spare) == 1
+
+
 def test_a_busy_second_process_is_ended(stored: Sequence) -> None:
-    end_waiting()
+    second_process.end_waiting()
     second = SecondProcess(stored.__getitem__)
     second._asked.append(1)
     second.close()

@@ -7,6 +7,7 @@ of this frame already is only named.
 
 from __future__ import annotations
 
+import atexit
 import os
 import pickle
 import subprocess
@@ -121,7 +122,7 @@ class SecondProcess:
 
     def __init__(self, frames: Frames) -> None:
         """``frames`` has to pickle."""
-        self._process = _spare.pop() if _spare and _spare[-1].poll() is None else _begun()
+        self._process = _waiting() or _begun()
         assert self._process.stdin is not None  # noqa: S101  (piped)
         assert self._process.stdout is not None  # noqa: S101
         self._line = _Line(self._process.stdout, self._process.stdin)
@@ -188,11 +189,7 @@ class SecondProcess:
                 self._line.send(("end", None))
                 _spare.append(self._process)
                 return
-        self._process.kill()
-        self._process.wait()
-        for end in (self._process.stdin, self._process.stdout):
-            with suppress(OSError):
-                end.close()  # type: ignore[union-attr]  # piped
+        _end(self._process)
 
 
 def make_ready() -> None:
@@ -202,6 +199,31 @@ def make_ready() -> None:
 
 
 _spare: list[subprocess.Popen[bytes]] = []
+
+
+def _waiting() -> subprocess.Popen[bytes] | None:
+    """The process that waits for a run, if there is one and it lives."""
+    while _spare:
+        process = _spare.pop()
+        if process.poll() is None:
+            return process
+        _end(process)
+    return None
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+    for end in (process.stdin, process.stdout):
+        with suppress(OSError):
+            end.close()  # type: ignore[union-attr]  # piped
+
+
+@atexit.register
+def end_waiting() -> None:
+    """End the process that waits for a run."""
+    while _spare:
+        _end(_spare.pop())
 
 
 def _begun() -> subprocess.Popen[bytes]:
