@@ -27,7 +27,7 @@ DRAIN_SECONDS = 5
 BACKLOG = 512
 MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
-READY_AFTER = 5.0
+READY_AFTER = 1.5
 """Seconds from the first label until a worker begins: not beside somebody's first strokes."""
 COLLECT_AFTER = (10_000, 20, 20)
 """Objects more than before until the youngest are looked through, and how often the older are."""
