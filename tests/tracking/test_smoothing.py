@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions, auto
 from pointbrush.tracking.interface import I64, FrameResult, TrackState
+from pointbrush.tracking.smoothing import Held
 
 COUNT, BLUE, GREEN = 14, (40, 90, 200), (60, 160, 70)
 
@@ -51,15 +52,14 @@ def overlooked(monkeypatch: pytest.MonkeyPatch, missed: range) -> None:
     """Let the run forget in some frames what it has found there."""
     step = auto.Run.step
 
-    def forgetful(self: auto.Run, number: int, given: dict[int, I64] | None = None) -> FrameResult:
-        result = step(self, number, given)
+    def forgetful(self: auto.Run, number: int, given: dict[int, I64] | None = None) -> Held:
+        held = step(self, number, given)
         if number in missed:
             track: TrackState = replace(
-                result.tracks[1], confidence=0.0, points=0, state="occluded"
+                held.result.tracks[1], confidence=0.0, points=0, state="occluded"
             )
-            result = FrameResult(number, {}, {1: track})
-            self.held = replace(self.held, result=result)
-        return result
+            held = replace(held, result=FrameResult(number, {}, {1: track}))
+        return held
 
     monkeypatch.setattr(auto.Run, "step", forgetful)
 

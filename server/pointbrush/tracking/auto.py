@@ -81,15 +81,15 @@ class AutoTracker:
                 if options.before:
                     run.recall(begun)
                     given = {seed.label: np.sort(seed.indices) for seed in seeds}
-                    first = run.step(order[0], given)
+                    first = run.step(order[0], given).result
                 else:
                     first = run.start(seeds)
                 back = {n: inverse(track.pose) for n, track in first.tracks.items()}
                 yield run.scene.since(replace(first, assignments={}), back, order[0])
                 smoother = Smoother(options)
                 for number in order[1:]:
-                    run.step(number)
-                    for result in smoother.take(run.held, run.things, run.background):
+                    held = run.step(number)
+                    for result in smoother.take(held, run.things, run.background):
                         yield run.scene.since(result, back, order[0])
                 for result in smoother.rest():
                     yield run.scene.since(result, back, order[0])
@@ -196,7 +196,7 @@ class Run:
         for number in self.options.before[1:]:
             self.step(number)
 
-    def step(self, number: int, given: Mapping[int, I64] | None = None) -> FrameResult:
+    def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
         """Find everything in the next frame; ``given`` labels' points are known."""
         view, things = self.scene.view(number), self.things
         self.workers.show(view, self.background)
@@ -226,10 +226,8 @@ class Run:
         self.workers.learn(view, self.background, self._shadow(view, places))
         found = with_ground(view, things, places, free)
         tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
-        result = FrameResult(number, found, tracks)
         most = {n: place.most for n, place in places.items()}
-        self.held = Held(view, free, result, most)
-        return result
+        return Held(view, free, FrameResult(number, found, tracks), most)
 
     def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
         """Where things are that were seen the last time, and what each would have there."""

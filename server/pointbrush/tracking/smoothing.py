@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background
-from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.disputes import placed
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
@@ -23,7 +23,7 @@ from pointbrush.tracking.objects.motion import Motion
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
-from pointbrush.tracking.segmentation.belong import grow, own_points
+from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.rivals import set_rivals
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import settle
@@ -139,8 +139,7 @@ def _found_again(
     claims: dict[int, Claim] = {}
     search = crop(thing, view, background, free)
     if search is not None:
-        places[label] = find(search)
-        claims[label] = own_points(thing, view, places[label])
+        places[label], claims[label] = placed(thing, view, search)
     find_astray([thing], astray, background, view, free, places, claims)
     grown, taken = grow({label: thing}, view, places, claims, free, background)
     place = places.get(label)

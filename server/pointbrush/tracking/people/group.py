@@ -139,13 +139,12 @@ class Group:
                 person.doubts.add(other.label)
                 other.doubts.add(person.label)
         top = person.top(sight)
-        if looks.like > -LIKE:
-            here = [f for f in self.people if f.label in person.doubts and f not in others]
-            some = sight.some(sight.cells_of(person.label)) if here else None
-            person.doubts -= {f.label for f in here if told(some, top, person, f)}
+        here = [f for f in self.people if f.label in person.doubts and f not in others]
+        here = here if looks.like > -LIKE else []
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [f for f in as_tall if ratio(top, f.stature, person.stature) >= DECISIVE]
-        some = sight.some(sight.cells_of(person.label)) if as_tall else None
+        some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
+        person.doubts -= {f.label for f in here if told(some, top, person, f)}
         person.doubts |= {f.label for f in as_tall if told(some, top, f, person)}
         if not person.doubts and looks.likelihood() > SURE:
             person.measure(top)
