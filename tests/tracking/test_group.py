@@ -22,9 +22,10 @@ from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, cell_size, outcome
-from pointbrush.tracking.people.observation import Observation, across, upright
+from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
+from pointbrush.tracking.people.vertical import across, upright
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
@@ -389,16 +390,41 @@ def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:
     assert np.all(sight.owner == 2)
 
 
+@pytest.mark.parametrize("touching", [False, True])
+def test_of_two_bodies_that_one_has_each_is_whose_stature_it_has(touching: bool) -> None:
+    both, gone = as_tall(1, 0.0, 0.0), as_tall(2, 0.0, 0.2)
+    gone.well = 5
+    hands = np.stack([np.linspace(0.3, 0.5, 3), np.full(3, 0.5), np.full(3, 3.0)], axis=1)
+    between = [(hands, np.tile(RED, (3, 1)))] if touching else []
+    sight = staged(body(0.0, RED, 0.2), body(0.6, RED), *between, coloured=False)
+    sight.owner[:] = 1
+    come_back(sight, [both, gone], 30, now=10)
+    assert sight.owner[[0, 30]].tolist() == [2, 1]
+    assert both.doubts == {2}
+    assert gone.doubts == {1}
+
+
+def test_a_raised_arm_is_nobody_elses() -> None:
+    both, gone = as_tall(1, 0.0, 0.0), as_tall(2, 0.0, 0.2)
+    gone.well = 5
+    arm = np.stack([np.linspace(0.3, 0.7, 5), np.linspace(0.3, -0.1, 5), np.full(5, 3.0)], axis=1)
+    sight = staged(body(0.0, RED), (arm, np.tile(RED, (5, 1))), coloured=False)
+    sight.owner[:] = 1
+    come_back(sight, [both, gone], 30, now=10)
+    assert np.all(sight.owner == 1)
+
+
 def test_the_floor_tells_the_way_up() -> None:
     rng = np.random.default_rng(1)
     right, ahead = rng.uniform(-2, 2, 3000), rng.uniform(2, 5, 3000)
     floor = np.stack([right, 1.2 + rng.normal(0, 0.01, 3000), ahead], axis=1)
     wall = np.stack([right, rng.uniform(-1.0, 1.2, 3000), np.full(3000, 5.0)], axis=1)
-    leaning = np.stack([np.linspace(0.0, 0.1, 50), np.linspace(1.2, -0.5, 50), np.full(50, 3)], 1)
     xyz = np.vstack([floor, wall]).astype(np.float32)
     none = np.zeros(len(xyz), np.bool_)
     view = SimpleNamespace(lens=1, T_picture_world=np.eye(4), xyz=xyz, labelled=lambda: none)
-    up = upright(cast(View, view), [leaning], across(cast(View, view), [leaning]))
+    # The edge of the picture cuts off the feet of who leans.
+    leaning = np.stack([np.linspace(0.0, 0.1, 50), np.linspace(0.5, -0.5, 50), np.full(50, 3)], 1)
+    up = upright(cast(View, view), across(cast(View, view), [leaning]))
     np.testing.assert_allclose(up, UP, atol=0.01)
 
 

@@ -34,12 +34,12 @@ def parts(links: I64, some: Mask) -> I64:
     for k in range(len(links)):
         one, other = links[k]
         if some[one] and some[other]:
-            one, other = _root(root, one), _root(root, other)
+            one, other = root_of(root, one), root_of(root, other)
             root[max(one, other)] = min(one, other)
     part, count = np.full(len(some), -1), 0
     for i in range(len(some)):
         if some[i]:
-            first = _root(root, i)
+            first = root_of(root, i)
             if first == i:
                 part[i] = count
                 count += 1
@@ -48,7 +48,8 @@ def parts(links: I64, some: Mask) -> I64:
 
 
 @innermost
-def _root(root: I64, at: int) -> int:
+def root_of(root: I64, at: int) -> int:
+    """Where the way ``root`` (N,) of unions ends from ``at``; made shorter on the way."""
     while root[at] != at:
         root[at] = root[root[at]]
         at = root[at]

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.people.heads import beneath_heads
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import FEWEST, UNLIKE, Person
 from pointbrush.tracking.people.stature import DECISIVE, ratio, top_of
@@ -42,6 +43,9 @@ JOINED, TOUCHES = 0.3, 0.1
 JUST = 3
 """Frames within which somebody has just come."""
 
+Offer = tuple[I64, Person | None, I64 | None]
+"""Cells that may be somebody's, whose they were, and the rest of his if that is another's head."""
+
 
 def come_back(sight: Observation, people: Sequence[Person], usual: float, now: int) -> set[int]:
     """Give bodies that nobody labelled had before to those who are missing, the likeliest first.
@@ -52,11 +56,13 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
     offers = _offers(sight, people, gone, usual, now) if gone else []
     ranked = []
     for person in gone:
-        for number, (cells, other) in enumerate(offers):
+        for number, (cells, other, rest) in enumerate(offers):
             if not _may_be(person, other):
                 continue
             cost = _cost(sight, person, cells, other, now)
             if cost is not None:
+                if other is not None and rest is not None:
+                    cost += _rather(sight, other, cells, rest)
                 ranked.append((cost, person.label, number))
     found: set[int] = set()
     given: set[int] = set()
@@ -67,7 +73,7 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
             continue
         found.add(label)
         given.add(number)
-        cells, other = offers[number]
+        cells, other, rest = offers[number]
         taken = np.zeros(len(sight.owner), np.bool_)
         taken[cells] = True
         if other is None or not other.named:
@@ -77,7 +83,11 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
             gone_on.add(other.label)
         sight.owner[sight.owner == label] = 0
         sight.owner[taken] = label
-        _back(people, label)
+        person = next(f for f in gone if f.label == label)
+        person.missing = max(person.missing, 1)
+        if other is not None and rest is not None:
+            person.doubts.add(other.label)
+            other.doubts.add(label)
     return gone_on
 
 
@@ -89,37 +99,46 @@ def _may_be(person: Person, other: Person | None) -> bool:
     return other.since > person.well
 
 
-def _back(people: Sequence[Person], label: int) -> None:
-    """Let a person begin anew where it was found."""
-    person = next(f for f in people if f.label == label)
-    person.missing = max(person.missing, 1)
-
-
 def _offers(
     sight: Observation, people: Sequence[Person], gone: Sequence[Person], usual: float, now: int
-) -> list[tuple[I64, Person | None]]:
-    """Cells that may be somebody's who is ``gone``, and whose they were."""
+) -> list[Offer]:
+    """What may be somebody's who is ``gone``."""
     part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
     count = np.bincount(part[part >= 0])
     large = np.flatnonzero(count >= max(BACK, BACK_SHARE * usual)).tolist()
-    offers: list[tuple[I64, Person | None]] = [(np.flatnonzero(part == n), None) for n in large]
+    offers: list[Offer] = [(np.flatnonzero(part == n), None, None) for n in large]
     for person in people:
         cells = np.flatnonzero(sight.owner == person.label)
         if not person.named and not person.missing and len(cells):
-            offers.append((cells, person))
+            offers.append((cells, person, None))
     if sight.tints is not None:
         for person in (f for f in gone if f.well < now - AWHILE):
             offers += _dressed_as(sight, people, person, usual)
+    for person in (f for f in people if f.named):
+        least = max(BACK, PART * usual)
+        two = beneath_heads(sight, sight.cells_of(person.label), least, person.area)
+        offers += [(own, person, rest) for own, rest in two]
     return offers
+
+
+def _rather(sight: Observation, person: Person, cells: I64, rest: I64) -> float:
+    """How much rather one part of what somebody has is his than the rest is, in the costs here."""
+    middle = np.median((person.xyz + person.step) @ sight.flat, axis=0)
+
+    def cost(own: I64) -> float:
+        away = float(np.linalg.norm(np.median(sight.ground[own], axis=0) - middle))
+        return away - CLOTHES * person.likeness(sight.some(own)) - _tall(sight, person, own)
+
+    return cost(rest) - cost(cells)
 
 
 def _dressed_as(
     sight: Observation, people: Sequence[Person], who: Person, usual: float
-) -> list[tuple[I64, Person | None]]:
+) -> list[Offer]:
     """What others have and is dressed as somebody who is missing, rather than as they are."""
     if who.worn is None:
         return []
-    found: list[tuple[I64, Person | None]] = []
+    found: list[Offer] = []
     his = sight.unlike(who.worn)
     for other in people:
         if other is who or not other.named or other.worn is None:
@@ -129,7 +148,7 @@ def _dressed_as(
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
         large = np.flatnonzero(count >= max(BACK, PART * usual)).tolist()
-        found += [(np.flatnonzero(part == n), other) for n in large]
+        found += [(np.flatnonzero(part == n), other, None) for n in large]
     return found
 
 
@@ -142,9 +161,13 @@ def _cost(
     if away > 1.0 or like < -UNLIKE:
         return None
     nameless = NAMELESS if sight.tints is None and other is not None else 0.0
+    return away - CLOTHES * like - _tall(sight, person, cells) + nameless
+
+
+def _tall(sight: Observation, person: Person, cells: I64) -> float:
+    """What is gained by how likely somebody is as tall as some cells."""
     top = top_of(sight, cells, person.area) if person.stature.known else None
-    tall = 0.0 if top is None else person.stature.likelihood(top)
-    return away - CLOTHES * like - STATURE * tall + nameless
+    return 0.0 if top is None else STATURE * person.stature.likelihood(top)
 
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:

@@ -22,11 +22,12 @@ from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.observation import Observation, across, upright
+from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.people.stature import DECISIVE, ratio
+from pointbrush.tracking.people.vertical import across, upright
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import PATIENCE
 
@@ -64,7 +65,7 @@ class Group:
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
         unit = float(np.median([thing.unit for thing in things.values()]))
         flat = across(view, people.values())
-        up = upright(view, people.values(), flat)
+        up = upright(view, flat)
         group = Group([], float(np.median(sizes)), unit, flat, up, 0.0)
         sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, thing in things.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -24,55 +23,6 @@ SAMPLE = 400
 """Points whose colours are compared."""
 BEFORE = 0.15
 """Metres by which something has to be nearer to hide a place."""
-LEANING = 0.7
-"""Cosine of the image's downward axis and the way people stand under which that is not known."""
-
-LOWEST, EVERY, BROAD = 1.0, 3, 300
-"""Percentile of somebody's heights that his feet are at, which points are asked for the floor, and
-how many of them have to lie on it."""
-FLOOR, TILTED, DEEP = (0.25, 0.12, 0.06), 0.985, 0.3
-"""Metres about the floor that are fitted, one after the other, cosine of the angle that it may be
-off, and deviation of its points along its shorter side."""
-
-
-def across(view: View, people: Iterable[F64]) -> F64:
-    """(3, 2) directions along the ground, to the right and ahead of the sensor.
-
-    People (M, 3) each are longest upright; where they are not, the image's rows tell.
-    """
-    assert view.lens is not None  # noqa: S101
-    spread = np.zeros((3, 3))
-    for xyz in people:
-        away = xyz - xyz.mean(axis=0)
-        spread += away.T @ away / len(xyz)
-    right, down, ahead = view.T_picture_world[:3, :3]
-    up = np.linalg.eigh(spread)[1][:, 2]
-    up = up * np.sign(-up @ down)
-    if -up @ down < LEANING:
-        up = -down
-    flat = np.stack([way - (way @ up) * up for way in (right, ahead)], axis=1)
-    return np.asarray(flat / np.linalg.norm(flat, axis=0))
-
-
-def upright(view: View, people: Iterable[F64], flat: F64) -> F64:
-    """(3,) the way up to a fraction of a degree: the normal of the plane about the height of the
-    lowest of the people (M, 3) each, the floor, or a table that hides it; where none is seen, off
-    the ways along the ground ``flat`` (3, 2)."""
-    up = np.cross(flat[:, 0], flat[:, 1])
-    up = up / np.linalg.norm(up) * -np.sign(up @ view.T_picture_world[1, :3])
-    feet = min(float(np.percentile(xyz @ up, LOWEST)) for xyz in people)
-    rest = view.xyz[~view.labelled()][::EVERY].astype(np.float64)
-    height, normal = rest @ up - feet, up
-    for within in FLOOR:
-        floor = rest[np.abs(height) < within]
-        if len(floor) < BROAD:
-            return up
-        spread, axes = np.linalg.eigh(np.cov(floor.T))
-        normal = axes[:, 0] * np.sign(axes[:, 0] @ up)
-        if normal @ up < TILTED or spread[1] < DEEP**2:
-            return up
-        height = (rest - floor.mean(axis=0)) @ normal
-    return np.asarray(normal)
 
 
 @dataclass(eq=False)
