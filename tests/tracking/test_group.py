@@ -12,12 +12,14 @@ import scenes
 from conftest import follow
 from scipy.ndimage import minimum_filter
 
-from pointbrush.tracking import FrameResult
+from pointbrush.tracking import FrameResult, Seed, TrackOptions
+from pointbrush.tracking.auto import Run
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.geometry.mean_field import agreed
 from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange
 from pointbrush.tracking.people.foreground import Foreground
@@ -314,6 +316,22 @@ def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
     assert track.state == "occluded"
     assert np.all(sight.owner[sight.cells.cell[points]] == 1)
     assert len(points) > 0
+
+
+def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
+    made = crossing(stranger=False, frames=2)
+    first, order = made[0].truth, [0, 1]
+    seeds = [Seed(n, np.flatnonzero(first == n)) for n in (1, 2)]
+    with Workers(None) as workers:
+        run = Run(made.__getitem__, order, seeds, lambda _: None, TrackOptions(), workers)
+        run.start(seeds)
+        run.scene.close()
+    assert run.group is not None
+    assert len(run.group.people) == 2
+    for person in run.group.people:
+        scraps = staged(body(0.0, RED))
+        scraps.owner[:2] = person.label
+        assert person.elsewhere(scraps, 1)
 
 
 def test_scraps_are_not_where_somebody_was_well_seen() -> None:

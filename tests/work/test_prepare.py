@@ -14,7 +14,7 @@ def test_after_preparing_no_run_waits_for_a_loop_to_be_compiled() -> None:
     with event.install_recorder("numba:compile") as compiled_now:
         track(generate("tabletop", 2, 3), "auto")
         for moved in (0.0, 0.02):
-            track(generate("walking", 2, 3), "auto", moved)
+            track(generate("walking", 2, 3), "auto", moved, leaves=2)
     assert compiled_now.buffer == []
 
 

@@ -73,6 +73,7 @@ class Group:
             inside = np.isin(sight.cells.indices, view.labels[label])
             sight.owner[np.unique(sight.cells.cell[inside])] = label
         for person in group.people:
+            person.area = sight.area(sight.cells_of(person.label))
             person.measure(person.top(sight))
         group.usual = float(np.median([person.size for person in group.people]))
         group.people += newcomers(sight, group.people, group.usual, 0)
