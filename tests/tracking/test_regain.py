@@ -53,6 +53,7 @@ def shot(
         (BLUE, 0.05, False, True),
         (SKIN, 0.05, False, False),  # other colours than were painted
         (BLUE, 0.6, False, False),  # goes on out of the box, as an arm does
+        (BLUE, 0.1, False, False),  # ends within the box, but far beyond the thing's own size
         (BLUE, 0.05, True, False),  # somebody's
     ],
 )

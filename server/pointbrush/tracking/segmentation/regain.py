@@ -12,6 +12,7 @@ import numpy as np
 from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.geometry.components import pieces
 from pointbrush.tracking.geometry.near import close_to, within
+from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.objects.free_space import ENOUGH, carved
 from pointbrush.tracking.objects.place import Place
@@ -33,6 +34,9 @@ FEW, SHARP = 0.2, 0.2
 lie where the sensor looked through; cost of a fit up to which that can be told."""
 ALIKE = 0.7
 """Share of a piece's colours that the thing showed where it was painted."""
+FARTHEST = 1.75
+"""Radii from the middle of a thing on the move up to which a piece of it may reach: what was missed
+of it lies about what is known, a hand at its end goes on."""
 
 
 def lost_pieces(
@@ -106,9 +110,13 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
         return False
     if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
         return False
-    # What goes on behind the thing itself is what holds it.
-    if not thing.motion.rests(thing.unit) and cut_off(view, points, 3 * thing.unit, by=core):
-        return False
+    if not thing.motion.rests(thing.unit):
+        away = xyz - transform(place.pose, thing.model.centre[None])
+        if np.linalg.norm(away, axis=1).max() > FARTHEST * thing.model.radius:
+            return False
+        # What goes on behind the thing itself is what holds it.
+        if cut_off(view, points, 3 * thing.unit, by=core):
+            return False
     if thing.soft or len(thing.glimpses) < ENOUGH:
         return True
     return (
