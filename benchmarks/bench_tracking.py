@@ -3,7 +3,7 @@
     python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
                                         [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
-                                        [--seen turned|noisy|elsewhere|nowhere]
+                                        [--seen colourless|turned|noisy|elsewhere|nowhere]
     python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
@@ -14,7 +14,8 @@ happens and the share at 0.5 or more in their last visible frame; CPU millisecon
 (one thread), median and p95.  Then calibration: of the frames with confidence over 0.9 the share
 with IoU over 0.8, and how many those are; of the frames with IoU under 0.5 the share that is
 flagged (lost, occluded or confidence under 0.5), and of those over 0.8 the share flagged for
-nothing.  Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
+nothing.  The ablation ends with one table in place of that: what changes without each idea.
+Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
 """
 
 # The thread limits have to be set before numpy is imported.
@@ -31,6 +32,7 @@ import argparse
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 
+import numpy as np
 from tracking_ablation import IDEAS, without
 from tracking_peers import PEERS, Peer, peer, stay
 from tracking_recordings import KINDS, REAL, SCENES, SEEN, STREETS, Frame, generated, real, street
@@ -118,9 +120,22 @@ def main() -> None:
             print(f"| {kind} | {name} | {score.quality()} |", flush=True)
         for name, why in absent.items():
             print(f"| {kind} | {name} | not measured: {why} |", flush=True)
+    if given.ablation:
+        ablation(scores)
+        return
     if len(kinds) > 1:
         scores["all"] = {name: together(s[name] for s in scores.values()) for name in makers}
     calibration(scores)
+
+
+def ablation(scores: dict[str, dict[str, Score]]) -> None:
+    """Print what changes without each idea, kind by kind; nothing where no label does."""
+    print("\n| | " + " | ".join(scores) + " |\n|---" + "|---" * len(scores) + "|")
+    whole = {kind: of["auto"] for kind, of in scores.items()}
+    print("| `auto` | " + " | ".join(f"{np.mean(s.iou):.3f}" for s in whole.values()) + " |")
+    for idea in IDEAS:
+        cells = [of[f"without {idea}"].change(whole[kind]) for kind, of in scores.items()]
+        print(f"| {idea} | " + " | ".join(cells) + " |")
 
 
 def calibration(scores: dict[str, dict[str, Score]]) -> None:
@@ -129,7 +144,7 @@ def calibration(scores: dict[str, dict[str, Score]]) -> None:
         f"| {kind} | {name} | {score.calibration()} |"
         for kind, of in scores.items()
         for name, score in of.items()
-        if name in OURS or name.startswith("without ")
+        if name in OURS
     ]
     if rows:
         print(

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
+import pkgutil
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from types import ModuleType
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+
+from pointbrush.tracking.sensor.ego_motion import SAMPLE
+
+TRACKING = "pointbrush.tracking"
 
 
 def _claimed_only(
@@ -23,45 +31,118 @@ def _claimed_only(
     return {}, taken
 
 
+def _no(*_: object, **__: object) -> None:
+    pass
+
+
+def _none(*_: object) -> Any:
+    return np.empty(0, np.int64)
+
+
+def _of_none(_self: object, _view: object, points: Any) -> Any:
+    return np.zeros(len(points), bool)
+
+
+def _at_hand(normal: Any) -> Any:
+    return np.arange(0, len(normal), max(1, len(normal) // SAMPLE))
+
+
 IDEAS: dict[str, tuple[str, Any]] = {
-    "motion": (
-        "pointbrush.tracking.objects.motion.Motion.predictions",
-        lambda self: self.poses[-1][None],
-    ),
+    # Where a thing is
+    "motion": ("objects.motion.Motion.predictions", lambda self: self.poses[-1][None]),
+    "sharing out": ("fitting.sharing.share_out", _no),
+    "other guesses": ("fitting.recovery.proposals", lambda *_: []),
+    "guesses in turn over places": ("fitting.fit._over_places", lambda *a: a[3]),
+    "surface beside": ("geometry.registration.excess", lambda *_: 0.0),
+    "staying": ("fitting.fit._rests", lambda *_: False),
+    "what others left": ("disputes.KEPT", 0.0),
+    "whole frame searched": ("fitting.relocation._is_astray", lambda *_: False),
+    "alone in its place": ("fitting.relocation._alone", _no),
+    "looking back": ("smoothing.Smoother._go_back", _no),
+    # Which points it has
     "background": (
-        "pointbrush.tracking.background.depth_background.ImageBackground.static",
+        "background.depth_background.ImageBackground.static",
         lambda _s, _v, i: (np.zeros(len(i), bool), np.zeros(len(i), bool)),
     ),
-    "sharing out": ("pointbrush.tracking.auto.share_out", lambda _s: None),
-    "other guesses": ("pointbrush.tracking.fitting.fit.proposals", lambda *_: []),
-    "growing": ("pointbrush.tracking.auto.grow", _claimed_only),
-    "model over frames": ("pointbrush.tracking.objects.model.Model.gather", lambda *_, **__: None),
+    "hardly before the scene": ("background.depth_background.ImageBackground.faint", _of_none),
+    "revealed": ("background.depth_background.ImageBackground.revealed", _of_none),
+    "growing": ("segmentation.belong.grow", _claimed_only),
+    "whole in the air": ("segmentation.belong._whole", _no),
+    "uncovered by others": ("segmentation.belong._shown", lambda *a: a[3][:0]),
+    "missed pieces": ("segmentation.regain.lost_pieces", _none),
+    "crumbs": ("segmentation.regain.crumbs", _none),
+    "outline": ("segmentation.belong._outlined", lambda *a: (a[3], a[4])),
+    "flying pixels": (
+        "segmentation.flying_pixels.flying",
+        lambda _view, points, _unit: np.zeros(len(points), bool),
+    ),
     "rivals": (
-        "pointbrush.tracking.segmentation.belong.contested",
-        lambda _v, found, *_: np.zeros(len(found.indices), bool),
+        "objects.thing.Rivals.explain",
+        lambda _self, xyz, *_: np.zeros(len(xyz), bool),
     ),
     "places looked through": (
-        "pointbrush.tracking.segmentation.belong.carved",
+        "objects.free_space.carved",
         lambda _glimpses, _view, _pose, points, _unit: np.zeros(len(points), bool),
     ),
-    "missed pieces": (
-        "pointbrush.tracking.segmentation.belong.lost_pieces",
-        lambda *_: np.empty(0, np.int64),
+    "colours that are its alone": (
+        "objects.thing.Thing.distinct",
+        lambda _self, colour: np.zeros(len(colour), bool),
     ),
-    "way of the sensor": ("pointbrush.tracking.sensor.ego_motion.stands", lambda *_: True),
-    "ground": (
-        "pointbrush.tracking.sensor.view.on_ground",
-        lambda xyz: np.zeros(len(xyz), bool),
+    "colours never shown": (
+        "objects.thing.Thing.strange",
+        lambda _self, colour: np.zeros(len(colour), bool),
     ),
-    "hidden from a lidar": ("pointbrush.tracking.sensor.view.range_image_of", lambda *_: None),
-    "rings": ("pointbrush.tracking.objects.thing.across_rings", lambda _xyz: 0.0),
-    "bending": ("pointbrush.tracking.update.learn.strained", lambda *_: 0.0),
-    "slow-only keeping": ("pointbrush.tracking.auto.Run._shadow", lambda *_: np.empty((0, 3))),
+    # What is learnt of it, and how far it is trusted
+    "model over frames": ("objects.model.Model.gather", _no),
+    "bending": ("update.learn.strained", lambda *_: 0.0),
+    "hidden by other colours": ("update.settle.hides", lambda *_: False),
+    "slow-only keeping": ("auto.Run._shadow", lambda *_: np.empty((0, 3))),
+    "swaps": ("swaps.Swaps.meet", _no),
+    # People
+    "scene of the whole run": ("background.scene.Scene._survey", lambda _: []),
+    "noise of each place": ("background.depth_background.ImageBackground.calm", _no),
+    "people together": ("auto.Run._gather", _no),
+    "steps by depth": ("people.displacement._stride", lambda _s, person, *_: person.step),
+    "steps mended": ("people.ownership._mended", lambda *_: np.zeros(3)),
+    "clothes": (
+        "people.ownership._clothes",
+        lambda sight, people: np.zeros((len(sight.owner), len(people))),
+    ),
+    "those without a label": ("people.arrivals.newcomers", lambda *_: []),
+    "the missing come back": ("people.arrivals.come_back", lambda *_: set()),
+    "parts of who came back": ("people.arrivals.merge", lambda *_: set()),
+    "changed back": ("people.exchanges.exchange", _no),
+    "doubts": ("people.group.Group.doubt", _no),
+    "stature": ("people.stature.top_of", _no),
+    # Lidars
+    "way of the sensor": ("sensor.ego_motion.stands", lambda *_: True),
+    "shifts of the scenery": ("sensor.shifts.likely_shifts", lambda *_: np.empty((0, 3))),
+    "planes that face all ways": ("sensor.ego_motion._all_ways", _at_hand),
+    "ground": ("sensor.ground.on_ground", lambda xyz: np.zeros(len(xyz), bool)),
+    "ground painted with it": (
+        "segmentation.ground_below.painted_with_ground",
+        lambda *_: False,
+    ),
+    "hidden from a lidar": ("sensor.range_image.range_image_of", _no),
+    "rings": ("objects.shape.across_rings", lambda _xyz: 0.0),
+    "tolerance by distance": ("objects.thing.Thing.come_to", _no),
+    "what hangs together": ("people.bodies.hang_together", lambda *_: {}),
+    "votes for shifts": ("fitting.recovery.shifts", lambda *_: []),
+    "nothing leaves its way": ("fitting.fit.BEYOND", 0.0),
 }
-"""Idea -> where it lives, and what does nothing in its place."""
+"""Idea -> where it is defined in the tracker, and what does nothing in its place."""
 
 
-def without(idea: str) -> AbstractContextManager[Any]:
-    """A context in which ``auto`` goes without an idea."""
+@contextmanager
+def without(idea: str) -> Iterator[None]:
+    """A context in which ``auto`` goes without an idea, whoever has imported it."""
     where, nothing = IDEAS[idea]
-    return patch(where, nothing)
+    path, name = f"{TRACKING}.{where}".rsplit(".", 1)
+    home = pkgutil.resolve_name(path)
+    old = vars(home)[name]
+    users = [m for n, m in list(sys.modules.items()) if n.startswith(TRACKING)]
+    with ExitStack() as taken_out:
+        for user in users if isinstance(home, ModuleType) else [home]:
+            if vars(user).get(name) is old:
+                taken_out.enter_context(patch.object(user, name, nothing))
+        yield

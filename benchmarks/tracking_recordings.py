@@ -48,12 +48,14 @@ class Frame:
 
 TILT = Rotation.from_euler("xyz", [25, 40, 10], degrees=True).as_matrix()
 AWAY = np.array([1.2, -3.0, 0.7])
-SEEN = ("camera", "turned", "noisy", "elsewhere", "nowhere")
-"""As a depth camera measures; turned; half a millimetre of noise in all directions; turned and
-moved, with its viewpoint, and without."""
+SEEN = ("camera", "colourless", "turned", "noisy", "elsewhere", "nowhere")
+"""As a depth camera measures; without colours; turned; half a millimetre of noise in all
+directions; turned and moved, with its viewpoint, and without."""
 
 
 def _seen(frame: Frame, how: str, rng: np.random.Generator) -> Frame:
+    if how == "colourless":
+        return replace(frame, rgb=None)
     if how == "turned":
         return replace(frame, xyz=frame.xyz @ TILT.T.astype(np.float32), viewpoint=None)
     if how == "noisy":
