@@ -70,7 +70,6 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "whole in the air": ("segmentation.belong._whole", _no),
     "uncovered by others": ("segmentation.belong._shown", lambda *a: a[3][:0]),
     "missed pieces": ("segmentation.regain.lost_pieces", _none),
-    "crumbs": ("segmentation.regain.crumbs", _none),
     "outline": ("segmentation.belong._outlined", lambda *a: (a[3], a[4])),
     "flying pixels": (
         "segmentation.flying_pixels.flying",

@@ -8,11 +8,10 @@ import scenes
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import cut_off
-from pointbrush.tracking.segmentation.regain import crumbs, lost_pieces
+from pointbrush.tracking.segmentation.regain import lost_pieces
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
@@ -104,29 +103,3 @@ def test_what_comes_out_from_behind_the_thing_is_cut_off_by_it_alone() -> None:
     assert cut_off(view, beside, 0.03, by=core)
     assert not cut_off(view, beside, 0.03, by=np.empty(0, np.int64))
     assert not cut_off(view, core, 0.03, by=beside)
-
-
-@pytest.mark.parametrize(("rests", "few"), [(True, 4), (False, 4), (True, 400)])
-def test_a_few_points_beside_what_rests_are_its_rim(rests: bool, few: int) -> None:
-    view, background = shot(SKIN, 0.05)
-    truth = view.frame.truth
-    core, block = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
-    thing = begin(view, 1, core, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
-    for frame in range(MEMORY):
-        pose = np.eye(4)
-        pose[0, 3] = 0.0 if rests else 0.05 * frame
-        thing.motion.add(pose)
-    box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
-    around = view.box(*box)
-    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
-    has = np.zeros(len(view.xyz), np.bool_)
-    has[core] = has[block] = True
-    beside = block[np.argsort(view.xyz[block, 0])[:few]]  # the nearest to the box
-    has[beside] = False
-    found = crumbs(thing, view, place, core, has, background)
-    assert np.isin(beside, found).all() == (rests and few < 5)  # a hand has more than that
-    assert np.isin(found, beside).all()
-    # Where what is left is the room, there is none.
-    place.around = np.arange(len(view.xyz))
-    has = ~background.static(view, place.around)[0]
-    assert not len(crumbs(thing, view, place, core, has, background))

@@ -23,7 +23,7 @@ from pointbrush.tracking.segmentation.assign import Claim, claim, cut_off, toget
 from pointbrush.tracking.segmentation.connectivity import blob, connected
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.segmentation.outline import outline
-from pointbrush.tracking.segmentation.regain import crumbs, lost_pieces
+from pointbrush.tracking.segmentation.regain import lost_pieces
 from pointbrush.tracking.sensor.view import View
 
 REACH, UNLIKE = 2.2, 3.5
@@ -132,8 +132,6 @@ def grow(
             new = together(new, place.uncovered)
         taken[new] = True
         claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
-        place.rim = crumbs(thing, view, place, together(core, new), taken, background)
-        taken[place.rim] = True
     for label in grown:
         claims[label], grown[label] = _outlined(
             things[label], view, places[label], claims[label], grown[label], taken, background
@@ -181,19 +179,19 @@ def _outlined(
     was missed at its outline, and those if it was painted with them."""
     if view.lens is None or not thing.motion.slow(thing.unit):
         return found, new
-    own = np.concatenate([found.indices, new, place.rim])
+    own = np.concatenate([found.indices, new])
     rest = place.around[~taken[place.around]]
     rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
     flies, rim = outline(view, own, rest, thing.unit)
-    first, last = len(found.indices), len(found.indices) + len(new)
-    place.rim = together(place.rim[~flies[last:]], rest[rim])
+    count = len(found.indices)
+    place.rim = rest[rim]
     if thing.painted.with_flying:
         place.rim = together(place.rim, own[flies])
     else:
         place.neutral = np.concatenate([place.neutral, own[flies]])
         taken[own[flies]] = False
     taken[rest[rim]] = True
-    return found.pick(~flies[:first]), new[~flies[first:last]]
+    return found.pick(~flies[:count]), new[~flies[count:]]
 
 
 def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:

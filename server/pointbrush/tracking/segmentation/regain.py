@@ -71,25 +71,6 @@ def lost_pieces(
     return np.sort(np.concatenate(found))
 
 
-def crumbs(
-    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
-) -> I64:
-    """The points (M,), sorted, of smaller pieces beside a thing at rest.
-
-    Its rim, as a rule: what is so small is no hand's.  It is the thing's in this frame, but teaches
-    the model nothing, which would creep on over what it stands on.
-    """
-    if view.lens is None or not thing.motion.rests(thing.unit) or thing.bends:
-        return _NONE
-    rest = _apart(view, place.around[~taken[place.around]], background)
-    if not len(rest):
-        return _NONE
-    piece = pieces(view.xyz[rest].astype(np.float64), thing.unit)
-    points = rest[np.bincount(piece)[piece] < _least(thing)]
-    xyz = view.xyz[core].astype(np.float64)
-    return np.sort(points[close_to(view.xyz[points], xyz, BESIDE * thing.unit)])
-
-
 def _apart(view: View, points: I64, background: Background) -> I64:
     """Those of the points (M,) that lie before what never moves."""
     return points[~(background.static(view, points)[0] | background.drawn_on(view, points))]
