@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,14 +43,12 @@ class Score:
         seeds = [Seed(n, np.flatnonzero(first == n)) for n in labels]
         found: dict[int, list[tuple[int, float]]] = {label: [] for label in labels}
         options = TrackOptions(continue_lost=True)
-        order = range(len(frames))
-        clock = time.process_time()
-        for result in method.track(frames.__getitem__, order, seeds, lambda _: None, options):
-            spent = time.process_time() - clock
+        order, clock = range(len(frames)), _StepClock(frames)
+        run = method.track(clock.frame, order, seeds, lambda _: None, options)
+        for result in clock.timed(run):
             if result.frame:
-                self.ms.append(1e3 * spent / len(labels))
                 self._compare(frames[result.frame], result, found)
-            clock = time.process_time()
+        self.ms += [1e3 * seconds / len(labels) for seconds in clock.seconds]
         for history in found.values():
             self._follow(history, len(frames))
 
@@ -117,6 +115,40 @@ class Score:
         iou = np.array(self.iou)
         some = (iou >= least) & (iou < most)
         return int(np.array(self.flagged)[some].sum()), int(some.sum())
+
+
+class _StepClock:
+    """CPU ``seconds`` of each step of a run, from its asking for a new frame to the next.
+
+    Between two results there may be several steps, as a method may hold results back.
+    """
+
+    def __init__(self, frames: Sequence[Frame]) -> None:
+        self.seconds: list[float] = []
+        self._frames, self._newest, self._clock = frames, 0, 0.0
+        self._begun = False
+
+    def frame(self, number: int) -> Frame:
+        """A frame; the first to be asked for after the newest until now begins a step."""
+        if self._begun and number > self._newest:
+            self._count()
+            self._newest = number
+            self.seconds.append(0.0)
+        return self._frames[number]
+
+    def timed(self, run: Iterator[FrameResult]) -> Iterator[FrameResult]:
+        """The results; what is done with them takes no time, nor what comes before the first."""
+        for result in run:
+            self._count()
+            yield result
+            self._begun, self._clock = True, time.process_time()
+        self._count()
+
+    def _count(self) -> None:
+        now = time.process_time()
+        if self.seconds:
+            self.seconds[-1] += now - self._clock
+        self._clock = now
 
 
 def together(scores: Iterable[Score]) -> Score:

@@ -17,11 +17,15 @@ CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
 """Clusters that are looked at, points of one at least, and radii of the model that one that ends
 all round has at most."""
 TURN = np.radians(40.0)
-TURNS = [
-    np.asarray(Rotation.from_rotvec(sign * TURN * axis).as_matrix())
-    for axis in np.eye(3)
-    for sign in (1.0, -1.0)
-]
+TURNS = np.stack(
+    [
+        Rotation.from_rotvec(sign * TURN * axis).as_matrix()
+        for axis in np.eye(3)
+        for sign in (1.0, -1.0)
+    ]
+)
+"""Rotations (6, 3, 3) by TURN about each axis, either way."""
+AS_IT_WAS = np.eye(3)[None]
 ALL_WAYS = Rotation.create_group("O").as_matrix()
 """Rotations (24, 3, 3) of which one is within 63 degrees of any."""
 SLIDES = (-0.6, -0.3, 0.3, 0.6)
@@ -46,15 +50,13 @@ def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, length = _axis(world)
-    result = [_move(pose, middle, middle, R) for R in TURNS]
+    result = [*_moved(pose, middle, middle, TURNS)]
     for centre, points in _clusters(thing, target):
-        result.append(_move(pose, middle, centre, np.eye(3)))
-        result += [_move(pose, middle, centre, R) for R in TURNS]
-        along, other = _axis(points)
-        if length > 1.5 and other > 1.5:
-            result += [
-                _move(pose, middle, centre, _turn(axis, sign * along)) for sign in (1.0, -1.0)
-            ]
+        turns = [AS_IT_WAS, TURNS]
+        along, other = _axis(points) if length > 1.5 else (axis, 1.0)
+        if other > 1.5:
+            turns += [_turn(axis, sign * along)[None] for sign in (1.0, -1.0)]
+        result += [*_moved(pose, middle, centre, np.concatenate(turns))]
     return result
 
 
@@ -84,15 +86,15 @@ def nudges(model: Model, pose: F64) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
-    result = [_move(pose, middle, middle, R) for R in TURNS]
     away = [middle + step * model.radius * axis for step in SLIDES]
-    return result + [_move(pose, middle, there, np.eye(3)) for there in away]
+    slid = [_moved(pose, middle, there, AS_IT_WAS)[0] for there in away]
+    return [*_moved(pose, middle, middle, TURNS), *slid]
 
 
 def turned_at(model: Model, pose: F64, middle: F64) -> F64:
     """Poses (24, 4, 4) with the model's middle at ``middle``, turned all ways against ``pose``."""
     at = transform(pose, model.xyz).mean(axis=0)
-    return np.stack([_move(pose, at, middle, R) for R in ALL_WAYS])
+    return _moved(pose, at, middle, ALL_WAYS)
 
 
 def alike(model: Model, colour: F32) -> Mask:
@@ -148,7 +150,8 @@ def _axis(xyz: F64) -> tuple[F64, float]:
     """Longest direction, and how many times longer it is than the next."""
     if len(xyz) < 3:
         return np.array([1.0, 0.0, 0.0]), 1.0
-    values, vectors = np.linalg.eigh(np.cov(xyz.T))
+    off = xyz.T - xyz.mean(axis=0)[:, None]
+    values, vectors = np.linalg.eigh((off @ off.T) * (1.0 / (len(xyz) - 1)))
     spread = float(np.sqrt(max(values[2], 1e-12) / max(values[1], 1e-12)))
     return vectors[:, 2], spread
 
@@ -166,9 +169,11 @@ def _turn(a: F64, b: F64) -> F64:
     return np.asarray(np.eye(3) + K + K @ K / (1 + c))
 
 
-def _move(pose: F64, middle: F64, centre: F64, R: F64) -> F64:
-    """``pose`` turned by ``R`` about ``middle`` and brought to ``centre``."""
-    T = np.eye(4)
-    T[:3, :3] = R
-    T[:3, 3] = centre - R @ middle
-    return T @ pose
+def _moved(pose: F64, middle: F64, centre: F64, turns: F64) -> F64:
+    """(K, 4, 4) ``pose`` turned by each of ``turns`` (K, 3, 3) about ``middle`` (3,) and brought
+    to ``centre`` (3,)."""
+    T = np.zeros((len(turns), 4, 4))
+    T[:, :3, :3] = turns
+    T[:, :3, 3] = centre - turns @ middle
+    T[:, 3, 3] = 1.0
+    return np.asarray(T @ pose)
