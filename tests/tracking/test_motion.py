@@ -52,3 +52,19 @@ def test_an_unsure_pose_leaves_the_motion_as_it_was() -> None:
     jump[:3, 3] += 1.0
     motion.add(jump, sure=False)
     assert np.isclose(motion.speed, before, rtol=0.3)
+
+
+def test_what_rested_is_looked_for_where_it_was_until_it_is_well_seen_elsewhere() -> None:
+    motion, pushed = Motion(np.zeros(3)), np.eye(4)
+    for _ in range(8):
+        motion.add(np.eye(4))
+    motion.seen(unit=0.01)
+    for i in range(1, 4):  # what half hides it seems to push it
+        pushed = np.eye(4)
+        pushed[0, 3] = 0.02 * i
+        motion.add(pushed)
+    motion.gap = 5
+    assert (np.abs(motion.predictions() - np.eye(4)).max(axis=(1, 2)) < 1e-9).any()
+    motion.seen(unit=0.01)
+    assert motion.rested is None
+    assert (np.abs(motion.predictions() - np.eye(4)).max(axis=(1, 2)) > 0.01).all()

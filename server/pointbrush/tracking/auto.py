@@ -315,6 +315,8 @@ class Run:
             # What is hidden cannot be told from what is gone: it may be where it was.
             hidden = [t for n, t in slow.items() if n not in view.labels and not t.stopped]
             there += [transform(t.motion.poses[-1], t.model.xyz) for t in hidden]
+        else:
+            there += [_hidden_at_rest(t, view) for t in self.things.values()]
         return np.concatenate([np.empty((0, 3)), *there])
 
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
@@ -347,6 +349,15 @@ class Run:
         anew = self.things[thing.label]
         anew.extent, anew.size, anew.trust, anew.worn = thing.span, thing.size, AGAIN, thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
+
+
+def _hidden_at_rest(thing: Thing, view: View) -> F64:
+    """(M, 3) where a thing that rested may be behind what is seen: it is not seen past there."""
+    if thing.motion.rested is None:
+        return np.empty((0, 3))
+    world = transform(thing.motion.rested, thing.model.xyz)
+    cell, depth = view.project(world)
+    return np.asarray(world[view.depth[cell] < depth + 3 * thing.unit])
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -99,7 +99,7 @@ def register(search: Search) -> tuple[F64, float]:
         search.vain = search.thing.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
-        best = motion.poses[-1]
+        best = motion.poses[-1] if motion.rested is None else motion.rested
         return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
@@ -136,6 +136,8 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     thing, last = search.thing, search.thing.motion.poses[-1]
     if thing.bends:
         return False
+    if thing.motion.rested is not None:
+        last = thing.motion.rested
     if search.view.lens is None:
         some = thing.model.xyz[search.few]
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
@@ -144,7 +146,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
         still = first if slips else STILL
         may = bool(moved <= still * thing.unit)
     else:
-        may = thing.handy and thing.motion.rests(thing.unit) and _hidden(search, last)
+        may = thing.handy and thing.motion.rested is not None and _hidden(search, last)
     return may and float(_scores(search, last[None])[0]) < score + AS_WELL
 
 

@@ -22,6 +22,9 @@ class Motion:
     poses: list[F64] = field(default_factory=lambda: [np.eye(4)])
     gap: int = 1
     """Frames since the last pose."""
+    rested: F64 | None = None
+    """The pose at which it rested when it was last well seen, unless it was seen elsewhere since:
+    what hides it may seem to push it, or to have taken it along."""
 
     def add(self, pose: F64, sure: bool = True) -> None:
         """The object was found; a gap is filled by even motion.
@@ -43,7 +46,11 @@ class Motion:
 
     def begin(self, pose: F64) -> None:
         """The object was found where no motion led: what it was doing is unknown."""
-        self.poses, self.gap = [pose], 1
+        self.poses, self.gap, self.rested = [pose], 1, None
+
+    def seen(self, unit: float) -> None:
+        """It was well seen at its last pose."""
+        self.rested = self.poses[-1] if self.rests(unit) else None
 
     @property
     def fresh(self) -> bool:
@@ -101,6 +108,8 @@ class Motion:
         result += [self._pose(kept, here + step), self._pose(kept, here)]
         if len(self.poses) > 2:
             result = [self._swung(turned), self._pose(turned, here + even), *result]
+        if self.rested is not None:
+            result.append(self.rested)
         return np.stack(result)
 
     def _swung(self, turned: F64) -> F64:

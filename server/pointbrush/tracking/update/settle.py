@@ -32,6 +32,8 @@ SCRAP = 0.05
 LESS = 0.6
 """How much rarer, in the mean logarithm, colours may be on the known surface than its own usually
 are: half as common. It is known better than what was painted, and of all sides."""
+WELL = 0.5
+"""Share of its size from which a small thing is well seen."""
 STAYED = 0.35
 """Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
@@ -75,6 +77,8 @@ def settle(
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
+    if thing.handy and len(points) > WELL * thing.size:
+        thing.motion.seen(thing.unit)
     if place.cost < DOUBTFUL:
         stretch(thing, view, place, verdict)
     # What bends fits badly as a whole, and well where it was bent.
