@@ -21,7 +21,7 @@ from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, mistakable
-from pointbrush.tracking.people.exchanges import FRAMES, exchange
+from pointbrush.tracking.people.exchanges import FRAMES, exchange, exchanged
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
@@ -381,6 +381,22 @@ def test_who_changed_places_are_changed_back_when_their_statures_tell(
     exchange(sight, [one, two], 10)
     assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.stature.tops[0] == (other if told else 0.0)
+
+
+@pytest.mark.parametrize("doubted", [True, False])
+def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubted: bool) -> None:
+    one, stranger = as_tall(1, 0.0, 0.3), somebody(-1, 1.0, RED, well=9)
+    one.doubts = {2} if doubted else set()
+    one.sure, stranger.since = 4, 6
+    sight = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
+    sight.owner[:] = np.repeat([1, -1], 30)
+    for now in range(10, 10 + FRAMES):
+        one.well = stranger.well = now
+        exchange(sight, [one, stranger], now)
+    assert sight.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
+    # Who was there while he was surely himself is not he.
+    one.sure = 8
+    assert not list(exchanged(sight, [one, stranger], 10))
 
 
 def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -> None:

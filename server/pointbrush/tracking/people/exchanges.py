@@ -1,7 +1,8 @@
 """Two people who have changed places are changed back once their clothes or statures tell it.
 
 Who meets another is followed by place, and may take the other's.  Later both are well seen, each
-dressed, or as tall, as the other: then they exchange their labels, in that frame on.
+dressed, or as tall, as the other: then they exchange their labels, in that frame on.  So does who
+is doubted with somebody without a label, who came since he was surely himself.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ def exchanged(
 ) -> Iterator[tuple[Person, Person, bool]]:
     """Pairs of people who are each clearly dressed, or as tall, as the other; and whether both
     statures tell it, for which one frame is enough."""
-    seen = [f for f in people if f.named and len(sight.cells_of(f.label))]
+    seen = [f for f in people if len(sight.cells_of(f.label))]
     some = {f.label: sight.some(sight.cells_of(f.label)) for f in seen}
     tops = {f.label: f.top(sight) for f in seen}
     for one, other in combinations(seen, 2):
-        own, cross = (
-            [who.likeness(some[label]) for who, label in zip((one, other), labels, strict=True)]
-            for labels in ((one.label, other.label), (other.label, one.label))
-        )
-        rather = min(np.subtract(cross, own))
+        named = [(f, g) for f, g in ((one, other), (other, one)) if f.named]
+        if not named or not all(g.named or _may_have_taken(f, g) for f, g in named):
+            continue
+        cross = [f.likeness(some[g.label]) for f, g in named]
+        rather = min(np.subtract(cross, [f.likeness(some[f.label]) for f, _ in named]))
         taller = (
             ratio(tops[one.label], other.stature, one.stature),
             ratio(tops[other.label], one.stature, other.stature),
@@ -48,6 +49,11 @@ def exchanged(
             yield one, other, certain
 
 
+def _may_have_taken(person: Person, stranger: Person) -> bool:
+    """Whether somebody may have the place of a stranger, who has his."""
+    return bool(person.doubts) and stranger.since > person.sure
+
+
 def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
     """Change back who changed places, and doubt those of whom it is not certain yet."""
     pairs = list(exchanged(sight, people, now))
@@ -56,9 +62,12 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
             person.mistaken = 0
     for one, other, certain in pairs:
         one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
-        one.doubts.add(other.label)
-        other.doubts.add(one.label)
+        if one.named and other.named:
+            one.doubts.add(other.label)
+            other.doubts.add(one.label)
         if certain or min(one.mistaken, other.mistaken) >= FRAMES:
             mine, others = sight.owner == one.label, sight.owner == other.label
             sight.owner[mine], sight.owner[others] = other.label, one.label
             one.become(other)
+            for stranger in (f for f in (one, other) if not f.named):
+                stranger.since = now

@@ -149,6 +149,7 @@ class Group:
         person.doubts -= {f.label for f in here if told(some, top, person, f)}
         person.doubts |= {f.label for f in as_tall if told(some, top, f, person)}
         if not person.doubts and looks.likelihood() > SURE:
+            person.sure = self.now
             person.measure(top)
 
 

@@ -42,7 +42,7 @@ class Person:
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
     came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubts``
     whom he may be as well, by label; ``mistaken`` frames in which he and another were dressed as
-    each other; ``stature`` how tall he is.
+    each other; ``sure`` the last frame in which he was surely himself; ``stature`` how tall he is.
     """
 
     label: int
@@ -66,11 +66,13 @@ class Person:
     mistaken: int = 0
     stature: Stature = field(default_factory=Stature)
     first: float = field(init=False)
+    sure: int = field(init=False)
 
     def __post_init__(self) -> None:
         """What he starts with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
         self.first, self.well, self.known = self.size, self.since, self.xyz
+        self.sure = self.since
 
     @property
     def named(self) -> bool:
@@ -100,7 +102,7 @@ class Person:
         """Change places with another: each is himself, where the other was thought to be."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
         one, two = self.went + apart, other.went - apart
-        for name in ("label", "worn", "with_flying", "first", "trust", "doubts", "stature"):
+        for name in ("label", "worn", "with_flying", "first", "trust", "doubts", "stature", "sure"):
             mine, others = getattr(self, name), getattr(other, name)
             setattr(self, name, others)
             setattr(other, name, mine)

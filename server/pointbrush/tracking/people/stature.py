@@ -41,7 +41,10 @@ class Stature:
         return len(self.tops) >= FEWEST
 
     def likelihood(self, top: float) -> float:
-        """Logarithm of the density of a measured top, over that of any within the range."""
+        """Logarithm of the density of a measured top, over that of any within the range; 0 while
+        the stature is not known."""
+        if not self.known:
+            return 0.0
         varies = VARIES * math.sqrt(1 + 1 / len(self.tops))
         away = (top - float(np.median(self.tops))) / varies
         upright = math.exp(-0.5 * away**2) / (varies * math.sqrt(2 * math.pi))
@@ -49,10 +52,8 @@ class Stature:
 
 
 def ratio(top: float | None, one: Stature, other: Stature) -> float:
-    """Logarithm of how much likelier a top is one's than another's; 0 where that is not known."""
-    if top is None or not (one.known and other.known):
-        return 0.0
-    return one.likelihood(top) - other.likelihood(top)
+    """Logarithm of how much likelier a top is one's than another's; 0 where none is seen."""
+    return 0.0 if top is None else one.likelihood(top) - other.likelihood(top)
 
 
 def top_of(sight: Observation, cells: I64, area: float) -> float | None:
