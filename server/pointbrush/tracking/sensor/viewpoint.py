@@ -2,7 +2,9 @@
 
 From the place of the sensor each direction shows one surface; from anywhere else things stand in
 the way of what the sensor saw beside them.  The place where the fewest points are hidden is looked
-for all around, and then closer and closer.
+for all around, and then closer and closer.  That leaves it open by as much as half the distance
+how far away the place is, where few things stand before others; how evenly the points fill the
+image tells it (``sampling.py``).
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import numpy as np
 
 from pointbrush.tracking.interface import F32, F64
 from pointbrush.tracking.sensor.lens import SPREAD, axes_along
+from pointbrush.tracking.sensor.sampling import AHEAD, NARROW, evened
 
 FEWEST = 2000
 """Points from which a place can be told."""
@@ -29,8 +32,8 @@ AT_MOST = 0.06
 more than twice as many are, from wherever."""
 PERHAPS = 0.4
 """The same, far from the place, beyond which it is not looked for closer."""
-AHEAD, NARROW, STRAY = 0.6, 0.45, 0.002
-"""Length of the mean ray of an image at least, cosine from it at most, and the share beyond."""
+STRAY = 0.002
+"""Share of the points that may be farther aside than an image is wide."""
 
 
 def find_camera(xyz: F32) -> F64 | None:
@@ -57,7 +60,10 @@ def find_camera(xyz: F32) -> F64 | None:
     if _hidden(many, best, gap) > 2 * AT_MOST:
         return None
     place = _closer(every, best, gap, 2 * last, least)
-    return place if _hidden(every, place, gap) < AT_MOST else None
+    if _hidden(every, place, gap) >= AT_MOST:
+        return None
+    closer = evened(many, place, size)
+    return closer if _hidden(every, closer, gap) < AT_MOST else place
 
 
 def _thinned(xyz: F32, most: int) -> F64:
