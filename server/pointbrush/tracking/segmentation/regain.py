@@ -34,9 +34,9 @@ FEW, SHARP = 0.2, 0.2
 lie where the sensor looked through; cost of a fit up to which that can be told."""
 ALIKE = 0.7
 """Share of a piece's colours that the thing showed where it was painted."""
-FARTHEST = 1.75
-"""Radii from the middle of a thing on the move up to which a piece of it may reach: what was missed
-of it lies about what is known, a hand at its end goes on."""
+FARTHEST, END = 1.75, 0.5
+"""Radii from the middle of a thing on the move from which what reaches so far is an end of it, and
+share of its points that an end has at most: a hand has more."""
 
 
 def lost_pieces(
@@ -93,7 +93,8 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
         return False
     if not thing.motion.rests(thing.unit):
         away = xyz - transform(place.pose, thing.model.centre[None])
-        if np.linalg.norm(away, axis=1).max() > FARTHEST * thing.model.radius:
+        far = np.linalg.norm(away, axis=1).max() > FARTHEST * thing.model.radius
+        if far and len(points) > END * len(core):
             return False
         # What goes on behind the thing itself is what holds it.
         if cut_off(view, points, 3 * thing.unit, by=core):
