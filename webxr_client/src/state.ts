@@ -120,7 +120,7 @@ export const activeLabel: ReadonlySignal<Label | null> = computed(
 
 /** A tracking run in progress, or null. */
 export const trackingJob: ReadonlySignal<Job | null> = computed(
-  () => state.jobs.value.find((job) => job.kind === 'tracking' && isActive(job)) ?? null,
+  () => state.jobs.value.find(isTracking) ?? null,
 );
 
 /** An import in progress, or null. */
@@ -133,6 +133,11 @@ export const canEdit: ReadonlySignal<boolean> = computed(() => state.me.value?.r
 
 export function isActive(job: Job): boolean {
   return job.state === 'queued' || job.state === 'running';
+}
+
+/** Whether a job is a tracking run that has not ended. */
+export function isTracking(job: Job): boolean {
+  return job.kind === 'tracking' && isActive(job);
 }
 
 /** Change some fields of a settings signal, e.g. `patch(state.brush, { radius: 0.1 })`. */

@@ -6,7 +6,7 @@ import { firstOf } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { SequenceInfo, ServerPresence } from '../protocol/messages';
-import { isActive, notify, state } from '../state';
+import { isActive, isTracking, notify, state } from '../state';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
@@ -55,6 +55,9 @@ export class Inbox {
   private takeLabelUpdate(update: LabelUpdate): void {
     if (update.sequence !== state.sequence.peek()?.id) return;
     if (update.provisional) {
+      // A run's end goes ahead of what waits: what it found is committed by then, or given up.
+      if (!state.jobs.peek().some((job) => job.sequence === update.sequence && isTracking(job)))
+        return;
       const frame = this.deps.playback.store.get(update.frame);
       if (!frame) return;
       frame.mergeOverlay('provisional', update.lengths, update.values);
