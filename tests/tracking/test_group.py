@@ -190,7 +190,9 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     left, right = np.zeros((5, 3)), np.tile([1.6, 0.0, 3.0], (5, 1))
     middle = np.vstack([left, right])
     cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
-    sight = SimpleNamespace(owner=np.ones(10, np.int64), cells=cells, ground=middle[:, [0, 2]])
+    flat = np.eye(3)[:, [0, 2]]
+    owner = np.ones(10, np.int64)
+    sight = SimpleNamespace(owner=owner, cells=cells, ground=middle @ flat, flat=flat)
     sight.cells_of, sight.area = lambda _: np.arange(10), len
     person = Person(1, middle, middle.astype(np.float32), 0, missing=1)
     person.follow(cast(Observation, sight), np.zeros(3), 1)
@@ -304,6 +306,31 @@ def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
     background = SimpleNamespace(waver=lambda depth: np.full(len(depth), noise))
     found = cell_size(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
     assert found == pytest.approx(size, rel=0.02)
+
+
+def test_somebody_has_gone_where_he_is_elsewhere_along_the_ground() -> None:
+    sight = staged(body(0.0, RED))
+    person = somebody(1, 0.0, RED, 0)
+    sight.owner[:] = 1
+    stride = 0.2 * sight.flat[:, 0]
+    for now in range(3):
+        person.follow(sight, sight.up, now)
+    assert person.gone() is None
+    for now in range(3, 6):
+        person.follow(sight, stride, now)
+    assert person.gone() == (3, pytest.approx(0.6))
+
+
+def test_what_somebody_leaves_behind_is_made_scenery() -> None:
+    sight = staged(body(0.0, RED))
+    told: list[tuple[int, int, float]] = []
+    background = SimpleNamespace(left_behind=lambda *what: told.append(what))
+    people = [somebody(label, 0.0, RED, 0) for label in (1, 2, -1)]
+    for person, stride in zip(people, (0.3, 0.1, 0.3), strict=True):
+        person.ways = [np.array([stride * i, 0.0]) for i in range(4)]
+    group = Group(people, 0.1, 0.01, sight.flat, sight.up, 30.0)
+    group.leave_behind(cast(ImageBackground, background))
+    assert told == [(1, 2, pytest.approx(0.6))]
 
 
 def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:

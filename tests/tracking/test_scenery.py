@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import scenes
 
 from pointbrush.tracking import FrameResult
@@ -194,3 +195,24 @@ def test_what_stands_for_a_while_before_the_scene_is_furniture() -> None:
     assert background.furniture(view, every).all()
     background.depth += np.float32(0.5)
     assert not background.furniture(view, every).any()
+
+
+@pytest.mark.parametrize(
+    ("way", "stood", "left"), [(0.5, 20, True), (0.01, 20, False), (0.5, 1, False)]
+)
+def test_what_stands_while_who_has_its_label_goes_on_is_scenery(
+    way: float, stood: int, left: bool
+) -> None:
+    v, u = np.mgrid[0:48, 0:64]
+    box = (u >= 20) & (u < 20 + stood) & (v > 20)
+    scene = unknown_scene()
+    for number in range(4):
+        walker = (u >= 30) & (u < 50) & ~box
+        depth = np.where(box, 3.0, np.where(walker, 2.0 + 0.2 * number, 4.0))
+        view = filmed(number, depth, box | walker)
+        scene.learn(view, first=number == 0)
+    points = np.flatnonzero(box.ravel())
+    assert not scene.scenery(view, points, 100).any()
+    scene.left_behind(1, 3, way)
+    assert scene.scenery(view, points, 100).all() == left
+    assert not scene.scenery(view, np.flatnonzero(walker.ravel()), 100).any()

@@ -37,6 +37,9 @@ RARELY, MOSTLY = 0.25, 0.5
 """Share of the frames that must show the scene, and show what lies off the scene drawn on."""
 FAINT = 0.5
 """Deviations from which a point may be of something that touches the background there."""
+FARTHER, LARGE = 2.0, 0.1
+"""Times that a depth wavers that who had a place has to have gone for what stands there not to be
+his, and the share of what he has from which it is not a foot."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
 
@@ -202,6 +205,20 @@ class ImageBackground:
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit, stood = NEAR * self.waver(depth), self.depth[cell]
         return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
+
+    def left_behind(self, label: int, frames: int, way: float) -> None:
+        """What has been as deep for so many ``frames`` is scenery, though it has a ``label``: who
+        has that has gone a ``way`` (m) since.  Where the scene behind is known, that tells.
+
+        A foot stands too, and a side of somebody may slide along itself: they are small.
+        """
+        labelled = np.flatnonzero(self.owner == label)
+        stands = labelled[np.isnan(self.scene[labelled]) & (self.age[labelled] >= frames)]
+        limit = NEAR * self.waver(self.anchor[stands]) * self.scale[stands]
+        stands = stands[way > FARTHER * limit]
+        if len(stands) > LARGE * len(labelled):
+            self.depth[stands] = self.anchor[stands]
+            self.nearest = None
 
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""

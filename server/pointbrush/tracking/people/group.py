@@ -109,6 +109,7 @@ class Group:
     ) -> dict[int, tuple[TrackState, I64]]:
         """Who has which of the ``free`` points (N,) of the next frame."""
         self.now += 1
+        self.leave_behind(background)
         sight = self._sight(view, background, free)
         people = self.people
         shares = None
@@ -130,6 +131,13 @@ class Group:
                 found[person.label] = outcome(sight, person, looks)
         self.people = [f for f in self.people if f.named or f.missing < FORGOTTEN]
         return found
+
+    def leave_behind(self, background: ImageBackground) -> None:
+        """What stands still while who has its label goes on is none of him."""
+        for person in (f for f in self.people if f.named):
+            gone = person.gone()
+            if gone is not None:
+                background.left_behind(person.label, *gone)
 
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
         """Doubt who is found again, or much larger, where another may be, and that other, until

@@ -30,6 +30,8 @@ UNLIKE = 1.5
 """How much less like his clothes, in the mean logarithm, something has to be to be not his."""
 SHRINKS = 0.98
 """Share of the most cells that counts a frame later."""
+GONE, AWHILE = 0.45, 2
+"""Metres that somebody has gone, in so many frames or more, with which all of him has moved."""
 
 
 @dataclass(eq=False)
@@ -42,7 +44,8 @@ class Person:
     were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
     came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubts``
     whom he may be as well, by label; ``mistaken`` frames in which he and another were dressed as
-    each other; ``sure`` the last frame in which he was surely himself; ``stature`` how tall he is.
+    each other; ``sure`` the last frame in which he was surely himself; ``stature`` how tall he is;
+    ``ways`` (2,) along the ground up to each of the last frames, all of which show him.
     """
 
     label: int
@@ -65,6 +68,7 @@ class Person:
     doubts: set[int] = field(default_factory=set)
     mistaken: int = 0
     stature: Stature = field(default_factory=Stature)
+    ways: list[F64] = field(default_factory=list)
     first: float = field(init=False)
     sure: int = field(init=False)
 
@@ -107,6 +111,7 @@ class Person:
             setattr(self, name, others)
             setattr(other, name, mine)
         self.went, other.went = two, one
+        self.ways, other.ways = [], []
         self.mistaken = other.mistaken = 0
 
     def follow(self, sight: Observation, step: F64, now: int) -> None:
@@ -135,11 +140,21 @@ class Person:
         if area >= SCRAP * self.area:
             self.well, self.known = now, self.xyz
         self.missing, self.age = 0, self.age + 1
+        self.ways.append(self.went @ sight.flat)
+
+    def gone(self) -> tuple[int, float] | None:
+        """Frames within which he has gone so far that all of him has moved, and how far (m)."""
+        for frames, way in enumerate(reversed(self.ways)):
+            far = float(np.linalg.norm(way - self.ways[-1]))
+            if frames >= AWHILE and far > GONE:
+                return frames, far
+        return None
 
     def _hide(self) -> None:
         """Go on unseen, ever slower."""
         self.missing += 1
         self.last = 0
+        self.ways = []
         self.xyz, self.went = self.xyz + self.step, self.went + self.step
         self.step = STOPS * self.step
 
