@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import scenes
 
@@ -69,40 +72,74 @@ def test_like_things_that_start_beside_each_other_stay_apart() -> None:
     assert min(np.mean(of) for of in found.values()) > 0.6
 
 
+@dataclass
+class Flight:
+    """A club in two frames, 0.3 m apart along x.
+
+    Of the first its points ``painted`` (M,) are known, the ``upper`` end alone or all; in the
+    second there are ``other`` parts too.
+    """
+
+    other: Sequence[scenes.Part] = ()
+    upper: bool = False
+
+    def __post_init__(self) -> None:
+        rng = np.random.default_rng(2)
+        camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+        here, there = (club(1, np.array([x, 1.4, 1.9]), np.eye(3)) for x in (0.0, 0.3))
+        frames = [camera.shoot(here, rng), camera.shoot([*there, *self.other], rng)]
+        lens = find_lens(frames[0])
+        self.first, self.view = View(0, frames[0], lens), View(1, frames[1], lens)
+        unknown = np.full_like(self.first.depth, np.nan)
+        noise = DepthNoise(0.004, 0.002)
+        self.background = ImageBackground(noise, unknown, unknown.copy(), np.ones_like(unknown))
+        self.mine = np.flatnonzero(self.first.frame.truth == 1)
+        self.first.labels = {1: self.mine}
+        self.background.learn(self.first, first=True)
+        high = self.first.xyz[self.mine, 1] > 1.4
+        self.painted = self.mine[high] if self.upper else self.mine
+        none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+        self.thing = begin(self.first, 1, self.painted, 0.004, none)
+        pose, before, ago = np.eye(4), np.eye(4), np.eye(4)
+        pose[0, 3], before[0, 3], ago[0, 3] = 0.3, -0.3, -0.6
+        self.thing.motion.poses = [ago, before, np.eye(4)]
+        model = self.thing.model.xyz
+        box = (model.min(axis=0) + [0.3, 0, 0] - 0.15, model.max(axis=0) + 0.45)
+        around = self.view.box(*box)
+        self.place = Place(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
+        self.core = own_points(self.thing, self.view, self.place)
+
+    def grown(self) -> np.ndarray:
+        """New surface of the club in the second frame."""
+        free = np.ones(len(self.view.xyz), np.bool_)
+        claims, places = {1: self.core}, {1: self.place}
+        return grow({1: self.thing}, self.view, places, claims, free, self.background)[0][1]
+
+
 def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
-    rng = np.random.default_rng(2)
-    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
-    frames = [camera.shoot(club(1, np.array([x, 1.4, 1.9]), np.eye(3)), rng) for x in (0.0, 0.3)]
-    lens = find_lens(frames[0])
-    first, view = View(0, frames[0], lens), View(1, frames[1], lens)
-    unknown = np.full_like(first.depth, np.nan)
-    background = ImageBackground(
-        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
-    )
-    mine = np.flatnonzero(first.frame.truth == 1)
-    first.labels = {1: mine}
-    background.learn(first, first=True)
-    end = mine[first.xyz[mine, 1] > 1.4]
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
-    thing = begin(first, 1, end, 0.004, none)
-    pose, before, ago = np.eye(4), np.eye(4), np.eye(4)
-    pose[0, 3], before[0, 3], ago[0, 3] = 0.3, -0.3, -0.6
-    thing.motion.poses = [ago, before, np.eye(4)]
-    box = (thing.model.xyz.min(axis=0) + [0.3, 0, 0] - 0.15, thing.model.xyz.max(axis=0) + 0.45)
-    around = view.box(*box)
-    place = Place(pose, thing.model.xyz + [0.3, 0, 0], box, around, around, around, 0.05)
-    core = own_points(thing, view, place)
-    thing.size = 0.3 * float((view.frame.truth == 1).sum())
-    missed = np.setdiff1d(mine, end)
-    free = np.ones(len(view.xyz), np.bool_)
-    grow({1: thing}, view, {1: place}, {1: core}, free, background)
+    flight = Flight(upper=True)
+    thing, first, place = flight.thing, flight.first, flight.place
+    truth = flight.view.frame.truth == 1
+    thing.size = 0.3 * float(truth.sum())
+    flight.grown()
     assert not place.whole  # what was not beside it may be another
+    missed = np.setdiff1d(flight.mine, flight.painted)
     thing.rivals = Rivals(first.xyz[missed].astype(np.float64), first.colour(missed), thing.weight)
-    grown, _ = grow({1: thing}, view, {1: place}, {1: core}, free, background)
+    grown = flight.grown()
     assert place.whole
-    truth = view.frame.truth == 1
-    assert truth[grown[1]].mean() > 0.95
-    assert len(grown[1]) + len(core.indices) > 0.9 * truth.sum()
+    assert truth[grown].mean() > 0.95
+    assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
+
+
+def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
+    at = np.array([0.3, 1.2, 1.87])
+    beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]
+    board = scenes.Part(0, (90, 90, 90), wrist, np.array([0.03, 0.2, 0.02]), rot=np.eye(3))
+    for colour, hand in (((210, 160, 130), True), (GREEN, False)):
+        grip = scenes.Part(0, colour, at, beside, 0.04, 0.04)
+        flight = Flight([grip, board])
+        grown = flight.grown()
+        assert (len(grown) < 10) == hand
 
 
 def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> None:

@@ -73,8 +73,9 @@ class Background(Protocol):
         """Which of the points (M,) lie where the scene goes on behind the first objects."""
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
-        """The points (M,) that something labelled hid two frames ago, and its label (M,).
+        """The points (M,) that something labelled hid until two frames ago, and its label (M,).
 
+        From the first frame on: what only passed there hid nothing that had not been seen before.
         They were there in the last frame too: who passes with what he holds is not.
         Without background, and what lies where the scene goes on behind the first objects.
         """
@@ -117,7 +118,9 @@ class ImageBackground:
     hiding: F32 = field(init=False)
     """The depth in the frame before the last."""
     hider: NDArray[np.int32] = field(init=False)
-    """The label of each cell in the frame before the last."""
+    """The label of each cell in the frame before the last that has hidden it from the first on."""
+    covered: Mask = field(init=False)
+    """Cells that have shown nothing but labels, and what is nearer, from the first frame on."""
     held: LastSeen = field(init=False)
 
     def __post_init__(self) -> None:
@@ -127,6 +130,7 @@ class ImageBackground:
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
         self.hider = np.zeros(len(self.depth), np.int32)
+        self.covered = np.zeros(len(self.depth), np.bool_)
         self.held = LastSeen.nothing(len(self.depth))
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
@@ -255,6 +259,7 @@ class ImageBackground:
         height, width = view.lens.shape if view.lens else (0, 0)
         cell = view.cells[0]
         self.owner, self.hider = self.hider, self.owner
+        self.hider[~self.covered] = 0
         self.owner[:] = 0
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
@@ -262,6 +267,10 @@ class ImageBackground:
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
         limit = np.float32(NEAR) * self.waver(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
+        if first:
+            self.covered = labelled.copy()
+        else:
+            self.covered &= labelled | ~(seen > self.previous - limit)
         labelled |= self.held.learn(seen, self.owner, limit, self._known)
         if keep is not None and len(keep):
             labelled[view.project(keep)[0]] = True

@@ -61,6 +61,9 @@ WAS_CUT, WAS_OPEN = 0.2, 0.7
 nearer cuts it off, and where it stands free."""
 WORN = 0.7
 """Share of its colours from which new surface has those that the thing was painted with."""
+STRANGE, MUCH = 0.5, 0.05
+"""Share of its colours that the thing did not show where it was painted, and its size as a share of
+the thing's, from which new surface may be a hand: an end or a stripe of it is smaller."""
 
 
 def own_points(thing: Thing, view: View, place: Place) -> Claim:
@@ -256,21 +259,28 @@ def _whole(
             return None
     before = _was_there(thing, view, new)
     # A sensor that moves sees new sides all the time, and what it missed once it may see again.
-    if taken[new].any() or (_seen_before(thing, view, place, new, before) and not view.roams):
+    hand = not view.roams and _may_be_a_hand(thing, view, place, core, new, before)
+    if hand or taken[new].any():
         place.neutral = np.concatenate([place.neutral, new[~before]])
         return None
     return new
 
 
-def _seen_before(thing: Thing, view: View, place: Place, new: I64, before: Mask) -> bool:
-    """Whether new surface was there, unlabelled, in the last frame: ``before`` (M,) of it was.
+def _may_be_a_hand(
+    thing: Thing, view: View, place: Place, core: I64, new: I64, before: Mask
+) -> bool:
+    """Whether new surface may be what throws or catches a thing: that was there, unlabelled, in the
+    last frame, as ``before`` (M,) of it was.
 
     What goes on behind something nearer, and has not the colours that the thing was painted with,
-    may be the hand that throws or catches it, though its arm is hidden: it has gone along.
+    may be a hand though its arm is hidden: it has gone along, or has just come.
     """
     if not cut_off(view, new, 3 * thing.unit):
         return float(before.mean()) >= WAS_OPEN
-    if thing.worn.share(view.colour(new)) < WORN:
+    colour = view.colour(new)
+    if len(new) > MUCH * len(core) and thing.strange(colour).mean() > STRANGE:
+        return True
+    if thing.worn.share(colour) < WORN or thing.worn.unlike(colour):
         before = _was_there(thing, view, new, step_of(thing, place))
     return float(before.mean()) >= WAS_CUT
 
