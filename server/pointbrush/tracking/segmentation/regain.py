@@ -34,7 +34,7 @@ FEW, SHARP = 0.2, 0.2
 lie where the sensor looked through; cost of a fit up to which that can be told."""
 ALIKE = 0.7
 """Share of a piece's colours that the thing showed where it was painted."""
-FARTHEST, END = 1.75, 0.5
+FARTHEST, END = 1.3, 0.3
 """Radii from the middle of a thing on the move from which what reaches so far is an end of it, and
 share of its points that an end has at most: a hand has more."""
 
