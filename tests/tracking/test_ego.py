@@ -165,3 +165,17 @@ def test_what_drove_on_is_found_where_its_points_find_one() -> None:
     # A point that flew off, and a thing whose points are all in one place.
     flown = np.vstack([moved, [[3e7, 0.0, 0.0]]])
     assert len(shifts(car[::4], flown, pose, 1e-4)) > 0
+
+
+def test_a_figure_sampled_about_its_own_middle_was_not_seen_from_there() -> None:
+    """Nor was it by a lidar, though each direction shows one surface of it from there."""
+    rng = np.random.default_rng(1)
+    half = np.array([0.05, 0.1, 0.25])
+    axis = rng.choice(3, 4000, p=(1 / half) / (1 / half).sum())
+    xyz = rng.uniform(-half, half, (4000, 3))
+    xyz[np.arange(4000), axis] = (half * rng.choice([-1, 1], (4000, 1)))[np.arange(4000), axis]
+    assert find_eye(xyz.astype(np.float32)) is None
+    even = rng.normal(size=(8000, 3))
+    even /= np.linalg.norm(even, axis=1, keepdims=True)
+    seen = even * (half / np.abs(even)).min(axis=1)[:, None]
+    assert find_eye(seen.astype(np.float32)) is not None

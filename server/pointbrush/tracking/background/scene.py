@@ -18,8 +18,14 @@ from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
 from pointbrush.tracking.sensor.ego_motion import sensor_poses
 from pointbrush.tracking.sensor.lens import Lens, find_lens
-from pointbrush.tracking.sensor.range_image import FEWEST, find_eye, range_image_of
-from pointbrush.tracking.sensor.view import FAR, View, reach_of
+from pointbrush.tracking.sensor.range_image import (
+    FAR,
+    FEWEST,
+    find_eye,
+    range_image_of,
+    reach_of,
+)
+from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.sensor.viewpoint import find_camera
 
 CALM = 4

@@ -20,10 +20,9 @@ from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
-from pointbrush.tracking.sensor.range_image import find_eye
+from pointbrush.tracking.sensor.range_image import FAR, find_eye, reach_of
 from pointbrush.tracking.sensor.shifts import likely_shifts
 from pointbrush.tracking.sensor.trajectory import Trajectory
-from pointbrush.tracking.sensor.view import FAR, reach_of
 
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
@@ -30,6 +31,11 @@ below which points that have others in their direction are too few to be told by
 WIDTH = int(360 / AZIMUTH) + 1
 AROUND = np.add.outer((-WIDTH, 0, WIDTH), (-1, 0, 1)).ravel()
 """Flat steps to the cells around one, and to itself."""
+FAR, MOST = 15.0, 0.95
+"""Metres farther than depth cameras measure, and the share of the points that lie nearer."""
+SPREADS, BESIDE, ASKED = 0.5, 3, 2000
+"""Power of the range by which points have to lie farther apart for a sensor to have seen them: 1
+as it sees them, 0 as a surface is sampled; neighbours, and points, of which it is asked."""
 ASIDE = 6
 """Cells beside the last direction in which anything was measured from which nothing is seen."""
 
@@ -113,7 +119,10 @@ def find_eye(xyz: F32) -> F64 | None:
     height, most = 0.0, SWEPT
     if _behind(xyz, up) > SWEPT:
         height, most = min(HEIGHTS, key=lambda h: _confused(xyz - h * above, up)), SEES
-    there = range_image_of(xyz, height * above, most) is not None and _deep(xyz - height * above)
+    local = xyz - height * above
+    there = range_image_of(xyz, height * above, most) is not None and _deep(local)
+    # What is thinned to cells and reaches as far as a lidar does is no figure about its middle.
+    there = there and (reach_of(xyz) > FAR or _spreads(local))
     return np.asarray(height * above) if there else None
 
 
@@ -123,6 +132,28 @@ def _deep(local: F32 | F64) -> bool:
     away = np.linalg.norm(local, axis=1)
     near, far = np.quantile(away, [0.05, 0.95])
     return bool(far > DEEP * near)
+
+
+def _spreads(local: F32 | F64) -> bool:
+    """Whether points (N, 3) lie farther apart the farther they are, as a sensor sees them.
+
+    A figure about its own middle shows one surface in each direction too, but is sampled evenly.
+    """
+    away = np.linalg.norm(local, axis=1)
+    some = np.arange(0, len(local), -(-len(local) // ASKED))
+    apart = np.asarray(cKDTree(local).query(local[some], k=[BESIDE + 1])[0])[:, 0]
+    near, far = (away[some] <= np.quantile(away, 1 / 3), away[some] >= np.quantile(away, 2 / 3))
+    farther = np.median(away[some][far]) / np.median(away[some][near])
+    wider = np.median(apart[far]) / max(float(np.median(apart[near])), 1e-9)
+    return bool(wider > farther**SPREADS)
+
+
+def reach_of(xyz: F32) -> float:
+    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
+    if not len(xyz):
+        return 0.0
+    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
+    return float(np.quantile(away, MOST))
 
 
 def axis_up(local: F32 | F64) -> int:

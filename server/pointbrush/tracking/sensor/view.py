@@ -20,10 +20,13 @@ from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.sensor.ground import on_ground
 from pointbrush.tracking.sensor.lens import I32, Lens
-from pointbrush.tracking.sensor.range_image import RangeImage, axis_up, range_image_of
-
-FAR, MOST = 15.0, 0.95
-"""Metres farther than depth cameras measure, and the share of the points that lie nearer."""
+from pointbrush.tracking.sensor.range_image import (
+    FAR,
+    RangeImage,
+    axis_up,
+    range_image_of,
+    reach_of,
+)
 
 
 @dataclass(eq=False)
@@ -202,14 +205,6 @@ class View:
         assert self.lens is not None  # noqa: S101
         local = world if self.T_world_frame is None else transform(self.T_frame_world, world)
         return self.lens.cells(local.astype(np.float32))
-
-
-def reach_of(xyz: F32) -> float:
-    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
-    if not len(xyz):
-        return 0.0
-    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
-    return float(np.quantile(away, MOST))
 
 
 @compiled
