@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.fitting.judge import Verdict
+from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.settle import well_seen
 
 BEGINS, COVERS, LEAVES, ENDS = 8, 12, 18, 24
 
@@ -46,3 +53,20 @@ def test_what_rests_is_found_where_it_was_when_what_hid_it_has_gone() -> None:
     found = np.zeros(len(truth), bool)
     found[result.assignments.get(1, [])] = True
     assert (found & truth).sum() / (found | truth).sum() > 0.9
+
+
+def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> None:
+    frame = passing(2)[0]
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    mine, hidden = np.flatnonzero(frame.truth == 1), np.empty(0, np.bool_)
+    thing = begin(View(0, frame, find_lens(frame)), 1, mine, 0.004, none)
+    few, clear = int(0.3 * thing.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
+    for _ in range(4):
+        thing.motion.add(np.eye(4))
+    assert not well_seen(thing, clear, few)
+    for step in range(1, 4):
+        pose = np.eye(4)
+        pose[0, 3] = 0.1 * step
+        thing.motion.add(pose)
+    assert well_seen(thing, clear, few)
+    assert not well_seen(thing, replace(clear, visible=0.2), few)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scenes
 from conftest import follow
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.fitting.judge import Verdict
+from pointbrush.tracking.fitting.judge import Verdict, judge
+from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, Rivals, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Rivals, Thing, begin
+from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update import learn
@@ -146,11 +150,57 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     place = Place(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
     verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
     monkeypatch.setattr(learn, "strained", lambda *_: 0.5)  # a wrong pose
-    learn.stretch(thing, view, place, verdict)
+    learn.stretch(thing, view, place, verdict, mine)
     assert not thing.soft
     for _ in range(6):
-        learn.stretch(thing, view, place, verdict)
+        learn.stretch(thing, view, place, verdict, mine)
     assert thing.soft
     thing.strain, thing.size = 0.0, 2.0 * DENSE  # many points are seldom posed wrongly
-    learn.stretch(thing, view, place, verdict)
+    learn.stretch(thing, view, place, verdict, mine)
     assert thing.soft
+
+
+def covered(share: float) -> scenes.Frame:
+    """A ball on the floor, about ``share`` of its width behind a board."""
+    camera = scenes.Camera(scenes.Sensor(256, 212, origin=np.array([0.0, 1.0, 0.0])), scenes.room())
+    at = np.array([0.0, 0.9, 1.2])
+    parts = [scenes.Part(1, (190, 60, 40), at, at + [0.0, 0.01, 0.0], 0.1, 0.1)]
+    if share:
+        at, half = np.array([-0.3 + 0.14 * share, 1.0, 0.9]), np.array([0.2, 0.5, 0.01])
+        parts.append(scenes.Part(0, (70, 80, 110), at, half, rot=np.eye(3)))
+    return camera.shoot(parts, np.random.default_rng(4))
+
+
+def rested(share: float) -> tuple[Thing, View, I64]:
+    """A ball that was painted in full view and has rested since, and its points (M,) now."""
+    first, frame = covered(0.0), covered(share)
+    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    lens = find_lens(first)
+    thing = begin(View(0, first, lens), 1, np.flatnonzero(first.truth == 1), 0.004, none)
+    for _ in range(4):
+        thing.motion.add(np.eye(4))
+    return thing, View(1, frame, lens), np.flatnonzero(frame.truth == 1)
+
+
+def found_where_it_was(thing: Thing, view: View, mine: I64) -> tuple[Place, Claim, Verdict]:
+    xyz = thing.model.xyz
+    place = Place(np.eye(4), xyz, (xyz.min(axis=0), xyz.max(axis=0)), mine, mine, mine, cost=0.1)
+    found = claim(view, mine, xyz, thing.model.colour, thing.weight, thing.reach)
+    return place, found, judge(thing, view, place.pose, xyz, found)
+
+
+def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
+    thing, view, mine = rested(1.0)
+    place, found, verdict = found_where_it_was(thing, view, mine)
+    assert np.count_nonzero(~verdict.hidden) > 100
+    assert learn.strained(thing, view, place, verdict, found.indices) < SOFT
+
+
+def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:
+    for visible, bends in ((0.1, False), (1.0, True)):
+        thing, view, mine = rested(1.0)
+        for _ in range(6):
+            place, found, verdict = found_where_it_was(thing, view, mine)
+            poor = replace(verdict, inliers=0.5, visible=visible)
+            learn.learn(thing, view, place, found, mine[:0], poor)
+        assert thing.bends == bends

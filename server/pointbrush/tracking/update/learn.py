@@ -10,7 +10,7 @@ from pointbrush.tracking.fitting.search import target_of
 from pointbrush.tracking.geometry.columns import NONE, columns, nearest
 from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.geometry.registration import inverse, transform
-from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.objects.confidence import Evidence
 from pointbrush.tracking.objects.model import MOST_BENT, SURE, Model
 from pointbrush.tracking.objects.place import Place
@@ -32,6 +32,8 @@ STRETCHED, ONTO = 600, 6000
 """Points at most that are bent to find out, and onto which."""
 OFF, ON = 1.5, 1.0
 """Units from the model at which a point is off its place, and on it."""
+RIM = (-2, 0, 2)
+"""Pixels, up, down and sideways, from which an outline is beside a point."""
 SNAP = 0.7
 """Share of its way to the points measured there that a soft thing's surface goes."""
 BESIDE = 8.0
@@ -95,7 +97,9 @@ def learn(
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     was_rigid = not thing.bends
-    thing.bend = 0.85 * thing.bend + 0.15 * max(loose, 1 - verdict.inliers)
+    # What is mostly hidden says little about the rest of it.
+    says = 0.15 * (verdict.visible if thing.handy else 1.0)
+    thing.bend += says * (max(loose, 1 - verdict.inliers) - thing.bend)
     if thing.bends:
         points = np.concatenate([found.indices, grown])
         xyz = transform(back, view.xyz[points].astype(np.float64))
@@ -131,12 +135,12 @@ def learn(
         _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
 
 
-def stretch(thing: Thing, view: View, place: Place, verdict: Verdict) -> None:
-    """Take note of how much of a small thing bending alone explains."""
+def stretch(thing: Thing, view: View, place: Place, verdict: Verdict, points: I64) -> None:
+    """Take note of how much of a small thing bending alone explains; ``points`` (M,) are its."""
     stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
     if stiff and _asked(thing, view, place):
         most = np.inf if thing.size > DENSE else AGAIN * SOFT
-        now = min(strained(thing, view, place, verdict), most)
+        now = min(strained(thing, view, place, verdict, points), most)
         thing.strain += 0.2 * (now - thing.strain)
 
 
@@ -148,7 +152,7 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
     return np.asarray(world + SNAP * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None])
 
 
-def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
+def strained(thing: Thing, view: View, place: Place, verdict: Verdict, points: I64) -> float:
     """Share of the known surface that is not where one motion puts it, but where bending does."""
     model = thing.model
     facing = model.facing(place.pose[None], view.eye)[0]
@@ -160,11 +164,29 @@ def strained(thing: Thing, view: View, place: Place, verdict: Verdict) -> float:
     target = target_of(view, place.near, thing.weight, ONTO)
     far = 3 * thing.unit
     off = target.nearest(world, colour, far)[0] > OFF * thing.unit
+    if thing.motion.slow(thing.unit):
+        off[off] = ~_beside_another(view, world[off], points, far)
     if off.mean() < FEW:
         return 0.0
     moved = bent(thing, world, colour, target)[off]
     again = target.nearest(moved, colour[off], far)[0]
     return float(np.count_nonzero(again < ON * thing.unit) / len(off))
+
+
+def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
+    """Which of a thing's points (M, 3) lie beside the outline of what is ``step`` metres before it.
+
+    The rim of what is behind an outline is hardly measured, and bending seems to draw it in.
+    ``own`` (N,): the points of the frame that are the thing's, which do not hide it.
+    """
+    if view.lens is None:
+        return np.zeros(len(world), np.bool_)
+    cell, depth = view.project(world)
+    steps = np.array([row * view.lens.shape[1] + column for row in RIM for column in RIM])
+    around = np.clip(cell[:, None] + steps, 0, len(view.depth) - 1)
+    with np.errstate(invalid="ignore"):
+        nearer = view.depth[around] < depth[:, None] - step
+    return np.asarray((nearer & ~view.marked(own)[around]).any(axis=1))
 
 
 def _asked(thing: Thing, view: View, place: Place) -> bool:

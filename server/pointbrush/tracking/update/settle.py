@@ -12,7 +12,7 @@ from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, likel
 from pointbrush.tracking.objects.free_space import remember
 from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.objects.thing import HARDLY, Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
 from pointbrush.tracking.segmentation.belong import unexplained
 from pointbrush.tracking.sensor.view import View
@@ -33,7 +33,7 @@ LESS = 0.6
 """How much rarer, in the mean logarithm, colours may be on the known surface than its own usually
 are: half as common. It is known better than what was painted, and of all sides."""
 WELL = 0.5
-"""Share of its size from which a small thing is well seen."""
+"""Share of its size, and of what faces the sensor, from which a small thing is well seen."""
 STAYED = 0.35
 """Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
@@ -77,10 +77,10 @@ def settle(
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
-    if thing.handy and len(points) > WELL * thing.size:
+    if thing.handy and well_seen(thing, verdict, len(points)):
         thing.motion.seen(thing.unit)
     if place.cost < DOUBTFUL:
-        stretch(thing, view, place, verdict)
+        stretch(thing, view, place, verdict, points)
     # What bends fits badly as a whole, and well where it was bent.
     followed = thing.soft and place.cost < DOUBTFUL and verdict.inliers > REGAINED
     if place.cost < SOUND or thing.bends or thing.large or followed:
@@ -90,6 +90,17 @@ def settle(
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
     track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
     return track, together(points, place.rim)
+
+
+def well_seen(thing: Thing, verdict: Verdict, count: int) -> bool:
+    """Whether a small thing with ``count`` points is seen well enough to tell whether it rests.
+
+    What has turned or gone farther away shows fewer points, but in sight it tells that it moves.
+    """
+    if thing.motion.rests(thing.unit):
+        return count > WELL * thing.size
+    in_sight = verdict.visible > WELL and verdict.inliers > REGAINED
+    return in_sight and count > HARDLY * thing.size
 
 
 def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
