@@ -18,6 +18,7 @@ from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
 from pointbrush.tracking.sensor.ego_motion import sensor_poses
 from pointbrush.tracking.sensor.lens import Lens, find_lens
+from pointbrush.tracking.sensor.odometry import framed
 from pointbrush.tracking.sensor.range_image import (
     FAR,
     FEWEST,
@@ -30,6 +31,8 @@ from pointbrush.tracking.sensor.viewpoint import find_camera
 
 CALM = 4
 """Frames from which the noise of each place is measured."""
+USUAL = DepthNoise(0.004, 0.002)
+"""Noise of a sensor that is not known."""
 LEAST = 0.1
 """Share of a picture that tells the noise alone."""
 SURVEY = 16
@@ -69,12 +72,16 @@ class Scene:
             moves = self._pose_of is not None
             self.lens, self._about = _sensor(first, others, moves=moves)
         self.first = self._look(order[0])
-        self._waver = DepthNoise(0.004, 0.002)
+        self._waver = USUAL
         self.background: Background = PointBackground(reach)
         if self.lens is not None and self._pose_of is None:
-            depth = self._beside(painted)
+            depth, lens = self._beside(painted), self.lens
             if len(order) > 1:
-                self._waver = measure_noise(depth, self._look(order[1]).depth)
+                noise = measure_noise(depth, self._look(order[1]).depth)
+                # In a figure that was cut out of its room nothing need be at rest.
+                far = np.nanmedian(depth, keepdims=True)
+                if noise(far) < USUAL(far) or framed(self.first.frame, lens):
+                    self._waver = noise
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
         self._reach = reach
