@@ -327,7 +327,7 @@ def test_what_somebody_leaves_behind_is_made_scenery() -> None:
     background = SimpleNamespace(left_behind=lambda *what: told.append(what))
     people = [somebody(label, 0.0, RED, 0) for label in (1, 2, -1)]
     for person, stride in zip(people, (0.3, 0.1, 0.3), strict=True):
-        person.ways = [np.array([stride * i, 0.0]) for i in range(4)]
+        person.ways.extend(np.array([stride * i, 0.0]) for i in range(4))
     group = Group(people, 0.1, 0.01, sight.flat, sight.up, 30.0)
     group.leave_behind(cast(ImageBackground, background))
     assert told == [(1, 2, pytest.approx(0.6))]

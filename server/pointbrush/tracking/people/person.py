@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,6 +33,8 @@ SHRINKS = 0.98
 """Share of the most cells that counts a frame later."""
 GONE, AWHILE = 0.45, 2
 """Metres that somebody has gone, in so many frames or more, with which all of him has moved."""
+LATELY = 60
+"""Frames for which it is remembered where he was."""
 
 
 @dataclass(eq=False)
@@ -68,7 +71,7 @@ class Person:
     doubts: set[int] = field(default_factory=set)
     mistaken: int = 0
     stature: Stature = field(default_factory=Stature)
-    ways: list[F64] = field(default_factory=list)
+    ways: deque[F64] = field(default_factory=lambda: deque(maxlen=LATELY))
     first: float = field(init=False)
     sure: int = field(init=False)
 
@@ -111,7 +114,8 @@ class Person:
             setattr(self, name, others)
             setattr(other, name, mine)
         self.went, other.went = two, one
-        self.ways, other.ways = [], []
+        self.ways.clear()
+        other.ways.clear()
         self.mistaken = other.mistaken = 0
 
     def follow(self, sight: Observation, step: F64, now: int) -> None:
@@ -154,7 +158,7 @@ class Person:
         """Go on unseen, ever slower."""
         self.missing += 1
         self.last = 0
-        self.ways = []
+        self.ways.clear()
         self.xyz, self.went = self.xyz + self.step, self.went + self.step
         self.step = STOPS * self.step
 
