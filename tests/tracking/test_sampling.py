@@ -17,7 +17,7 @@ def _room() -> np.ndarray:
     return local.reshape(-1, 3) + PLACE
 
 
-def test_a_place_that_is_too_far_away_comes_back():
+def test_a_place_that_is_too_far_away_comes_back() -> None:
     xyz = _room()
     behind = PLACE - [0.05, 0.3, 1.0]
     found = evened(xyz, behind, 1.5)
@@ -25,14 +25,14 @@ def test_a_place_that_is_too_far_away_comes_back():
     assert unevenness(xyz, found) < 0.5 * unevenness(xyz, behind)
 
 
-def test_a_camera_is_looked_for_by_that_too():
+def test_a_camera_is_looked_for_by_that_too() -> None:
     xyz = _room().astype(np.float32)
     found = find_camera(xyz)
     assert found is not None
     assert np.linalg.norm(found - PLACE) < 1.0  # 1.4 by what is hidden alone: so little is
 
 
-def test_no_image_is_all_round():
+def test_no_image_is_all_round() -> None:
     rng = np.random.default_rng(0)
     rays = rng.normal(size=(4000, 3))
     assert unevenness(rays, np.zeros(3)) == np.inf

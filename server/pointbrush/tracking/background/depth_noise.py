@@ -25,6 +25,10 @@ class DepthNoise:
         return np.asarray(self.still + self.growing * depth * depth, np.float32)
 
 
+USUAL = DepthNoise(0.004, 0.002)
+"""Noise of a sensor that is not known."""
+
+
 def measure_noise(one: F32, other: F32) -> DepthNoise:
     """Fit the noise to the differences of two depth images of a sensor that stands still.
 
@@ -32,7 +36,7 @@ def measure_noise(one: F32, other: F32) -> DepthNoise:
     """
     both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
     if len(both) < 100:
-        return DepthNoise(0.004, 0.002)
+        return USUAL
     change = np.abs(one[both] - other[both])
     square = one[both].astype(np.float64) ** 2
     parts = np.array_split(np.argsort(square, kind="stable"), 10)

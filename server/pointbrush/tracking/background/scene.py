@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background, ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
+from pointbrush.tracking.background.depth_noise import USUAL, measure_noise
 from pointbrush.tracking.background.map_background import MapBackground
 from pointbrush.tracking.background.mapping import chart_of
 from pointbrush.tracking.background.point_background import PointBackground
@@ -31,8 +31,6 @@ from pointbrush.tracking.sensor.viewpoint import find_camera
 
 CALM = 4
 """Frames from which the noise of each place is measured."""
-USUAL = DepthNoise(0.004, 0.002)
-"""Noise of a sensor that is not known."""
 LEAST = 0.1
 """Share of a picture that tells the noise alone."""
 SURVEY = 16

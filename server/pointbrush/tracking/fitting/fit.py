@@ -99,7 +99,7 @@ def register(search: Search) -> tuple[F64, float]:
         search.vain = search.thing.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
-        best = motion.poses[-1] if motion.rested is None else motion.rested
+        best = motion.kept
         return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
@@ -133,11 +133,9 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
     What half hides it would push it away bit by bit.
     """
-    thing, last = search.thing, search.thing.motion.poses[-1]
+    thing, last = search.thing, search.thing.motion.kept
     if thing.bends:
         return False
-    if thing.motion.rested is not None:
-        last = thing.motion.rested
     if search.view.lens is None:
         some = thing.model.xyz[search.few]
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()

@@ -53,6 +53,11 @@ class Motion:
         self.rested = self.poses[-1] if self.rests(unit) else None
 
     @property
+    def kept(self) -> F64:
+        """The pose (4, 4) that it may have kept: where it rested, or where it was last."""
+        return self.poses[-1] if self.rested is None else self.rested
+
+    @property
     def fresh(self) -> bool:
         """Whether its motion is not known yet."""
         return len(self.poses) < 3
