@@ -113,6 +113,8 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "changed back": ("people.exchanges.exchange", _no),
     "doubts": ("people.group.Group.doubt", _no),
     "stature": ("people.stature.top_of", _no),
+    # Sensors on the move
+    "a swaying camera at rest": ("background.scene.steadied", _no),
     # Lidars
     "way of the sensor": ("sensor.ego_motion.stands", lambda *_: True),
     "shifts of the scenery": ("sensor.shifts.likely_shifts", lambda *_: np.empty((0, 3))),

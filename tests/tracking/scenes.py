@@ -410,17 +410,18 @@ def passing(frames=14) -> list[Frame]:
     return out
 
 
-def carried(frames=10) -> list[Frame]:
+def carried(frames=10, hold=None) -> list[Frame]:
     """Person 1 walks, person 2 stands, before a camera that somebody carries, 5 frames a second.
 
-    In the camera's coordinates (right, up, ahead), with its poses.
+    In the camera's coordinates (right, up, ahead), with its poses.  ``hold``: frame number →
+    rotation vector (3,) and place (3,) of the camera.
     """
     rng = np.random.default_rng(5)
     sensor = Sensor(192, 168, 130.0)
     cam = Camera(sensor, room())
     out = []
     for i in range(frames):
-        turn, at = np.array([0.02, 0.3 - 0.05 * i, 0.0]), np.array([0.12 * i - 0.5, 1.4, -0.05 * i])
+        turn, at = (hold or _walks)(i)
         sensor.look, sensor.origin = Rotation.from_rotvec(turn).as_matrix(), at
         parts = person(1, np.array([0.9 - 0.2 * i, 0, 3.2]), -np.pi / 2, 1.2 * i, (60, 110, 200))
         parts += person(2, np.array([0.9, 0, 2.6]), np.pi, 0.1 * i, (190, 80, 60))
@@ -430,6 +431,21 @@ def carried(frames=10) -> list[Frame]:
         xyz = ((frame.xyz - at) @ sensor.look).astype(np.float32)
         out.append(Frame(xyz, frame.rgb, frame.truth, pose=pose))
     return out
+
+
+def _walks(i: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.array([0.02, 0.3 - 0.05 * i, 0.0]), np.array([0.12 * i - 0.5, 1.4, -0.05 * i])
+
+
+def swaying(frames=10, far=0.015, turn=0.015) -> list[Frame]:
+    """The same before a camera in a hand that is held still: by so many metres, and radians."""
+    axes = np.array([[1.0, 0.7, -0.5], [0.4, -1.0, 0.8]])
+
+    def hold(i: int) -> tuple[np.ndarray, np.ndarray]:
+        to, fro = np.sin(1.3 * i), np.sin(2.1 * i)
+        return turn * (to * axes[0] + fro * axes[1]), np.array([0, 1.4, 0]) + far * fro * axes[0]
+
+    return carried(frames, hold)
 
 
 def tabletop(seed=0, frames=60, sensor=None) -> list[Frame]:

@@ -13,7 +13,7 @@ from pointbrush.tracking import FrameResult
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.mapping import chart_of
 from pointbrush.tracking.geometry.registration import inverse, transform
-from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
@@ -29,19 +29,19 @@ def followed(carried: list[scenes.Frame]) -> list[FrameResult]:
 
 
 def test_the_way_of_a_camera_is_found_in_its_pictures(carried: list[scenes.Frame]) -> None:
-    poses = sensor_poses([replace(f, pose=None) for f in carried].__getitem__, range(len(carried)))
-    assert poses is not None
+    way = find_trajectory([replace(f, pose=None) for f in carried].__getitem__, range(len(carried)))
+    assert way is not None
     for number, frame in enumerate(carried):
         scene = frame.xyz[frame.truth == 0].astype(np.float64)
         true = inverse(carried[0].pose) @ frame.pose
-        off = np.linalg.norm(transform(poses(number), scene) - transform(true, scene), axis=1)
+        off = np.linalg.norm(transform(way.pose(number), scene) - transform(true, scene), axis=1)
         assert np.median(off / np.linalg.norm(scene, axis=1)) < 0.01
 
 
 def test_a_camera_at_rest_is_not_moved_by_who_passes_close_by(passing: list[scenes.Frame]) -> None:
     frames = [replace(f, xyz=f.xyz - np.float32([0.0, 1.0, 0.0]), viewpoint=None) for f in passing]
     assert find_lens(frames[0], moves=True) is not None
-    assert sensor_poses(frames.__getitem__, range(len(frames))) is None
+    assert find_trajectory(frames.__getitem__, range(len(frames))) is None
 
 
 def test_the_scene_is_charted_without_who_moves_and_who_is_labelled(

@@ -11,7 +11,7 @@ from conftest import follow
 
 from pointbrush.tracking.fitting.recovery import shifts
 from pointbrush.tracking.geometry.registration import transform
-from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.range_image import find_eye, range_image_of
 
 
@@ -26,20 +26,20 @@ def alone(frames: list[scenes.Frame]) -> list[scenes.Frame]:
 
 
 def test_the_way_of_a_lidar_is_found_in_its_frames(street: list[scenes.Frame]) -> None:
-    poses = sensor_poses(alone(street).__getitem__, range(4))
-    assert poses is not None
+    way = find_trajectory(alone(street).__getitem__, range(4))
+    assert way is not None
     for number in range(4):
         true = np.linalg.inv(street[0].pose) @ street[number].pose
-        assert np.abs(poses(number) - true).max() < 0.02
+        assert np.abs(way.pose(number) - true).max() < 0.02
 
 
 def test_a_street_whose_ground_and_walls_would_fit_a_car_at_rest_as_well() -> None:
     frames = scenes.street(seed=3, frames=2)
-    poses = sensor_poses(alone(frames).__getitem__, range(2))
-    assert poses is not None
+    way = find_trajectory(alone(frames).__getitem__, range(2))
+    assert way is not None
     true = np.linalg.inv(frames[0].pose) @ frames[1].pose
     assert np.abs(true[:3, 3]).max() > 0.5
-    assert np.abs(poses(1) - true).max() < 0.02
+    assert np.abs(way.pose(1) - true).max() < 0.02
 
 
 def test_the_front_quarter_of_a_street_is_mostly_road_and_does_not_slip_along_it() -> None:
@@ -47,23 +47,23 @@ def test_the_front_quarter_of_a_street_is_mostly_road_and_does_not_slip_along_it
     for frame in alone(scenes.street(seed=5, frames=2)):
         ahead = np.abs(np.arctan2(frame.xyz[:, 0], frame.xyz[:, 2])) < np.pi / 4
         quarter.append(replace(frame, xyz=frame.xyz[ahead], truth=None))
-    poses = sensor_poses(quarter.__getitem__, range(2))
-    assert poses is not None
-    assert np.abs(poses(1)[:3, 3] - [0.0, 0.0, 0.8]).max() < 0.03
+    way = find_trajectory(quarter.__getitem__, range(2))
+    assert way is not None
+    assert np.abs(way.pose(1)[:3, 3] - [0.0, 0.0, 0.8]).max() < 0.03
 
 
 def test_poses_that_are_told_count_from_the_first_frame(street: list[scenes.Frame]) -> None:
     far = np.eye(4)
     far[:3, 3] = [4e6, -3e6, 100.0]
     told = [replace(frame, pose=far @ frame.pose) for frame in street]
-    poses = sensor_poses(told.__getitem__, range(4))
-    assert poses is not None
-    assert np.allclose(poses(0), np.eye(4))
-    assert np.allclose(poses(3), np.linalg.inv(street[0].pose) @ street[3].pose, atol=1e-6)
+    way = find_trajectory(told.__getitem__, range(4))
+    assert way is not None
+    assert np.allclose(way.pose(0), np.eye(4))
+    assert np.allclose(way.pose(3), np.linalg.inv(street[0].pose) @ street[3].pose, atol=1e-6)
 
 
 def test_a_sensor_at_rest_is_not_moved_by_people_who_walk(passing: list[scenes.Frame]) -> None:
-    assert sensor_poses(alone(passing).__getitem__, range(len(passing))) is None
+    assert find_trajectory(alone(passing).__getitem__, range(len(passing))) is None
 
 
 def test_parked_cars_are_kept_from_a_car_that_drives_by(street: list[scenes.Frame]) -> None:

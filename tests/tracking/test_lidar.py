@@ -21,7 +21,7 @@ from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing, begin
 from pointbrush.tracking.segmentation.assign import Claim, claim
-from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.learn import learn
 
@@ -75,7 +75,7 @@ def test_frames_that_the_recording_has_not_are_refused(
 
 def test_poses_that_are_none_count_as_unknown(resting: list[scenes.Frame]) -> None:
     flat = [replace(frame, pose=np.zeros((4, 4))) for frame in resting[:2]]
-    assert sensor_poses(flat.__getitem__, range(2)) is None
+    assert find_trajectory(flat.__getitem__, range(2)) is None
 
 
 def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves() -> None:

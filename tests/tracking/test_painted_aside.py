@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pointbrush.tracking.background.scene import Scene
-from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
 
 HEIGHT, WIDTH, FOCAL = 120, 160, 150.0
@@ -43,8 +43,8 @@ def test_who_fills_the_picture_does_not_make_the_sensor_move(
 ) -> None:
     assert find_lens(frames[0], moves=True) is not None
     painted = np.flatnonzero(frames[0].truth)
-    assert sensor_poses(frames.__getitem__, [0, 1]) is not None
-    assert sensor_poses(frames.__getitem__, [0, 1], painted) is None
+    assert find_trajectory(frames.__getitem__, [0, 1]) is not None
+    assert find_trajectory(frames.__getitem__, [0, 1], painted) is None
 
 
 def test_noise_is_measured_beside_what_is_painted(frames: list[SimpleNamespace]) -> None:

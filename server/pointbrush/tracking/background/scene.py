@@ -16,7 +16,7 @@ from pointbrush.tracking.background.mapping import chart_of
 from pointbrush.tracking.background.point_background import PointBackground
 from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
-from pointbrush.tracking.sensor.ego_motion import sensor_poses
+from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import Lens, find_lens
 from pointbrush.tracking.sensor.odometry import framed
 from pointbrush.tracking.sensor.range_image import (
@@ -26,6 +26,8 @@ from pointbrush.tracking.sensor.range_image import (
     range_image_of,
     reach_of,
 )
+from pointbrush.tracking.sensor.steady import steadied
+from pointbrush.tracking.sensor.trajectory import Trajectory
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.sensor.viewpoint import find_camera
 
@@ -63,16 +65,17 @@ class Scene:
         self._ready: tuple[int, Future[View]] | None = None
         first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
         self.lens: Lens | None = _fixed(first, others)
-        self._pose_of: Callable[[int], F64] | None = None
+        self._way: Trajectory | None = None
         self._about: F64 | None = None
         if self.lens is None:
-            self._pose_of = sensor_poses(frames, order, painted)
-            moves = self._pose_of is not None
-            self.lens, self._about = _sensor(first, others, moves=moves)
+            self._way = find_trajectory(frames, order, painted)
+            self.lens, self._about = _sensor(first, others, moves=self._way is not None)
+        self._steady = False
         self.first = self._look(order[0])
+        self._steady_it()
         self._waver = USUAL
         self.background: Background = PointBackground(reach)
-        if self.lens is not None and self._pose_of is None:
+        if self.lens is not None and not self._moves:
             depth, lens = self._beside(painted), self.lens
             if len(order) > 1:
                 noise = measure_noise(depth, self._look(order[1]).depth)
@@ -83,6 +86,18 @@ class Scene:
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
         self._reach = reach
+
+    def _steady_it(self) -> None:
+        """See a depth camera that only sways as one at rest."""
+        if self.lens is None or self._way is None:
+            return
+        some = [self._order[0], *self._apart()]
+        way = self._way.among(some)
+        poses = [way.pose(number) for number in some]
+        still = None if way.lost else steadied(self.lens, self.first.cells[1], poses)
+        if still is not None:
+            self.lens, self._steady = still, True
+            self.first = self._look(self._order[0])
 
     def _beside(self, painted: I64 | None) -> F32:
         """The first depth image without what is ``painted`` (M,), unless that is nearly all."""
@@ -112,7 +127,9 @@ class Scene:
         return view
 
     def _look(self, number: int) -> View:
-        return View(number, self._frames(number), self.lens, self._pose(number), self._about)
+        return View(
+            number, self._frames(number), self.lens, self._pose(number), self._about, self._steady
+        )
 
     def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
         """A result whose poses count from frame ``start``, in the frames' own coordinates.
@@ -128,8 +145,12 @@ class Scene:
             tracks[label] = replace(track, pose=pose)
         return replace(found, tracks=tracks)
 
+    @property
+    def _moves(self) -> bool:
+        return self._way is not None and not self._steady
+
     def _pose(self, number: int) -> F64 | None:
-        return None if self._pose_of is None else self._pose_of(number)
+        return None if self._way is None else self._way.pose(number)
 
     def noise(self, view: View, indices: I64) -> float:
         """Median depth noise at some points, metres."""
@@ -142,7 +163,7 @@ class Scene:
 
         ``survey``: learn what is behind large things from the whole recording.
         """
-        if survey and self.lens is not None and self._pose_of is not None:
+        if survey and self.lens is not None and self._moves:
             self.background = self._charted()
         if not isinstance(self.background, ImageBackground):
             self.background.learn(self.first, first=True)
@@ -152,11 +173,13 @@ class Scene:
         if survey:
             self.background.survey(self.first, self._survey())
 
-    def _survey(self) -> list[View]:
+    def _apart(self) -> list[int]:
         """Frames apart, of the whole run."""
         last = len(self._order) - 1
-        apart = np.linspace(1, last, min(SURVEY, last)).astype(int)
-        return self._views([self._order[i] for i in apart])
+        return [self._order[i] for i in np.linspace(1, last, min(SURVEY, last)).astype(int)]
+
+    def _survey(self) -> list[View]:
+        return self._views(self._apart())
 
     def _charted(self) -> MapBackground:
         views = [self.first, *self._survey()]

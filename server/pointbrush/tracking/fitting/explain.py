@@ -46,7 +46,7 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
         seen, through = _held_against(
-            view.lens.pixels, view.T_frame_world, view.depth, world, facing, 4 * thing.unit
+            view.lens.pixels, view.T_lens_world, view.depth, world, facing, 4 * thing.unit
         )
     elif view.shade is not None:
         size = SIZE * thing.model.radius
@@ -71,7 +71,7 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
 
 @compiled
 def _held_against(
-    lens: Pixels, T_frame_world: F64, image: F32, world: F64, facing: Mask, by: float
+    lens: Pixels, T_lens_world: F64, image: F32, world: F64, facing: Mask, by: float
 ) -> tuple[Mask, Mask]:
     """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
 
@@ -80,7 +80,7 @@ def _held_against(
     seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
     for k in range(len(world)):
         for i in range(world.shape[1]):
-            at = carried(T_frame_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
+            at = carried(T_lens_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
             cell, depth = pixel(lens, at)
             if cell >= 0:
                 seen[k, i] = facing[k, i] and not image[cell] < depth - by

@@ -34,20 +34,20 @@ MARGIN = 8
 class Glimpse:
     """How deep the sensor saw around a thing in one frame.
 
-    ``pose`` (4, 4) of the thing, ``T_world_frame`` (4, 4) or None; ``depth`` (H, W) the least
+    ``pose`` (4, 4) of the thing, ``T_world_lens`` (4, 4) or None; ``depth`` (H, W) the least
     of each pixel and its neighbours, 0 where one measured nothing; ``corner`` its first row
     and column in the image of ``lens``.
     """
 
     pose: F64
-    T_world_frame: F64 | None
+    T_world_lens: F64 | None
     lens: Lens
     corner: tuple[int, int]
     depth: F32
 
     def through(self, xyz: F64, beyond: float) -> Mask:
         """Whether points (M, 3) of the thing's own coordinates were looked through."""
-        T = self.pose if self.T_world_frame is None else inverse(self.T_world_frame) @ self.pose
+        T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
         return _through(self.lens.pixels, T, self.corner, self.depth, xyz, beyond)
 
 
@@ -80,7 +80,7 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
     part = image[top : int(row.max()) + MARGIN + 1, left : int(column.max()) + MARGIN + 1]
     part = np.nan_to_num(part, nan=0.0)
     least = minimum_filter(part, 3, mode="constant")
-    return Glimpse(pose, view.T_world_frame, view.lens, (top, left), least)
+    return Glimpse(pose, view.T_world_lens, view.lens, (top, left), least)
 
 
 def remember(glimpses: list[Glimpse], view: View, pose: F64, world: F64) -> None:

@@ -140,7 +140,8 @@ class SecondProcess:
         """Let it read a frame, about which it will be asked."""
         self._forget(self._things)
         self._line.names.add("view", view)
-        self._line.send(("show", (view.number, view.lens, view.T_world_frame, view.about)))
+        seen = view.number, view.lens, view.T_world_frame, view.about, view.steady
+        self._line.send(("show", seen))
 
     def learn(self, view: View, keep: F64) -> None:
         """Let the background that it knows learn the frame; see ``Background.learn``."""
@@ -267,8 +268,8 @@ def _serve(line: _Line) -> None:
             view.labels, keep = what
             line.names.value(BACKGROUND).learn(view, keep=keep)
         elif kind == "show":
-            number, lens, pose, about = what
-            view = View(number, frames(number), lens, pose, about)
+            number, *seen = what
+            view = View(number, frames(number), *seen)
             line.names.add("view", view)
             view.prepare()
         else:

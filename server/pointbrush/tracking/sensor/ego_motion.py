@@ -8,7 +8,7 @@ and Medioni 1991, with the shrinking robust weight of Geman and McClure 1985.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,12 @@ from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
 from pointbrush.tracking.sensor.range_image import FAR, find_eye, reach_of
 from pointbrush.tracking.sensor.shifts import likely_shifts
-from pointbrush.tracking.sensor.trajectory import Trajectory
+from pointbrush.tracking.sensor.trajectory import (
+    RegisteredTrajectory,
+    ToldTrajectory,
+    Trajectory,
+    told,
+)
 
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its
@@ -38,13 +43,12 @@ SAMPLE = 1500
 SCALES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0, 0.7, 0.7, 0.5, 0.5)
 """Scales of the robust weights, in cells."""
 TRIES = (1, 4, 12)
-"""Frames after the first at which a sensor is asked whether it has moved."""
+"""Frames after the first at which a sensor is asked whether it has moved; a depth camera also at
+the middle and at the end."""
 MOVED = 0.25
 """Cells by which the scene has to be displaced, at the median, for a sensor to have moved."""
 AT_REST = 1e-4
 """Metres, and radians, between the poses of a sensor that is told to be at rest."""
-SKEW = 0.1
-"""Determinant off 1 from which what a recording tells is no pose."""
 NARROW = 0.2
 """Cells off its plane up to which something lies on it."""
 STANDS, AGREE, LEFT = 0.95, 0.5, 0.75
@@ -193,32 +197,28 @@ def stands(frames: Frames, order: Sequence[int]) -> bool:
     return True
 
 
-def sensor_poses(
+def find_trajectory(
     frames: Frames, order: Sequence[int], painted: I64 | None = None
-) -> Callable[[int], F64] | None:
-    """Frame number → ``T_world_frame`` (4, 4), the world being the first frame of ``order``.
+) -> Trajectory | None:
+    """The way of the sensor over ``order``, in the first frame of which the world is.
 
     As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
     first frame; None where the sensor is at rest.
     """
-    first, *others = (_told(frames(order[at])) for at in (0, len(order) // 2, -1))
+    first, *others = (told(frames(order[at])) for at in (0, len(order) // 2, -1))
     back = None if first is None else np.linalg.inv(first)
     if back is not None and any(
         pose is not None and np.abs(back @ pose - np.eye(4)).max() > AT_REST for pose in others
     ):
-
-        def pose_of(number: int) -> F64:
-            pose = _told(frames(number))
-            return np.eye(4) if pose is None else np.asarray(back @ pose, np.float64)
-
-        return pose_of
+        return ToldTrajectory(frames, np.asarray(back, np.float64))
     lens = find_lens(frames(order[0]), moves=True)
     if lens is not None:
-        asked = [order[at] for at in (0, *TRIES) if at < len(order)]
+        last = len(order) - 1
+        asked = [order[at] for at in sorted({0, *TRIES, last // 2, last}) if at <= last]
         at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens, painted)
-        return None if at_rest else CameraTrajectory(frames, order, lens).pose
+        return None if at_rest else CameraTrajectory(frames, order, lens, painted)
     at_rest = not _of_one(frames(order[0])) or stands(frames, order)
-    return None if at_rest else ScanTrajectory(frames, order).pose
+    return None if at_rest else ScanTrajectory(frames, order)
 
 
 def _of_one(frame: TrackFrame) -> bool:
@@ -228,19 +228,11 @@ def _of_one(frame: TrackFrame) -> bool:
     return frame.viewpoint is not None or reach_of(xyz) > FAR or find_eye(xyz) is not None
 
 
-def _told(frame: TrackFrame) -> F64 | None:
-    """The pose of a frame as the recording tells it, None where that is no motion of space."""
-    pose = frame.pose
-    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:
-        return None
-    return pose
-
-
 def _share(fit: tuple[F64, float]) -> float:
     return fit[1]
 
 
-class ScanTrajectory(Trajectory):
+class ScanTrajectory(RegisteredTrajectory):
     """A sensor's way as the planes of the scenery show it."""
 
     def __init__(self, frames: Frames, order: Sequence[int]) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -19,7 +20,7 @@ from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
 from pointbrush.tracking.sensor.image_pyramid import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.sensor.lens import MARGIN, Lens
-from pointbrush.tracking.sensor.trajectory import Trajectory
+from pointbrush.tracking.sensor.trajectory import RegisteredTrajectory, Trajectory
 
 NEAR = 1.0
 """Pixels of the coarsest picture from its start up to which a motion is taken to be the nearest."""
@@ -36,13 +37,15 @@ ASIDE, UPWARD = (-6.0, -3.0, 0.0, 3.0, 6.0), (-3.0, 0.0, 3.0)
 """Pixels of the coarsest picture by which a camera may have turned."""
 FOLLOWED = 6
 """Starts that are followed to the next size."""
-MOVED, LEFT = 0.5, 0.8
+MOVED, LEFT = 0.2, 0.8
 """Pixels of the finest picture by which the scene has to be displaced for a sensor to have moved,
 and share of what did not agree before that may still not agree after the motion."""
 BAND, BORDER = 0.03, 0.3
 """Share of a picture that is its border, and of the border where a scene shows at least."""
 FAR = 0.1
 """Share of a picture by which its scene may be displaced before another is registered to."""
+LOST = 0.25
+"""How well a frame has to agree, by what agrees in the first two, to tell where it was seen."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,13 +53,16 @@ class Fit:
     """``T`` (4, 4) onto the other picture, in the frames' coordinates.
 
     ``agree`` 0..1 how well the pictures agree then, ``before`` how well as they are; ``shift`` by
-    how many pixels of the finest picture the motion moves the scene, at the median.
+    how many pixels of the finest picture the motion moves the scene, at the median.  ``off``
+    (M, channels) what is left between the pictures, and ``scale`` (channels,) of what agrees.
     """
 
     T: F64
     agree: float
     before: float
     shift: float
+    off: F32
+    scale: F64
 
 
 def motion_between(
@@ -78,7 +84,8 @@ def motion_between(
     off = _off(one[-1], other[-1].image, T)
     scale = _scale(off)
     before = _agreement(_off(one[-1], other[-1].image, np.eye(4)), scale)
-    return Fit(back @ T @ to, _agreement(off, scale), before, _shift(one[-1], T, np.eye(4)))
+    shift = _shift(one[-1], T, np.eye(4))
+    return Fit(back @ T @ to, _agreement(off, scale), before, shift, off, scale)
 
 
 def _rigid(T: F64) -> F64:
@@ -192,34 +199,70 @@ def framed(frame: TrackFrame, lens: Lens) -> bool:
     return float(np.mean([side.mean() for side in sides])) > BORDER
 
 
-class CameraTrajectory(Trajectory):
+class CameraTrajectory(RegisteredTrajectory):
     """A depth camera's way as its pictures show it.
 
-    A frame is registered to the last one most of which it still shows, so that errors do not add
-    up from frame to frame.
+    A frame is registered to the one before, and from there to the oldest one most of which it
+    still shows, so that errors do not add up from frame to frame.  One that agrees with none, as
+    behind a hand before the lens, is looked for where older ones were.
     """
 
-    def __init__(self, frames: Frames, order: Sequence[int], lens: Lens) -> None:
+    def __init__(
+        self, frames: Frames, order: Sequence[int], lens: Lens, painted: I64 | None = None
+    ) -> None:
+        """What is ``painted`` (M,) in the first frame may move by itself, and tells nothing."""
         super().__init__(frames, order)
-        self._lens = lens
-        self._last = self._key = picture_of(frames(order[0]), lens)
-        self._pose_of_key = np.eye(4)
+        self._lens, self._painted = lens, painted
+        first = _Key(picture_of(frames(order[0]), lens, painted), np.eye(4))
+        self._last, self._keys = first, [first]
+        self._scale: F64 | None = None
+
+    def among(self, some: Sequence[int]) -> Trajectory:
+        """See ``Trajectory``."""
+        return CameraTrajectory(self._frames, some, self._lens, self._painted)
 
     def _registered(self, frame: TrackFrame) -> F64:
         here = picture_of(frame, self._lens)
         last = self._poses[-1]
         step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
-        fit = self._onto(here, self._last, last, [last @ step, last])
-        pose = last @ inverse(fit.T)
-        if self._key is not self._last:
-            fit = self._onto(here, self._key, self._pose_of_key, [pose])
-            if fit.shift > FAR * max(here[-1].image.values.shape):
-                self._key, self._pose_of_key = self._last, last
-            else:
-                pose = self._pose_of_key @ inverse(fit.T)
-        self._last = here
-        return np.asarray(pose)
+        fit = self._onto(here, self._last, [last @ step, last])
+        if self._scale is None and np.isfinite(fit.scale).all():
+            self._scale = fit.scale
+        pose, lost = self._last.pose @ inverse(fit.T), self._lost(fit)
+        most = FAR * max(here[-1].image.values.shape)
+        for key in self._keys:
+            if key is self._last or not (lost or self._apart(key, pose) <= most):
+                continue
+            fit = self._onto(here, key, [key.pose] if lost else [pose, key.pose])
+            if fit.shift <= most and not self._lost(fit):
+                pose, lost = key.pose @ inverse(fit.T), False
+                break
+        else:
+            if not lost and self._last is not self._keys[-1]:
+                self._keys.append(self._last)
+        if lost:
+            self.lost.add(self._order[len(self._poses)])
+            return last
+        self._last = _Key(here, np.asarray(pose))
+        return self._last.pose
 
-    def _onto(self, here: list[Layer], before: list[Layer], pose: F64, guesses: list[F64]) -> Fit:
-        starts = [inverse(guess) @ pose for guess in guesses]
-        return motion_between(before, here, self._lens, starts)
+    def _onto(self, here: list[Layer], key: _Key, guesses: list[F64]) -> Fit:
+        starts = [inverse(guess) @ key.pose for guess in guesses]
+        return motion_between(key.picture, here, self._lens, starts)
+
+    def _lost(self, fit: Fit) -> bool:
+        """Whether hardly anything agrees as well as it usually does."""
+        return self._scale is None or _agreement(fit.off, self._scale) < LOST
+
+    def _apart(self, key: _Key, pose: F64) -> float:
+        """Pixels of the finest picture between where a key shows the scene and where ``pose``
+        would."""
+        to = self._lens.T_picture_frame
+        return _shift(key.picture[-1], to @ inverse(pose) @ key.pose @ np.linalg.inv(to), np.eye(4))
+
+
+class _Key(NamedTuple):
+    """A picture that others are registered to, and its ``T_world_frame``."""
+
+    picture: list[Layer]
+    pose: F64

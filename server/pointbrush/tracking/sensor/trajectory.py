@@ -1,4 +1,4 @@
-"""Where a sensor was in each frame, found frame by frame when it is asked for."""
+"""Where a sensor was in each frame: as a recording tells it, or found frame by frame when asked."""
 
 from __future__ import annotations
 
@@ -9,11 +9,55 @@ import numpy as np
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
 
+SKEW = 0.1
+"""Determinant off 1 from which what a recording tells is no pose."""
+
 
 class Trajectory(ABC):
-    """``T_world_frame`` of each frame of ``order``; the world is the first frame."""
+    """``T_world_frame`` of each frame; the world is the first frame of a run.
+
+    ``lost`` frames that showed too little to tell, and are taken to be where the last one was.
+    """
+
+    def __init__(self) -> None:
+        self.lost: set[int] = set()
+
+    @abstractmethod
+    def pose(self, number: int) -> F64:
+        """The pose (4, 4) of frame ``number``."""
+
+    def among(self, some: Sequence[int]) -> Trajectory:  # noqa: ARG002
+        """The way over ``some`` frames, the first of them that of the run, at their cost alone."""
+        return self
+
+
+class ToldTrajectory(Trajectory):
+    """A way that the recording tells."""
+
+    def __init__(self, frames: Frames, back: F64) -> None:
+        """``back`` (4, 4) from where the recording counts to the world."""
+        super().__init__()
+        self._frames, self._back = frames, back
+
+    def pose(self, number: int) -> F64:
+        """See ``Trajectory``."""
+        pose = told(self._frames(number))
+        return np.eye(4) if pose is None else np.asarray(self._back @ pose, np.float64)
+
+
+def told(frame: TrackFrame) -> F64 | None:
+    """The pose of a frame as the recording tells it, None where that is no motion of space."""
+    pose = frame.pose
+    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:
+        return None
+    return pose
+
+
+class RegisteredTrajectory(Trajectory):
+    """A way that the frames ``order`` show, each registered to those before it."""
 
     def __init__(self, frames: Frames, order: Sequence[int]) -> None:
+        super().__init__()
         self._frames, self._order = frames, list(order)
         self._poses = [np.eye(4)]
 

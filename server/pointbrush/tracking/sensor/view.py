@@ -39,6 +39,8 @@ class View:
     T_world_frame: F64 | None = None
     about: F64 | None = None
     """(3,) where the sensor seems to be, local, for frames that do not say it."""
+    steady: bool = False
+    """Whether the lens is that of a sensor at rest in the world, and not the frame's own."""
     labels: dict[int, I64] = field(default_factory=dict)
 
     @cached_property
@@ -71,7 +73,7 @@ class View:
         at = self.about if at is None else at
         if at is None:
             return None
-        T = self.T_world_frame
+        T = self.T_world_lens
         return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
 
     def box(self, lo: F64, hi: F64) -> I64:
@@ -93,16 +95,21 @@ class View:
         """(N, 3); some of them are taken all the time."""
         return np.array(self.frame.rgb)
 
+    @property
+    def T_world_lens(self) -> F64 | None:  # noqa: N802  (named for its direction)
+        """(4, 4) from the coordinates of the lens, the frame's as a rule; None where the same."""
+        return None if self.steady else self.T_world_frame
+
     @cached_property
-    def T_frame_world(self) -> F64:  # noqa: N802  (named for its direction)
-        """(4, 4) from the world to the frame's coordinates."""
-        return np.eye(4) if self.T_world_frame is None else inverse(self.T_world_frame)
+    def T_lens_world(self) -> F64:  # noqa: N802
+        """(4, 4) from the world to the lens's coordinates."""
+        return np.eye(4) if self.T_world_lens is None else inverse(self.T_world_lens)
 
     @cached_property
     def T_picture_world(self) -> F64:  # noqa: N802
         """(4, 4) from the world to what is across, down and along the image; needs a lens."""
         assert self.lens is not None  # noqa: S101
-        return self.lens.T_picture_frame @ self.T_frame_world
+        return self.lens.T_picture_frame @ self.T_lens_world
 
     def labelled(self) -> Mask:
         """(N,) points of any of the labels, a new array."""
@@ -115,7 +122,7 @@ class View:
     def cells(self) -> tuple[I32, F32]:
         """Flat image cell and depth of every point; needs a lens."""
         assert self.lens is not None  # noqa: S101  (callers ask only where there is one)
-        return self.lens.cells(np.asarray(self.frame.xyz, np.float32))
+        return self.lens.cells(self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32))
 
     @cached_property
     def depth(self) -> F32:
@@ -203,7 +210,7 @@ class View:
     def project(self, world: F64) -> tuple[I32, F32]:
         """Cell (-1 outside) and depth of any points of the world; needs a lens."""
         assert self.lens is not None  # noqa: S101
-        local = world if self.T_world_frame is None else transform(self.T_frame_world, world)
+        local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
         return self.lens.cells(local.astype(np.float32))
 
 

@@ -1,0 +1,59 @@
+"""A depth camera that sways, as one in a hand or on a mast does, seen as one at rest.
+
+Turned about itself, a camera sees the very same surfaces; moved by little, nearly so.  What it sees
+is then taken as seen from the middle of its way, and all that holds of sensors at rest holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pointbrush.tracking.interface import F32, F64
+from pointbrush.tracking.sensor.lens import SPREAD, Lens
+
+PARALLAX = 0.03
+"""Tangent of the angle by which near and far surfaces are displaced against each other at most."""
+NEAR, FAR = 10, 90
+"""Percentiles of the depths that are near and far."""
+WIDER, MARGIN = 2.0, 0.1
+"""Sizes of the sensor's own picture up to which all that it sees may extend, across and down; and
+what is added on each side for frames between those that were asked."""
+
+
+def steadied(lens: Lens, depth: F32, poses: Sequence[F64]) -> Lens | None:
+    """The pixel grid in the world of a camera at rest that sees what the sensor saw.
+
+    ``poses`` (4, 4) ``T_world_frame`` of frames all over a run, in each of which the sensor has
+    ``lens``; ``depth`` (M,) of what it saw.  None where it goes, or turns, too far.
+    """
+    way = np.array([pose[:3, :3] @ lens.eye + pose[:3, 3] for pose in poses])
+    eye = 0.5 * (way.min(axis=0) + way.max(axis=0))
+    near, far = np.percentile(depth, [NEAR, FAR])
+    if np.linalg.norm(way - eye, axis=1).max() * (1.0 / near - 1.0 / far) > PARALLAX:
+        return None
+    to = lens.T_picture_frame[:3, :3]
+    low, pitch = np.array(lens.least), np.array(lens.pitch)
+    size = pitch * lens.shape[::-1]
+    corners = low + size * [[0, 0], [0, 1], [1, 0], [1, 1]]
+    rays = np.hstack([corners, np.ones((4, 1))])
+    turned = np.concatenate([rays @ (to @ pose[:3, :3] @ to.T).T for pose in poses])
+    if turned[:, 2].min() <= 0.0:
+        return None
+    plane = turned[:, :2] / turned[:, 2:]
+    least, most = plane.min(axis=0), plane.max(axis=0)
+    if (most - least > WIDER * size).any():
+        return None
+    least, most = least - MARGIN * size, most + MARGIN * size
+    across, down = np.ceil((most - least) / (SPREAD * pitch)).astype(int).tolist()
+    x, y = (SPREAD * pitch).tolist()
+    return replace(
+        lens,
+        eye=eye.astype(np.float32),
+        least=(float(least[0]), float(least[1])),
+        pitch=(x, y),
+        shape=(down, across),
+        lattice=False,
+    )
