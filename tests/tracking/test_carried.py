@@ -11,8 +11,12 @@ from conftest import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.background.map_background import MapBackground
 from pointbrush.tracking.background.mapping import chart_of
+from pointbrush.tracking.background.surface_map import SurfaceMap
+from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.interface import F32
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -70,3 +74,25 @@ def test_people_are_followed_before_a_camera_that_is_carried(
             both = np.count_nonzero(truth[found] == label)
             assert both > 0.8 * (np.count_nonzero(truth == label) + len(found) - both)
             assert result.tracks[label].state == "tracked"
+            assert result.tracks[label].confidence > 0.8
+
+
+def test_what_comes_into_the_picture_is_nobody_unless_beside_who_was_labelled(
+    carried: list[scenes.Frame],
+) -> None:
+    lens = find_lens(carried[0], moves=True)
+    first, later = (View(i, carried[i], lens, carried[i].pose) for i in (0, 5))
+    first.labels = {n: np.flatnonzero(carried[0].truth == n) for n in (1, 2)}
+    nothing = SurfaceMap(np.empty((0, 3)), np.empty((0, 3)))
+    background = MapBackground(_reach, DepthNoise(0.001, 0.001), nothing)
+    background.learn(first, first=True)
+    every = np.arange(len(later.xyz))
+    stands, truth = background.furniture(later, every), carried[5].truth
+    assert stands[truth == 2].mean() < 0.05
+    away = ~close_to(later.xyz, first.xyz[first.labelled()], 0.5)
+    assert away.any()
+    assert stands[away].all()
+
+
+def _reach(world: F32) -> F32:
+    return np.full(len(world), 0.03, np.float32)

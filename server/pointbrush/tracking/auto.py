@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background, ImageBackground
+from pointbrush.tracking.background.depth_background import Background, PictureBackground
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.fitting.relocation import find_astray
@@ -156,7 +156,7 @@ class Run:
         """
         bodies = {n: self.things[n] for n in labels if self.things[n].body}
         alone = all(thing.body and thing.unit < LIMB for thing in self.things.values())
-        if bodies and alone and isinstance(self.background, ImageBackground):
+        if bodies and alone and isinstance(self.background, PictureBackground):
             self.group = Group.of(view, bodies, self.background)
 
     def _among_people(
@@ -167,7 +167,7 @@ class Run:
         free: Mask,
     ) -> dict[int, tuple[TrackState, I64]]:
         """How people fared who are followed together, and what each of them has."""
-        if self.group is None or not isinstance(self.background, ImageBackground):
+        if self.group is None or not isinstance(self.background, PictureBackground):
             return {}
         left = free.copy()
         for _, points in settled.values():

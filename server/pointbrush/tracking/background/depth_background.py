@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,20 @@ class Background(Protocol):
 
         ``keep`` (M, 3) where something is though it claimed no point there.
         """
+
+
+@runtime_checkable
+class PictureBackground(Background, Protocol):
+    """Of a depth camera, whose pictures show people before a scene; ``waver`` its noise."""
+
+    waver: DepthNoise
+
+    def furniture(self, view: View, indices: I64) -> Mask:
+        """Which of the points (M,) are no nearer than what stands before the scene for a while."""
+
+    def left_behind(self, label: int, frames: int, way: float) -> None:
+        """What has been as deep for so many ``frames`` is scenery, though it has a ``label``: who
+        has that has gone a ``way`` (m) since.  Where the scene behind is known, that tells."""
 
 
 @dataclass(eq=False)
@@ -205,14 +219,13 @@ class ImageBackground:
         return before(*view.cells, indices, nearest, self.scale, *self._waver)
 
     def furniture(self, view: View, indices: I64) -> Mask:
-        """Which of the points (M,) are no nearer than what stands before the scene for a while."""
+        """See ``PictureBackground``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         limit, stood = NEAR * self.waver(depth), self.depth[cell]
         return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
-        """What has been as deep for so many ``frames`` is scenery, though it has a ``label``: who
-        has that has gone a ``way`` (m) since.  Where the scene behind is known, that tells.
+        """See ``PictureBackground``.
 
         A foot stands too, and a side of somebody may slide along itself: they are small.
         """

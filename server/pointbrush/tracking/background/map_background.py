@@ -13,8 +13,12 @@ from pointbrush.tracking.background.pixel_tests import least
 from pointbrush.tracking.background.point_background import PointBackground
 from pointbrush.tracking.background.scenery import NEAR, drawn_on
 from pointbrush.tracking.background.surface_map import SurfaceMap
+from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.view import View
+
+BESIDE = 0.4
+"""Metres from where somebody was in the last frame within which what is new may be of him."""
 
 
 class MapBackground(PointBackground):
@@ -23,7 +27,7 @@ class MapBackground(PointBackground):
     def __init__(self, reach: Callable[[F32], F32], waver: DepthNoise, chart: SurfaceMap) -> None:
         """``reach``: see ``PointBackground``."""
         super().__init__(reach)
-        self._waver, self._chart = waver, chart
+        self.waver, self._chart = waver, chart
         self._drawn: tuple[int, F32, F32] | None = None
 
     def _scene(self, view: View) -> tuple[F32, F32]:
@@ -34,8 +38,8 @@ class MapBackground(PointBackground):
         if self._drawn is None or self._drawn[0] != view.number:
             assert view.lens is not None  # noqa: S101  (only then there is a chart)
             depth = self._chart.drawn(view)
-            limit = least(depth, view.lens.shape, self._waver.still, self._waver.growing)
-            limit -= NEAR * self._waver(limit)
+            limit = least(depth, view.lens.shape, self.waver.still, self.waver.growing)
+            limit -= NEAR * self.waver(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(view.lens.shape)).ravel()
             if hole.any():
                 beyond = drawn_on(depth[:-1], view.lens.shape, np.zeros_like(hole))
@@ -47,7 +51,7 @@ class MapBackground(PointBackground):
         """See ``Background``."""
         cell, depth = view.cells[0][indices], view.cells[1][indices]
         scene = self._scene(view)[0][cell]
-        far = depth - scene > -NEAR * self._waver(depth)
+        far = depth - scene > -NEAR * self.waver(depth)
         rest = np.flatnonzero(~far & ~self.certain(view, indices))
         there = np.zeros(len(indices), np.bool_)
         there[rest] = super().static(view, indices[rest])[0]
@@ -58,6 +62,20 @@ class MapBackground(PointBackground):
         """See ``Background``; what has stood still for some ``frames`` is charted."""
         known = np.isfinite(self._scene(view)[0][view.cells[0][indices]])
         return known & ~self.certain(view, indices)
+
+    def furniture(self, view: View, indices: I64) -> Mask:
+        """See ``PictureBackground``.
+
+        So is what comes into the picture where nothing is charted, but beside what had a label.
+        """
+        stands = self.static(view, indices)[0]
+        new = np.flatnonzero(~stands & ~self.certain(view, indices))
+        before, labelled = self.past[-1]
+        stands[new] = ~close_to(view.xyz[indices[new]], before.xyz[labelled], BESIDE)
+        return stands
+
+    def left_behind(self, label: int, frames: int, way: float) -> None:
+        """See ``PictureBackground``; what stood in most frames is charted."""
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""

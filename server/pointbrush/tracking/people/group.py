@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_background import PictureBackground
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
 from pointbrush.tracking.objects.confidence import REGAIN
 from pointbrush.tracking.objects.thing import Thing
@@ -59,7 +59,7 @@ class Group:
     now: int = 0
 
     @staticmethod
-    def of(view: View, things: Mapping[int, Thing], background: ImageBackground) -> Group:
+    def of(view: View, things: Mapping[int, Thing], background: PictureBackground) -> Group:
         """The painted people ``things`` of a first frame, and who else is there."""
         sizes = [cell_size(view, thing, background) for thing in things.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
@@ -84,7 +84,7 @@ class Group:
         """Whom a person painted."""
         return {person.label for person in self.people if person.named}
 
-    def _sight(self, view: View, background: ImageBackground, free: Mask) -> Observation:
+    def _sight(self, view: View, background: PictureBackground, free: Mask) -> Observation:
         return Observation.of(view, background, free, self.size, self.unit, self.flat, self.up)
 
     def put(self, view: View, label: int, thing: Thing) -> None:
@@ -105,7 +105,7 @@ class Group:
             person.doubts.discard(label)
 
     def step(
-        self, view: View, background: ImageBackground, free: Mask
+        self, view: View, background: PictureBackground, free: Mask
     ) -> dict[int, tuple[TrackState, I64]]:
         """Who has which of the ``free`` points (N,) of the next frame."""
         self.now += 1
@@ -132,7 +132,7 @@ class Group:
         self.people = [f for f in self.people if f.named or f.missing < FORGOTTEN]
         return found
 
-    def leave_behind(self, background: ImageBackground) -> None:
+    def leave_behind(self, background: PictureBackground) -> None:
         """What stands still while who has its label goes on is none of him."""
         for person in (f for f in self.people if f.named):
             gone = person.gone()
@@ -161,7 +161,7 @@ class Group:
             person.measure(top)
 
 
-def cell_size(view: View, thing: Thing, background: ImageBackground) -> float:
+def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:
     """Metres of a cell that is fine enough for somebody."""
     noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
     calm = min(NOISY * noise, LIMB * thing.span)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import ImageBackground
+from pointbrush.tracking.background.depth_background import PictureBackground
 from pointbrush.tracking.fitting.search import PATIENT
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.paths import Paths, paths_into
@@ -45,7 +45,7 @@ class Observation:
     @staticmethod
     def of(
         view: View,
-        background: ImageBackground,
+        background: PictureBackground,
         free: Mask,
         size: float,
         unit: float,
