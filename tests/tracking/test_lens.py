@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scenes
+from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
-TILTED = scenes.Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
+TILTED = Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
 
 
 def camera_points(depth: np.ndarray) -> np.ndarray:
@@ -108,7 +109,7 @@ def test_a_camera_is_found_from_a_rooms_coordinates() -> None:
 
 def test_what_two_cameras_saw_has_no_image() -> None:
     one = camera_points(furnished()) + [4.0, -1.0, 2.0]
-    other = camera_points(furnished()) @ scenes.Rotation.from_euler("y", 70, True).as_matrix().T
+    other = camera_points(furnished()) @ Rotation.from_euler("y", 70, True).as_matrix().T
     assert scene_of(np.concatenate([one, other + [2.0, -1.0, 3.5]])).lens is None
     assert scene_of(np.zeros((3000, 3))).lens is None
     assert scene_of(np.empty((0, 3))).lens is None
