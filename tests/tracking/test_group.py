@@ -23,7 +23,7 @@ from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, mistakable
 from pointbrush.tracking.people.exchanges import FRAMES, exchange, exchanged
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.group import Group, cell_size, outcome
+from pointbrush.tracking.people.group import SPREAD, Group, astray, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
@@ -32,7 +32,18 @@ from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
 RATE = 5.0
-SURE = PersonEvidence(fit=0.5, disputed=0.0, size=0.9, change=1.0, shown=0.9, like=0.0, back=False)
+SURE = PersonEvidence(
+    fit=0.5,
+    disputed=0.0,
+    size=0.9,
+    change=1.0,
+    shown=0.9,
+    like=0.0,
+    back=False,
+    touching=0.0,
+    wider=0.0,
+    astray=0.0,
+)
 
 
 def overlap(found: np.ndarray, truth: np.ndarray) -> float:
@@ -178,7 +189,16 @@ def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same
 
 @pytest.mark.parametrize(
     "change",
-    [{"fit": 3.0}, {"disputed": 0.8}, {"size": 0.1}, {"change": 0.3}, {"like": -2.0}],
+    [
+        {"fit": 3.0},
+        {"disputed": 0.8},
+        {"size": 0.1},
+        {"change": 0.3},
+        {"like": -2.0},
+        {"touching": 0.3},
+        {"wider": 0.1},
+        {"astray": 1.0},
+    ],
     ids=lambda change: next(iter(change)),
 )
 def test_what_fits_badly_is_trusted_less(change: dict[str, float]) -> None:
@@ -295,6 +315,28 @@ def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     group.doubt(sight, both, replace(SURE, size=2.0))
     assert both.doubts
     assert gone.doubts
+
+
+def test_cells_that_touch_anothers_are_counted() -> None:
+    sight = staged(body(0.0, RED), body(0.3, RED))
+    sight.owner[:] = np.repeat([1, 2], 30)
+    assert sight.touching_others(sight.cells_of(1), 1) == pytest.approx(1 / 3)
+    sight.owner[30:] = 0
+    assert sight.touching_others(sight.cells_of(1), 1) == 0.0
+
+
+def test_who_has_two_bodies_is_spread_wider_than_one() -> None:
+    sight = staged(body(0.0, RED), body(0.9, RED))
+    assert sight.spread(np.arange(30)) < SPREAD < sight.spread(np.arange(60))
+
+
+def test_who_is_where_another_was_expected_is_astray() -> None:
+    sight = staged(body(0.0, RED))
+    here, beside = np.array([0.1, 3.0]), np.array([0.6, 3.0])
+    cells = np.arange(30)
+    assert astray(sight, 1, cells, {1: here, 2: beside}) < -1
+    assert astray(sight, 1, cells, {1: beside, 2: here}) > 1
+    assert astray(sight, 1, cells, {1: here}) < -2
 
 
 @pytest.mark.parametrize(("noise", "size"), [(0.002, 0.04), (0.01, 0.045), (0.05, 0.09)])

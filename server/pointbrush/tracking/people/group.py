@@ -39,7 +39,11 @@ FORGOTTEN = 5
 GROWN, LIKE = 1.3, 0.7
 """Times as many cells as people have that are too many for one, and how much less like his clothes
 what he has may be to be his without doubt."""
-SURE = 0.9
+SPREAD = 0.2
+"""Metres by which one person is spread along the ground, a standard deviation, at most."""
+NEAREST = (0.1, 1.0)
+"""Metres under which somebody is where he was expected, and beyond which he is not another."""
+SURE = 0.75
 """Likelihood of a frame from which it tells how tall somebody is."""
 DOUBTED = 0.4
 """Confidence of what may be another's at most."""
@@ -73,7 +77,8 @@ class Group:
             inside = np.isin(sight.cells.indices, view.labels[label])
             sight.owner[np.unique(sight.cells.cell[inside])] = label
         for person in group.people:
-            person.area = sight.area(sight.cells_of(person.label))
+            cells = sight.cells_of(person.label)
+            person.area, person.spread = sight.area(cells), sight.spread(cells)
             person.measure(person.top(sight))
         group.usual = float(np.median([person.size for person in group.people]))
         group.people += newcomers(sight, group.people, group.usual, 0)
@@ -120,10 +125,11 @@ class Group:
             gone |= merge(sight, [*people, *fresh], self.now)
             self.people = [f for f in [*people, *fresh] if f.label not in gone]
             exchange(sight, self.people, self.now)
+        expected = {f.label: np.median((f.xyz + f.step) @ self.flat, axis=0) for f in people}
         found = {}
         for k, person in enumerate(people):
             stride = person.step if shares is None else shares.stride[k]
-            looks = _looks(sight, person, shares, k, stride)
+            looks = _looks(sight, person, shares, k, stride, expected)
             if looks is not None and person.named:
                 self.doubt(sight, person, looks)
             person.follow(sight, stride, self.now)
@@ -169,7 +175,12 @@ def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:
 
 
 def _looks(
-    sight: Observation, person: Person, shares: Shares | None, k: int, stride: F64
+    sight: Observation,
+    person: Person,
+    shares: Shares | None,
+    k: int,
+    stride: F64,
+    expected: Mapping[int, F64],
 ) -> PersonEvidence | None:
     """What somebody's share of a frame says about itself; None where there is none."""
     cells = np.flatnonzero((sight.owner == person.label) & sight.cells.solid)
@@ -183,7 +194,20 @@ def _looks(
         shown=float(sight.shows(person.xyz + stride).mean()),
         like=person.likeness(sight.some(cells)),
         back=person.missing > 0,
+        touching=sight.touching_others(cells, person.label),
+        wider=max(0.0, sight.spread(cells) - max(SPREAD, person.spread)),
+        astray=astray(sight, person.label, cells, expected),
     )
+
+
+def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F64]) -> float:
+    """How much farther somebody's ``cells`` (C,) are from where he was ``expected`` (2,) on the
+    ground than from where anybody else was, a logarithm."""
+    middle = np.median(sight.ground[cells], axis=0)
+    away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
+    own = away.pop(label)
+    other = min(away.values(), default=NEAREST[1])
+    return float(np.log(max(own, NEAREST[0]) / np.clip(other, *NEAREST)))
 
 
 def outcome(

@@ -93,6 +93,20 @@ class Observation:
         """The solid cells of an owner."""
         return np.flatnonzero((self.owner == label) & self.cells.solid)
 
+    def touching_others(self, cells: I64, label: int) -> float:
+        """Share of an owner's ``cells`` (C,) that touch anybody else's."""
+        one, other = self.cells.touching.T
+        whose = self.owner[one], self.owner[other]
+        apart = (whose[0] != whose[1]) & (whose[0] != 0) & (whose[1] != 0)
+        mine = [side[apart & (of == label)] for side, of in zip((one, other), whose, strict=True)]
+        touches = np.zeros(len(self.owner), np.bool_)
+        touches[np.concatenate(mine)] = True
+        return float(touches[cells].mean())
+
+    def spread(self, cells: I64) -> float:
+        """Standard deviation (m) of the ``cells`` (C,) along the ground, both ways together."""
+        return float(np.linalg.norm(np.std(self.ground[cells], axis=0)))
+
     def area(self, cells: I64) -> float:
         """How much surface the ``cells`` (C,) show, in pixels a metre away."""
         return float(self.areas[cells].sum())

@@ -43,12 +43,13 @@ class Person:
 
     ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``first`` the cells he
     came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
-    of him; ``missing`` frames since he was seen; ``well`` the last in which more than scraps of him
-    were, ``known`` (S, 3) his surface then; ``since`` the frame he came in, ``back`` the one he
-    came back in; ``with_flying`` whether the flying pixels at his outline are his; ``doubts``
-    whom he may be as well, by label; ``mistaken`` frames in which he and another were dressed as
-    each other; ``sure`` the last frame in which he was surely himself; ``stature`` how tall he is;
-    ``ways`` (2,) along the ground up to each of the last frames, all of which show him.
+    of him; ``spread`` how far along the ground he was where he was painted; ``missing`` frames
+    since he was seen; ``well`` the last in which more than scraps of him were, ``known`` (S, 3) his
+    surface then; ``since`` the frame he came in, ``back`` the one he came back in; ``with_flying``
+    whether the flying pixels at his outline are his; ``doubts`` whom he may be as well, by label;
+    ``mistaken`` frames in which he and another were dressed as each other; ``sure`` the last frame
+    in which he was surely himself; ``stature`` how tall he is; ``ways`` (2,) along the ground up to
+    each of the last frames, all of which show him.
     """
 
     label: int
@@ -61,6 +62,7 @@ class Person:
     went: F64 = field(default_factory=lambda: np.zeros(3))
     size: float = 0.0
     area: float = 0.0
+    spread: float = 0.0
     last: int = 0
     age: int = 0
     missing: int = 0
