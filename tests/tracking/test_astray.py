@@ -18,6 +18,7 @@ from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.parallel.workers import Workers
+from pointbrush.tracking.segmentation.findings import Findings
 
 SKIN, BLUE, GREEN = (210, 160, 130), (40, 90, 200), (60, 160, 70)
 TURN = 0.5
@@ -131,8 +132,8 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
         before = dict(vars(thing))
         for cost in (0.3, 0.6):
             place.cost = cost
-            places, claims = {1: place}, {1: claim}
-            relocation.find_astray([thing], astray, background, view, free, places, claims)
-            assert (places[1] is place) == (cost < 0.4)
+            findings = Findings(view, background, free, {1: place}, {1: claim})
+            relocation.find_astray([thing], astray, findings)
+            assert (findings.places[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
             assert vars(thing) == before

@@ -14,6 +14,7 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -75,5 +76,5 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
         DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    grown, _ = grow({1: thing}, view, places, claims, free, still)
+    grown, _ = grow({1: thing}, Findings(view, still, free, places, claims))
     assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])

@@ -15,6 +15,7 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.outline import outline
 
 UNIT = 0.008
@@ -61,9 +62,8 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     found = claim(view, own, thing.model.xyz, thing.model.colour, thing.weight, 1.0)
     claims = {1: found}
     background = ImageBackground(DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan))
-    grown, _ = grow(
-        {1: thing}, view, {1: place}, claims, np.ones(len(view.xyz), np.bool_), background
-    )
+    free = np.ones(len(view.xyz), np.bool_)
+    grown, _ = grow({1: thing}, Findings(view, background, free, {1: place}, claims))
     learnt = np.concatenate([claims[1].indices, grown[1]])
     assert np.isin(top, found.indices).mean() > 0.8
     assert np.isin(top, learnt).mean() < 0.5

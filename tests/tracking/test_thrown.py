@@ -18,6 +18,7 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow, own_points
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import hides
@@ -112,8 +113,8 @@ class Flight:
     def grown(self) -> np.ndarray:
         """New surface of the club in the second frame."""
         free = np.ones(len(self.view.xyz), np.bool_)
-        claims, places = {1: self.core}, {1: self.place}
-        return grow({1: self.thing}, self.view, places, claims, free, self.background)[0][1]
+        found = Findings(self.view, self.background, free, {1: self.place}, {1: self.core})
+        return grow({1: self.thing}, found)[0][1]
 
 
 def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:

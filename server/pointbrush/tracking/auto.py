@@ -42,8 +42,9 @@ from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
 from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.rules import FEWEST, FrameRules
-from pointbrush.tracking.segmentation.assign import Claim, together
+from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
 from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
@@ -208,12 +209,13 @@ class Run:
             free[points] = False
         sought = [t for n, t in things.items() if not (n in fixed or self._accompanied(n))]
         absent = [thing for thing in sought if thing.absent]
-        places, claims = self._find([t for t in sought if not t.absent], free)
-        claims = settle_conflicts(things, self.background, view, free, places, claims)
-        find_astray(sought, self.astray, self.background, view, free, places, claims)
+        findings = self._find([t for t in sought if not t.absent], view, free)
+        places = findings.places
+        settle_conflicts(things, findings)
+        find_astray(sought, self.astray, findings)
         self.swaps.meet(things, places)
-        loose = look_for(absent, things, self.background, view, free, places, claims)
-        settled, again = self._settle(sought, view, places, claims, loose, free)
+        loose = look_for(absent, things, findings)
+        settled, again = self._settle(sought, findings, loose)
         settled |= self._among_people(view, fixed, settled, free)
         view.labels = dict(fixed)
         tracks = self._conclude(view, rules, fixed, again, settled)
@@ -229,7 +231,7 @@ class Run:
         most = {n: place.most for n, place in places.items()}
         return Held(view, free, FrameResult(number, found, tracks), most)
 
-    def _find(self, things: list[Thing], free: Mask) -> tuple[dict[int, Place], dict[int, Claim]]:
+    def _find(self, things: list[Thing], view: View, free: Mask) -> Findings:
         """Where things are that were seen the last time, and what each would have there."""
         there = [thing for thing in things if not thing.stopped]
         known, here = (self.background, free), not self.workers.learns
@@ -238,36 +240,33 @@ class Run:
         share_out(list(searches.values()))
         there = [self.things[label] for label in searches]
         found = self.workers.each(placed, there, lambda thing: (searches[thing.label],))
-        places = {label: place for label, (place, _) in found.items()}
-        return places, {label: claim for label, (_, claim) in found.items()}
+        findings = Findings(view, self.background, free)
+        for label, (place, claim) in found.items():
+            findings.put(label, place, claim)
+        return findings
 
     def _settle(
-        self,
-        sought: list[Thing],
-        view: View,
-        places: dict[int, Place],
-        claims: dict[int, Claim],
-        loose: Mapping[int, I64],
-        free: Mask,
+        self, sought: list[Thing], findings: Findings, loose: Mapping[int, I64]
     ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
         """Let things grow, judge and learn them; and what large things came out, changed.
 
         What is small is judged while it is found out what hangs together with large things.
         """
-        things, background = self.things, self.background
-        grown, taken = grow(things, view, places, claims, free, background)
+        things, view = self.things, findings.view
+        grown, taken = grow(things, findings)
 
         def given(thing: Thing) -> tuple[object, ...]:
             n = thing.label
-            return places.get(n), claims.get(n), grown.get(n, _EMPTY), self.options
+            place, claim = findings.places.get(n), findings.claims.get(n)
+            return place, claim, grown.get(n, _EMPTY), self.options
 
         alive = [thing for thing in sought if not thing.stopped]
         small = [thing for thing in alive if not thing.large]
-        large = {label: place for label, place in places.items() if things[label].large}
+        large = {label: place for label, place in findings.places.items() if things[label].large}
         meanwhile = small if large else []
         wait = self.workers.begin(settle, meanwhile, given, changes=True)
-        grown |= hang_together(view, things, large, claims, taken, background)
-        again = bodies_left(loose, things, background, view, claims, grown)
+        grown |= hang_together(view, things, large, findings.claims, taken, self.background)
+        again = bodies_left(loose, things, findings, grown)
         rest = [t for t in alive if not (t.label in again or t in meanwhile)]
         settled = wait()
         return settled | self.workers.each(settle, rest, given, changes=True), again

@@ -11,13 +11,14 @@ from pointbrush.tracking.fitting.fit import find
 from pointbrush.tracking.fitting.judge import judge
 from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.geometry.registration import transform, transform_each
-from pointbrush.tracking.interface import I64, Mask
+from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.people.bodies import undisputed
 from pointbrush.tracking.people.returning import reclaim, recognised
 from pointbrush.tracking.segmentation.assign import Claim, decide, without
 from pointbrush.tracking.segmentation.belong import own_points
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 
 KEPT = 0.85
@@ -59,19 +60,10 @@ def _far_off(thing: Thing, search: Search, place: Place) -> bool:
     return bool(hidden.reshape(len(guesses), -1).mean(axis=1).max() > MOSTLY)
 
 
-def settle_conflicts(
-    things: Mapping[int, Thing],
-    background: Background,
-    view: View,
-    free: Mask,
-    places: dict[int, Place],
-    claims: dict[int, Claim],
-) -> dict[int, Claim]:
-    """Each thing's points; one that lost most of its claim is looked for in what others left.
-
-    ``places`` takes in where it was found then.
-    """
-    before, claims = claims, undisputed(claims, things)
+def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
+    """Let claims share no point; a thing that lost most of its is looked for in what is left."""
+    view, places = findings.view, findings.places
+    before, claims = findings.claims, undisputed(findings.claims, things)
     decided = decide(len(view.xyz), claims)
     for label in sorted(
         places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
@@ -79,7 +71,8 @@ def settle_conflicts(
         if len(decided[label].indices) >= KEPT * len(before[label].indices):
             continue
         others = [found for other, found in decided.items() if other != label]
-        search = crop(things[label], view, background, without(free, others))
+        left = without(findings.free, others)
+        search = crop(things[label], view, findings.background, left)
         if search is None:
             continue
         place, claim = placed(things[label], view, search)
@@ -92,25 +85,19 @@ def settle_conflicts(
             decided, claims, places[label] = better, again, place
     for label, place in places.items():
         place.kept = len(decided[label].indices) / max(len(claims[label].indices), 1)
-    return decided
+    findings.claims = decided
 
 
 def look_for(
-    absent: Iterable[Thing],
-    things: Mapping[int, Thing],
-    background: Background,
-    view: View,
-    free: Mask,
-    places: dict[int, Place],
-    claims: dict[int, Claim],
+    absent: Iterable[Thing], things: Mapping[int, Thing], findings: Findings
 ) -> dict[int, I64]:
     """Find large things that were hidden in what the claims of the others leave.
 
-    ``places`` and ``claims`` take in those that were found; the points where the others may be
-    are given.
+    ``findings`` take in those that were found; given are the points where the others may be.
     """
+    view, background = findings.view, findings.background
     loose: dict[int, I64] = {}
-    free = without(free, claims.values())
+    free = findings.unclaimed()
     for thing in absent:
         search = None if thing.stopped else crop(thing, view, background, free)
         if search is None:
@@ -120,7 +107,7 @@ def look_for(
         if view.lens is not None and len(found.indices):
             seen = seen and _surely(thing.label, things, background, view, found.indices)
         if seen:
-            places[thing.label], claims[thing.label] = place, found
+            findings.put(thing.label, place, found)
             free[found.indices] = False
         else:
             loose[thing.label] = search.moving
@@ -141,9 +128,7 @@ def _surely(
 def bodies_left(
     loose: Mapping[int, I64],
     things: Mapping[int, Thing],
-    background: Background,
-    view: View,
-    claims: Mapping[int, Claim],
+    findings: Findings,
     grown: Mapping[int, I64],
 ) -> dict[int, I64]:
     """The bodies nobody has of things so changed that they have to be learnt anew.
@@ -152,9 +137,10 @@ def bodies_left(
     """
     if not loose:
         return {}
+    view = findings.view
     moving = np.unique(np.concatenate(list(loose.values())))
-    left = without(np.ones(len(view.xyz), np.bool_), claims.values())
+    left = without(np.ones(len(view.xyz), np.bool_), findings.claims.values())
     for points in grown.values():
         left[points] = False
-    moving = moving[left[moving] & background.certain(view, moving)]
+    moving = moving[left[moving] & findings.background.certain(view, moving)]
     return reclaim(view, {label: things[label] for label in loose}, moving)

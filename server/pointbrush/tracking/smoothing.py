@@ -20,10 +20,10 @@ from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.objects.motion import Motion
-from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.segmentation.assign import Claim, together
+from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.segmentation.belong import grow
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.rivals import set_rivals
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import settle
@@ -135,17 +135,16 @@ def _found_again(
     for other, points in held.result.assignments.items():
         if other != label:
             free[points] = False
-    places: dict[int, Place] = {}
-    claims: dict[int, Claim] = {}
+    findings = Findings(view, background, free)
     search = crop(thing, view, background, free)
     if search is not None:
-        places[label], claims[label] = placed(thing, view, search)
-    find_astray([thing], astray, background, view, free, places, claims)
-    grown, taken = grow({label: thing}, view, places, claims, free, background)
-    place = places.get(label)
+        findings.put(label, *placed(thing, view, search))
+    find_astray([thing], astray, findings)
+    grown, taken = grow({label: thing}, findings)
+    place, claim = findings.places.get(label), findings.claims.get(label)
     if place is not None:
         place.most = min(place.most, most)
-    track, points = settle(thing, view, place, claims.get(label), grown.get(label, _NONE), options)
+    track, points = settle(thing, view, place, claim, grown.get(label, _NONE), options)
     if place is not None:
         taken[place.neutral] = True
         set_rivals(thing, view, place.moving[~taken[place.moving]])

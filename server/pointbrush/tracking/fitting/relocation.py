@@ -23,8 +23,9 @@ from pointbrush.tracking.geometry.registration import excess, transform, transfo
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.segmentation.assign import Claim, without
+from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.segmentation.belong import own_points
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 
 DOUBT = 0.25
@@ -48,34 +49,26 @@ PATIENT, SELDOM = 2, 3
 """Frames for which it is looked for in each, and then in one of how many."""
 
 
-def find_astray(
-    things: Iterable[Thing],
-    astray: dict[int, int],
-    background: Background,
-    view: View,
-    free: Mask,
-    places: dict[int, Place],
-    claims: dict[int, Claim],
-) -> None:
-    """Look for ``things`` that fit badly or not at all; ``places`` and ``claims`` take them in.
+def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findings) -> None:
+    """Look for ``things`` that fit badly or not at all; ``findings`` take them in.
 
     ``astray`` label → frames for which a thing was nowhere near where it should be; kept up.
     """
+    view, background, places = findings.view, findings.background, findings.places
     some = [thing for thing in things if _is_astray(thing, astray, view, places.get(thing.label))]
     if not some:
         return
-    sought = {thing.label for thing in some}
-    left = without(free, (claim for label, claim in claims.items() if label not in sought))
+    left = findings.unclaimed(but={thing.label for thing in some})
     points = np.flatnonzero(left)
     far, still = background.static(view, points)
     points = points[~(far | still)]
     for thing in some:
         before = _own(places.get(thing.label))
-        found = _alone(thing, background, view, without(free, claims.values()), before)
+        found = _alone(thing, background, view, findings.unclaimed(), before)
         if found is None:
             found = _best(thing, background, view, left, points[left[points]], before)
         if found is not None:
-            places[thing.label], claims[thing.label] = found
+            findings.put(thing.label, *found)
             left[found[1].indices] = False
             astray.pop(thing.label, None)
 

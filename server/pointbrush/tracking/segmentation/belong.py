@@ -21,6 +21,7 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim, claim, cut_off, together
 from pointbrush.tracking.segmentation.connectivity import blob, connected
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.segmentation.outline import outline
 from pointbrush.tracking.segmentation.regain import lost_pieces
@@ -100,22 +101,15 @@ def _hardly(view: View, place: Place) -> Mask:
     return hardly
 
 
-def grow(
-    things: Mapping[int, Thing],
-    view: View,
-    places: dict[int, Place],
-    claims: dict[int, Claim],
-    free: Mask,
-    background: Background,
-) -> tuple[dict[int, I64], Mask]:
-    """New surface: moving points that hang together with a thing, ``free`` and nobody's.
+def grow(things: Mapping[int, Thing], findings: Findings) -> tuple[dict[int, I64], Mask]:
+    """New surface: moving points that hang together with a thing, free and nobody's.
 
-    Of all but large things; and which points (N,) somebody has then.  ``claims`` lose their flying
+    Of all but large things; and which points (N,) somebody has then.  Claims lose their flying
     pixels, which are rivals of nothing.
     """
-    taken = ~free
-    for found in claims.values():
-        taken[found.indices] = True
+    view, background, free = findings.view, findings.background, findings.free
+    places, claims = findings.places, findings.claims
+    taken = ~findings.unclaimed()
     shown, hider = background.uncovered(view)
     grown: dict[int, I64] = {}
     for label, place in places.items():
