@@ -15,6 +15,16 @@ from pointbrush.tracking.sensor.view import View
 FEWEST = 10
 """Model points that must face the sensor for their sides to be a criterion."""
 
+ON_SURFACE = 2.5
+"""Units from the model within which a point is of its surface."""
+IN_FRONT, BEHIND = 3, 4
+"""Units by which what was measured lies before a model point that it hides, and behind one that the
+sensor saw through."""
+PRESENT, A_FEW, OF_MANY = 0.25, 4, 0.01
+"""Share of the visible model that has to be matched for the thing to be there; and points that it
+must have, and as a share of its size."""
+LEAST_TRUST = 0.4
+"""Share of its confidence that a thing keeps of which next to nothing shows."""
 STILL_THERE = 0.25
 """Share of the points that it had in the last frame from which what a lidar sees is there."""
 
@@ -38,7 +48,10 @@ class Verdict:
 def judge(
     thing: Thing, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
 ) -> Verdict:
-    """Compare the model at its place with the points assigned to it."""
+    """Compare the model at ``pose`` (4, 4), its points at ``world`` (M, 3), with what it claims.
+
+    Nothing is found where one of them is None.
+    """
     n = len(thing.model.xyz)
     nothing = np.zeros(n, np.bool_)
     if pose is None or world is None or found is None:
@@ -46,7 +59,7 @@ def judge(
     facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        reach = 2.5 * thing.unit
+        reach = ON_SURFACE * thing.unit
         matched[found.nearest[found.gap < reach]] = True
         rest = np.flatnonzero(~matched)
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
@@ -55,19 +68,19 @@ def judge(
         cell, depth = view.project(world)
         seen = view.depth[cell]
         with np.errstate(invalid="ignore"):
-            hidden = (seen < depth - 3 * thing.unit) & ~matched
-            through = (seen > depth + 4 * thing.unit) & ~matched & facing
+            hidden = (seen < depth - IN_FRONT * thing.unit) & ~matched
+            through = (seen > depth + BEHIND * thing.unit) & ~matched & facing
         hidden = hidden | (cell < 0)
     elif view.shade is not None:
-        hidden = view.shade.hides(world, 3 * thing.unit) & ~matched
+        hidden = view.shade.hides(world, IN_FRONT * thing.unit) & ~matched
     expected = facing & ~hidden
     if expected.sum() < FEWEST:
         expected = ~hidden
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
-    enough = len(found.indices) >= max(4, 0.01 * thing.size)
+    enough = len(found.indices) >= max(A_FEW, OF_MANY * thing.size)
     # What hides it from a lidar is known too coarsely to tell all that should be seen.
     much = thing.scanned and len(found.indices) > STILL_THERE * thing.last
-    good = enough and (inliers > 0.25 or much)
-    confidence = float(np.clip(inliers * min(1.0, 0.4 + visible), 0, 1))
+    good = enough and (inliers > PRESENT or much)
+    confidence = float(np.clip(inliers * min(1.0, LEAST_TRUST + visible), 0, 1))
     return Verdict(good, inliers, confidence, hidden, through, visible)

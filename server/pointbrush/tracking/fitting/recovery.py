@@ -13,6 +13,11 @@ from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.model import Model
 from pointbrush.tracking.objects.thing import Thing
 
+LONG = 1.5
+"""Times its next longest direction from which the longest one of a thing tells how it is turned."""
+CROWD, CORE, ROUND, SEEDS = 0.6, 1.1, 3, 60
+"""Radii of the model within which a seed's neighbours are counted, and within which a cluster lies;
+rounds in which it moves to its middle (mean shift), and seeds of which the densest begins it."""
 CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
 """Clusters that are looked at, points of one at least, and radii of the model that one that ends
 all round has at most."""
@@ -53,8 +58,8 @@ def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     result = [*_moved(pose, middle, middle, TURNS)]
     for centre, points in _clusters(thing, target):
         turns = [AS_IT_WAS, TURNS]
-        along, other = _axis(points) if length > 1.5 else (axis, 1.0)
-        if other > 1.5:
+        along, other = _axis(points) if length > LONG else (axis, 1.0)
+        if other > LONG:
             turns += [_turn(axis, sign * along)[None] for sign in (1.0, -1.0)]
         result += [*_moved(pose, middle, centre, np.concatenate(turns))]
     return result
@@ -114,15 +119,15 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
     found = _alone(model, points, thing.unit) if thing.handy else []
     radius = max(model.radius, 1e-3)
     while len(points) >= FEWEST and len(found) < CLUSTERS:
-        some = points[:: max(1, len(points) // 60)]
-        near = cKDTree(points).query_ball_point(some, 0.6 * radius, return_length=True)
+        some = points[:: max(1, len(points) // SEEDS)]
+        near = cKDTree(points).query_ball_point(some, CROWD * radius, return_length=True)
         centre = some[int(np.argmax(near))]
-        for _ in range(3):
-            inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+        for _ in range(ROUND):
+            inside = np.linalg.norm(points - centre, axis=1) < CORE * radius
             if not inside.any():
                 break
             centre = points[inside].mean(axis=0)
-        inside = np.linalg.norm(points - centre, axis=1) < 1.1 * radius
+        inside = np.linalg.norm(points - centre, axis=1) < CORE * radius
         if inside.sum() < FEWEST:
             break
         found.append((centre, points[inside]))

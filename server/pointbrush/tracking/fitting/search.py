@@ -20,7 +20,12 @@ PATIENT = 1_000_000
 COARSE, FINE = 120, 400
 """Model points that a guess is judged by, and that the last iterations use."""
 TARGET = 1200
+"""Points of the frame at most that a model is fitted to."""
 FEWEST = 5
+"""Moving points under which nothing is there."""
+WIDE, NEW, FAST, PATIENCE = 1.5, 0.6, 0.4, 8
+"""Radii around the predictions that are cut out, and more while no motion is known; share of its
+speed that it may change by in a frame; and frames without it for which that adds up."""
 ONE = 0.25
 """Units by which no point of the model moves between two guesses that are one."""
 
@@ -93,9 +98,9 @@ def crop(
     if guesses is None:
         guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
-    radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, 8)
-    margin = 1.5 * radius + 4 * unit + (0.6 * radius if thing.motion.fresh else 0.0)
-    margin += (0.4 * thing.motion.speed + 2 * unit) * gap
+    radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, PATIENCE)
+    margin = WIDE * radius + 4 * unit + (NEW * radius if thing.motion.fresh else 0.0)
+    margin += (FAST * thing.motion.speed + 2 * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]

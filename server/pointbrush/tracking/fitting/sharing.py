@@ -17,6 +17,11 @@ from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.thing import Thing
 
+NEAR = 1.5
+"""Times the radii of both within which two predictions may meet."""
+CLEARLY = 0.5
+"""Share of the way to a thing's own prediction within which another's is clearly nearer."""
+
 
 def share_out(searches: Iterable[Search]) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
@@ -65,7 +70,7 @@ class _Ghost:
     def meets(self, other: _Ghost) -> bool:
         """Whether the two are near to each other."""
         away = self.centre - other.centre
-        return float(away @ away) < (1.5 * (self.radius + other.radius)) ** 2
+        return float(away @ away) < (NEAR * (self.radius + other.radius)) ** 2
 
 
 def _ghost(search: Search) -> _Ghost:
@@ -92,4 +97,4 @@ def _drop_theirs(
         square, at = nearest_one(others, (x, y, z), tint, reach, other_room)
         if at >= 0:
             tint = toned(colour, i, own.weight)
-            drop[i] = square < 0.25 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]
+            drop[i] = square < CLEARLY**2 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]

@@ -15,6 +15,13 @@ MOST_POINTS, MOST_BENT = 2500, 1000
 """Points of a model, and of one that is made anew in each frame, since it bends."""
 SURE = 12.0
 """Hits from which a point may have new neighbours; a person's points have them at once."""
+NEARLY_ALL = 0.98
+"""Share of the points within its radius: outliers do not make a thing large."""
+HIT, NEW_SURFACE = 1.2, 0.9
+"""Spacings from a known point up to which another is a hit on it, and from which it is new: what
+lies between is both."""
+CELL, COARSER = 0.8, 1.05
+"""Spacings across a cell that keeps one point; and how much coarser a full model becomes."""
 FACING = 0.25
 """Cosine between the directions from which a point was and would be seen, to expect it."""
 
@@ -63,7 +70,7 @@ class Model:
         if self._radius is None:
             away = self.xyz - self.centre
             square = np.einsum("ij,ij->i", away, away)
-            most = int(0.98 * (len(square) - 1))
+            most = int(NEARLY_ALL * (len(square) - 1))
             self._radius = float(np.sqrt(np.partition(square, most)[most]))
         return self._radius
 
@@ -84,13 +91,13 @@ class Model:
         holds an object moves with it, and must not become part of it bit by bit.
         """
         sure = np.broadcast_to(sure, len(xyz))
-        on = gap < 1.2 * self.spacing
+        on = gap < HIT * self.spacing
         self._hit(nearest[on], sure[on])
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
         beside = sure | (self.hits[nearest] >= SURE)
-        new = np.flatnonzero((gap >= 0.9 * self.spacing) & beside)
+        new = np.flatnonzero((gap >= NEW_SURFACE * self.spacing) & beside)
         if len(new) == 0:
             return
         self.xyz = np.vstack([self.xyz, xyz[new]])
@@ -124,13 +131,13 @@ class Model:
 
     def _distinct(self, most: int = MOST_POINTS) -> I64:
         """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
-        key = np.floor(self.xyz / (0.8 * self.spacing)).astype(np.int64)
+        key = np.floor(self.xyz / (CELL * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
         size = hi - lo + 1
         flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
         kept = _best_of(numbered(flat), self.hits)
         if len(kept) > most:
-            self.spacing *= 1.05 * float(np.sqrt(len(kept) / most))
+            self.spacing *= COARSER * float(np.sqrt(len(kept) / most))
             return self._distinct(most)
         return kept
 

@@ -28,6 +28,14 @@ from pointbrush.tracking.sensor.range_image import (
     reach_of,
 )
 
+RED = 1.7
+"""Weight of red against green beside blue against both: nearly sqrt(3), by which hues that are
+as different lie as far apart."""
+DARK = 60.0
+"""Added to the sum of a colour's channels (0 to 765): the tint of what is nearly black is noise."""
+BRIGHTNESS = 0.3
+"""Greatest difference by brightness alone: shading changes it, so that it says less than tint."""
+
 
 @dataclass(eq=False)
 class View:
@@ -216,12 +224,13 @@ class View:
 
 @compiled
 def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
+    """(M, 3) chromaticities red against green and blue against both, and a little brightness."""
     result = np.empty((len(indices), 3), np.float32)
     for i in range(len(indices)):
         at = indices[i]
         red, green, blue = float(rgb[at, 0]), float(rgb[at, 1]), float(rgb[at, 2])
         total = red + green + blue
-        result[i, 0] = 1.7 * (red - green) / (total + 60.0)
-        result[i, 1] = (2.0 * blue - red - green) / (total + 60.0)
-        result[i, 2] = total * (0.3 / 765)
+        result[i, 0] = RED * (red - green) / (total + DARK)
+        result[i, 1] = (2.0 * blue - red - green) / (total + DARK)
+        result[i, 2] = total * (BRIGHTNESS / 765)
     return result

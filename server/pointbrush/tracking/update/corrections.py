@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.fitting.fit import find
+from pointbrush.tracking.fitting.judge import IN_FRONT, ON_SURFACE
 from pointbrush.tracking.fitting.search import among
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
@@ -52,10 +53,10 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
 
 def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
-    painted = close_to(place.world, view.xyz[points], 2.5 * thing.unit)
+    painted = close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
     denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
     if view.lens is not None:
         cell, depth = view.project(place.world)
         with np.errstate(invalid="ignore"):
-            denied &= ~(view.depth[cell] < depth - 3 * thing.unit) & (cell >= 0)
+            denied &= ~(view.depth[cell] < depth - IN_FRONT * thing.unit) & (cell >= 0)
     return np.asarray(denied)

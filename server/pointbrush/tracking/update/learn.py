@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.fitting.fit import bent
-from pointbrush.tracking.fitting.judge import Verdict
+from pointbrush.tracking.fitting.judge import ON_SURFACE, Verdict
 from pointbrush.tracking.fitting.search import target_of
 from pointbrush.tracking.geometry.columns import NONE, columns, nearest
 from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.objects.confidence import Evidence
-from pointbrush.tracking.objects.model import MOST_BENT, SURE, Model
+from pointbrush.tracking.objects.model import MOST_BENT, NEW_SURFACE, SURE, Model
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import DENSE, SOFT, Thing
 from pointbrush.tracking.segmentation.assign import Claim, claim
@@ -38,6 +38,12 @@ SNAP = 0.7
 """Share of its way to the points measured there that a soft thing's surface goes."""
 BESIDE = 8.0
 """Units around a thing within which what is left over may be its."""
+CERTAIN = 0.8
+"""Share of the model found, weighed by what shows, from which its size is learnt."""
+PACE, PACE_OF_STRAIN = 0.15, 0.2
+"""Weight of a frame in the running means of how much bends, and of how much bending explains."""
+FORGOTTEN = 15
+"""Frames out of sight after which the surface of what bends is given up."""
 SAMPLE = 1000
 """Points whose colours are compared with those worn."""
 
@@ -87,52 +93,85 @@ def _beside(thing: Thing, view: View, place: Place, points: I64) -> int:
 def learn(
     thing: Thing, view: View, place: Place, found: Claim, grown: I64, verdict: Verdict
 ) -> None:
-    """Take in the points found: a rigid model gathers them, one that bends is made anew."""
-    if verdict.confidence > 0.8:
+    """Take in the points found: a rigid model gathers them, one that bends is made anew.
+
+    ``grown`` (M,) points of new surface, beside those ``found``.
+    """
+    if verdict.confidence > CERTAIN:
         thing.size = max(thing.size, float(len(found.indices) + len(grown)))
-    back = inverse(place.pose)
-    eye = view.eye
-    own_eye = None if eye is None else transform(back, eye[None])[0]
+    was_rigid = not thing.bends
+    _ask_whether_it_bends(thing, place, found, grown, verdict)
+    if thing.bends:
+        _make_anew(thing, view, place, np.concatenate([found.indices, grown]), verdict)
+    else:
+        _gather(thing, view, place, found, grown, verdict, was_rigid)
+
+
+def _ask_whether_it_bends(
+    thing: Thing, place: Place, found: Claim, grown: I64, verdict: Verdict
+) -> None:
+    """Take note of how much of what was found a rigid model does not explain."""
     total = len(found.indices) + len(grown)
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
-    was_rigid = not thing.bends
     # What is mostly hidden says little about the rest of it.
-    says = 0.15 * (verdict.visible if thing.handy else 1.0)
+    says = PACE * (verdict.visible if thing.handy else 1.0)
     thing.bend += says * (max(loose, 1 - verdict.inliers) - thing.bend)
-    if thing.bends:
-        points = np.concatenate([found.indices, grown])
-        xyz = transform(back, view.xyz[points].astype(np.float64))
-        colour = view.colour(points)
-        unseen = verdict.hidden
-        if thing.scanned:  # what hides it from a lidar is known too coarsely
-            unseen = unseen | ~close_to(place.world, view.xyz[points], 2.5 * thing.unit)
-        old = np.flatnonzero(unseen & (thing.model.misses < 15))
-        kept = thing.model
-        new = Model.of(xyz, colour, own_eye, kept.spacing, MOST_BENT)
-        new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
-        new.colour = np.vstack([new.colour, kept.colour[old]])
-        new.seen = np.vstack([new.seen, kept.seen[old]])
-        new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
-        new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
-        thing.model = new
-    else:
-        if thing.soft:
-            thing.model.xyz = transform(back, _settled_on(place.world, view, found))
-        number = thing.model.miss(verdict.through)
-        if not was_rigid:  # the claim was made by the model as it was bent
-            number[:] = -1
-        again = _claimed_again(thing, view, place, found, grown, number)
-        if not place.whole:
-            again = again.pick(again.cost < 2 * thing.reach)
-        if not thing.painted.flat:
-            again = again.pick(~view.low[again.indices] | (again.gap < 0.9 * thing.model.spacing))
-        xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-        colour = view.colour(again.indices)
-        # Nobody holds what a lidar on the move sees ever new sides of.
-        sure = thing.distinct(colour) | (place.whole or view.roams)
-        thing.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
-        _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+
+
+def _eye_of(back: F64, view: View) -> F64 | None:
+    """(3,) the sensor in the model's coordinates, None where its place is not known."""
+    return None if view.eye is None else transform(back, view.eye[None])[0]
+
+
+def _make_anew(thing: Thing, view: View, place: Place, points: I64, verdict: Verdict) -> None:
+    """Replace a model that bends by ``points`` (M,), and what of the old one was not in sight."""
+    back = inverse(place.pose)
+    xyz = transform(back, view.xyz[points].astype(np.float64))
+    unseen = verdict.hidden
+    if thing.scanned:  # what hides it from a lidar is known too coarsely
+        unseen = unseen | ~close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
+    old = np.flatnonzero(unseen & (thing.model.misses < FORGOTTEN))
+    kept = thing.model
+    new = Model.of(xyz, view.colour(points), _eye_of(back, view), kept.spacing, MOST_BENT)
+    new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
+    new.colour = np.vstack([new.colour, kept.colour[old]])
+    new.seen = np.vstack([new.seen, kept.seen[old]])
+    new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
+    new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
+    thing.model = new
+
+
+def _gather(
+    thing: Thing,
+    view: View,
+    place: Place,
+    found: Claim,
+    grown: I64,
+    verdict: Verdict,
+    was_rigid: bool,
+) -> None:
+    """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
+    back = inverse(place.pose)
+    if thing.soft:
+        thing.model.xyz = transform(back, _settled_on(place.world, view, found))
+    number = thing.model.miss(verdict.through)
+    if not was_rigid:  # the claim was made by the model as it was bent
+        number[:] = -1
+    again = _claimed_again(thing, view, place, found, grown, number)
+    if not place.whole:
+        again = again.pick(again.cost < 2 * thing.reach)
+    if not thing.painted.flat:  # Ground beside what is known is no new surface.
+        again = again.pick(
+            ~view.low[again.indices] | (again.gap < NEW_SURFACE * thing.model.spacing)
+        )
+    xyz = transform(back, view.xyz[again.indices].astype(np.float64))
+    colour = view.colour(again.indices)
+    # Nobody holds what a lidar on the move sees ever new sides of.
+    sure = thing.distinct(colour) | (place.whole or view.roams)
+    own_eye = _eye_of(back, view)
+    thing.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
+    _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
 
 
 def stretch(thing: Thing, view: View, place: Place, verdict: Verdict, points: I64) -> None:
@@ -141,7 +180,7 @@ def stretch(thing: Thing, view: View, place: Place, verdict: Verdict, points: I6
     if stiff and _asked(thing, view, place):
         most = np.inf if thing.size > DENSE else AGAIN * SOFT
         now = min(strained(thing, view, place, verdict, points), most)
-        thing.strain += 0.2 * (now - thing.strain)
+        thing.strain += PACE_OF_STRAIN * (now - thing.strain)
 
 
 def _settled_on(world: F64, view: View, found: Claim) -> F64:
