@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from itertools import chain
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
+from pointbrush.sequences.ahead import WORKERS, ahead
 from pointbrush.sequences.arrays import digest, file_digest, open_arrays, write_arrays
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
 from pointbrush.sequences.chunk import Grid
@@ -30,7 +30,6 @@ Progress = Callable[[float, str], None]
 LARGE_POINTS = 4_000_000
 """A frame of more points than this becomes an octree, and has no k-d tree."""
 
-_WORKERS = 2
 _PART_POINTS = 1_000_000
 
 
@@ -155,23 +154,15 @@ def split(frame: PointFrame) -> Iterator[PointFrame]:
 def _store_all(
     frames: Iterable[PointFrame], folder: Path, grid_of: GridChooser
 ) -> Iterator[Record]:
-    """Store frames in order; reading the next ones overlaps with encoding.
+    """Store frames in order; reading the next ones overlaps with encoding."""
 
-    Threads do, since numpy and scipy let go of the interpreter's lock in their long loops.
-    """
-    pending: deque[Future[Record]] = deque()
-    with ThreadPoolExecutor(_WORKERS, "import") as pool:
-        try:
-            for index, frame in enumerate(frames):
-                grid = grid_of([frame])
-                pending.append(pool.submit(_store_frame, frame, index, grid, folder))
-                if len(pending) > _WORKERS:
-                    yield pending.popleft().result()
-            while pending:
-                yield pending.popleft().result()
-        finally:
-            for future in pending:
-                future.cancel()
+    def store(job: tuple[int, PointFrame, Grid]) -> Record:
+        index, frame, grid = job
+        return _store_frame(frame, index, grid, folder)
+
+    jobs = ((index, frame, grid_of([frame])) for index, frame in enumerate(frames))
+    with ThreadPoolExecutor(WORKERS, "import") as pool:
+        yield from ahead(pool, store, jobs)
 
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
@@ -209,7 +200,7 @@ def _store_large(
     error = LargeFrame(path, progress).write(watched(), grid, total)
     progress(0.98, "checksums")
     files = sorted([*path.iterdir(), path.with_suffix(".wire")])
-    with ThreadPoolExecutor(_WORKERS) as pool:
+    with ThreadPoolExecutor(WORKERS) as pool:
         digests = pool.map(file_digest, files)
         checksums = {
             str(file.relative_to(folder)): checksum

@@ -9,42 +9,22 @@ first, so the columns are written from the back: their length is known, the uppe
 from __future__ import annotations
 
 import shutil
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
+from pointbrush.sequences.ahead import WORKERS, ahead
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.growing import LargeWriter
 from pointbrush.sequences.partition import Cell, Key, Partition
 from pointbrush.sequences.rows import Part, Parts, Rows
 from pointbrush.sequences.segment import Segment, encode_cube
 
-_WORKERS = 2
 _SCAN_SHARE = 0.5
-
-T = TypeVar("T")
-A = TypeVar("A")
-
-
-def _ahead(pool: ThreadPoolExecutor, work: Callable[[A], T], jobs: Iterable[A]) -> Iterator[T]:
-    """Results of ``work`` in the order of ``jobs``, a few of which are worked on ahead."""
-    pending: deque[Future[T]] = deque()
-    try:
-        for job in jobs:
-            pending.append(pool.submit(work, job))
-            if len(pending) > _WORKERS:
-                yield pending.popleft().result()
-        while pending:
-            yield pending.popleft().result()
-    finally:
-        for future in pending:
-            future.cancel()
 
 
 class LargeFrame:
@@ -63,7 +43,7 @@ class LargeFrame:
         """
         self._temporary.mkdir()
         self.folder.mkdir()
-        with ThreadPoolExecutor(_WORKERS, "octree") as pool:
+        with ThreadPoolExecutor(WORKERS, "octree") as pool:
             parts = Parts(chunks, grid)
             partition = self._partition(pool, parts, grid, total)
             cells, root = partition.finish()
@@ -80,7 +60,7 @@ class LargeFrame:
     ) -> Partition:
         """Sort all rows into cubes; reading goes on while other threads group."""
         partition: Partition | None = None
-        for groups in _ahead(pool, Part.groups, parts):
+        for groups in ahead(pool, Part.groups, parts):
             if partition is None:
                 partition = Partition(
                     self._temporary, groups.rows.dtype, grid.shift, groups.exponent
@@ -111,7 +91,7 @@ class LargeFrame:
             return cell, encode_cube(rows, corner, edge, level, grid, hands_up=len(cells) > 1)
 
         done = 0
-        for cell, segment in _ahead(pool, encode, reversed(cells)):
+        for cell, segment in ahead(pool, encode, reversed(cells)):
             number = writer.add(segment)
             branch = _Branch(segment.up, [number] if len(segment) else [])
             above.setdefault(root - cell.exponent, {}).setdefault(cell.key, []).append(branch)
