@@ -20,7 +20,7 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     frame = tabletop[0]
     view = View(1, frame, find_lens(frame))
     points = np.flatnonzero(frame.truth == 1)
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     thing = begin(view, 2, points, 0.002, none)
     thing.vain = True
     for _ in range(4):

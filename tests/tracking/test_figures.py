@@ -23,7 +23,7 @@ from pointbrush.tracking.sensor.view import View
 STEP = 0.01
 SIZE = 3 * STEP
 BLUE, RED = (60, 110, 200), (190, 80, 60)
-NO_RIVALS = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+NO_RIVALS = Rivals.none()
 
 
 def overlap(found: np.ndarray, truth: np.ndarray) -> float:

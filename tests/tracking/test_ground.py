@@ -16,7 +16,7 @@ from pointbrush.tracking.segmentation.ground_below import painted_with_ground, w
 from pointbrush.tracking.sensor.ground import on_ground
 from pointbrush.tracking.sensor.view import View
 
-NO_RIVALS = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+NO_RIVALS = Rivals.none()
 KERB = 0.13
 
 

@@ -16,7 +16,7 @@ from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
-NO_RIVALS = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+NO_RIVALS = Rivals.none()
 
 
 def recording(

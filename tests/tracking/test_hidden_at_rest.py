@@ -57,7 +57,7 @@ def test_what_rests_is_found_where_it_was_when_what_hid_it_has_gone() -> None:
 
 def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> None:
     frame = passing(2)[0]
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     mine, hidden = np.flatnonzero(frame.truth == 1), np.empty(0, np.bool_)
     thing = begin(View(0, frame, find_lens(frame)), 1, mine, 0.004, none)
     few, clear = int(0.3 * thing.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)

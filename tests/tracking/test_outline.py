@@ -52,7 +52,7 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     own = np.flatnonzero(view.frame.truth == 1)
     top = views.top_of(view, own)[::3]
     views.put(view, top, view.xyz[top] + 0.08 * (view.xyz[top] - view.eye))
-    thing = begin(view, 1, own, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
+    thing = begin(view, 1, own, 0.004, Rivals.none())
     thing.painted = replace(thing.painted, with_flying=painted)
     for _ in range(MEMORY):
         thing.motion.add(np.eye(4))

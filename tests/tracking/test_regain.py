@@ -62,7 +62,7 @@ def test_a_piece_that_was_missed_is_taken_back(
     view, background = shot(colour, reach)
     truth = view.frame.truth
     core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     thing = begin(view, 1, core, 0.004, none)
     thing.size = 1.6 * len(core)  # it was larger before
     lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
@@ -84,7 +84,7 @@ def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:
     view, background = shot(BLUE, 0.05)
     truth = view.frame.truth
     core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     thing = begin(view, 1, core, 0.004, none)
     thing.size = 1.6 * len(core)
     box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))

@@ -144,7 +144,7 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     frame = snake(1, bend=0.0)[0]
     view = View(3, frame, find_lens(frame))
     mine, none = np.flatnonzero(frame.truth == 1), np.empty(0, np.int64)
-    thing = begin(view, 1, mine, 0.004, Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32)))
+    thing = begin(view, 1, mine, 0.004, Rivals.none())
     xyz = thing.model.xyz
     box = (xyz.min(axis=0), xyz.max(axis=0))
     place = Place(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
@@ -174,7 +174,7 @@ def covered(share: float) -> scenes.Frame:
 def rested(share: float) -> tuple[Thing, View, I64]:
     """A ball that was painted in full view and has rested since, and its points (M,) now."""
     first, frame = covered(0.0), covered(share)
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     lens = find_lens(first)
     thing = begin(View(0, first, lens), 1, np.flatnonzero(first.truth == 1), 0.004, none)
     for _ in range(4):

@@ -99,7 +99,7 @@ class Flight:
         self.background.learn(self.first, first=True)
         high = self.first.xyz[self.mine, 1] > 1.4
         self.painted = self.mine[high] if self.upper else self.mine
-        none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+        none = Rivals.none()
         self.thing = begin(self.first, 1, self.painted, 0.004, none)
         pose, before, ago = np.eye(4), np.eye(4), np.eye(4)
         pose[0, 3], before[0, 3], ago[0, 3] = 0.3, -0.3, -0.6
@@ -153,7 +153,7 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     frame = camera.shoot([*parts, hand], rng)
     view = View(0, frame, find_lens(frame))
     painted, turned, skin = (np.flatnonzero(frame.truth == label) for label in (1, 2, 3))
-    none = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+    none = Rivals.none()
     thing = begin(view, 1, painted, 0.004, none)
     both = begin(view, 1, np.concatenate([painted, turned]), 0.004, none).model
 

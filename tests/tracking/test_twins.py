@@ -13,7 +13,7 @@ from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.swaps import FRAMES, Swaps
 
 BLUE, RED = (40, 90, 200), (200, 60, 40)
-NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+NONE = Rivals.none()
 SPEED = 0.12
 
 

@@ -139,7 +139,7 @@ class Run:
         return FrameResult(view.number, {}, tracks)
 
     def _begin(self, view: View, label: int, indices: I64) -> None:
-        thing = begin(view, label, indices, self.scene.noise(view, indices), _NONE)
+        thing = begin(view, label, indices, self.scene.noise(view, indices), Rivals.none())
         thing.painted = replace(
             thing.painted,
             grounded=painted_with_ground(view, indices),
@@ -360,7 +360,6 @@ def _hidden_at_rest(thing: Thing, view: View) -> F64:
 
 
 _EMPTY: I64 = np.empty(0, np.int64)
-_NONE = Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
 
 def _before(seeds: Sequence[Seed], known: FrameKnowledge | None) -> list[Seed]:

@@ -58,6 +58,12 @@ class Rivals:
     xyz: F64
     colour: F32
     weight: float = 0.0
+    """Metres per unit of colour."""
+
+    @staticmethod
+    def none() -> Rivals:
+        """Nothing unlabelled is known."""
+        return Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
     @cached_property
     def target(self) -> Target:
@@ -94,40 +100,47 @@ class Rivals:
 
 @dataclass(eq=False)
 class Thing:
-    """State of a label: ``weight`` metres per unit of colour, ``unit`` metres of tolerance.
-
-    ``missing`` frames since it was seen; ``bend`` 0..1 how much of it one rigid motion does not
-    explain; ``size`` the most points it had, ``last`` in the last frame; ``trust`` the last
-    confidence; ``extent`` metres, the greatest radius it had; ``glimpses`` of what lies around it.
-    ``imaged`` whether the sensor sees depth images; ``worn`` the colours it showed where it was
-    painted. ``usual`` the mean cost in place and colour, in reaches, of its points alone in the
-    air; ``vain`` whether it was looked for elsewhere, when its fit was in doubt, and that was no
-    better; ``strain`` share of its surface that bending alone explains; ``scanned`` whether a lidar
-    sees it, ``away`` metres from that, points ``grain`` metres apart.
-    """
+    """State of a label."""
 
     label: int
     model: Model
     motion: Motion
     weight: float
+    """Metres per unit of colour; 0 where it has none that tell it."""
     unit: float
+    """Metres of tolerance: spacing of its points or noise of the sensor."""
     rivals: Rivals
     painted: Painted
     size: float
+    """The most points that it had."""
     missing: int = 0
+    """Frames since it was seen."""
     bend: float = 0.0
+    """0..1, how much of it one rigid motion does not explain."""
     stopped: bool = False
+    """Whether it is not looked for any more."""
     trust: float = 1.0
+    """The last confidence."""
     usual: float = USUAL
+    """Mean cost in place and colour, in reaches, of its points alone in the air."""
     last: int = 0
+    """Points in the last frame."""
     extent: float = 0.0
+    """Metres, the greatest radius that it had."""
     glimpses: list[Glimpse] = field(default_factory=list)
+    """What lay around it."""
     imaged: bool = False
+    """Whether the sensor sees depth images."""
     strain: float = 0.0
+    """Share of its surface that bending alone explains."""
     vain: bool = False
+    """Whether it was looked for elsewhere, when its fit was in doubt, and that was no better."""
     away: float = 0.0
+    """Metres from a lidar that sees it."""
     scanned: bool = False
+    """Whether a lidar sees it."""
     grain: float = 0.0
+    """Metres between its points, as a lidar sees it from there."""
     worn: ColourHistogram = field(
         default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
     )
