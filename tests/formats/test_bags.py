@@ -134,7 +134,7 @@ def rosbag1(compression: str = "none", indexed: bool = True, kind=b"sensor_msgs/
 
 @pytest.mark.parametrize("compression", ["none", "bz2"])
 @pytest.mark.parametrize("indexed", [True, False])
-def test_ros_1_bags(tmp_path, compression, indexed):
+def test_ros_1_bags_are_read_with_and_without_an_index(tmp_path, compression, indexed):
     (tmp_path / "a.bag").write_bytes(rosbag1(compression, indexed))
     check(open_source([tmp_path / "a.bag"]))
 
@@ -157,7 +157,7 @@ def test_cut_off_bags_raise(tmp_path):
 
 
 @pytest.mark.parametrize("big", [False, True])
-def test_ros_2_bags(tmp_path, big):
+def test_ros_2_bags_are_read_of_either_byte_order(tmp_path, big):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "metadata.yaml").write_text("version: 5")
     with closing(sqlite3.connect(tmp_path / "run" / "run_0.db3")) as database:
@@ -249,7 +249,7 @@ def mcap(compression: str, encoding: str, statistics: bool) -> bytes:
 @pytest.mark.parametrize("compression", ["", "zstd"])
 @pytest.mark.parametrize("encoding", ["cdr", "ros1"])
 @pytest.mark.parametrize("statistics", [True, False])
-def test_mcap(tmp_path, compression, encoding, statistics):
+def test_mcap_is_read_in_each_compression_and_encoding(tmp_path, compression, encoding, statistics):
     (tmp_path / "a.mcap").write_bytes(mcap(compression, encoding, statistics))
     check(open_source([tmp_path / "a.mcap"]))
 
@@ -306,7 +306,7 @@ def frame_of(block: bytes) -> bytes:
         (b"\xf0\x05" + b"x" * 20, b"x" * 20),
     ],
 )
-def test_lz4_blocks(block, expected):
+def test_lz4_blocks_give_what_was_packed_or_raise(block, expected):
     assert lz4_decompress("a", frame_of(block), len(expected)) == expected
     with pytest.raises(BadInputError, match="LZ4"):
         lz4_decompress("a", frame_of(block), len(expected) + 1)
@@ -319,6 +319,6 @@ def test_an_lz4_frame_of_another_program():
     assert lz4_decompress("a", LZ4, len(expected)) == expected
 
 
-def test_a_real_lz4_bag(shared):
+def test_a_real_lz4_bag_without_clouds_says_what_it_has(shared):
     with pytest.raises(BadInputError, match=r"PointCloud2, got .*Depth_0/image/data"):
         open_source([shared / "formats" / "bags" / "librealsense__single_depth_color_640x480.bag"])

@@ -131,7 +131,7 @@ def test_counts_that_do_not_fit_raise(tmp_path, count):
         one(tmp_path / "a.e57", e57(record_count=count))
 
 
-def test_limits_hold(tmp_path):
+def test_a_file_of_more_points_than_allowed_is_refused(tmp_path):
     (tmp_path / "a.e57").write_bytes(e57(200))
     with pytest.raises(TooLargeError, match="at most 100 points"):
         list(open_source([tmp_path / "a.e57"], limits=Limits(max_points=100)).frames)

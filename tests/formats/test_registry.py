@@ -62,6 +62,6 @@ ENDINGS = [("A.PLY", "ply"), ("a.copc.laz", "las"), ("ply", None), ("a.db3", "ro
 
 
 @pytest.mark.parametrize(("name", "expected"), ENDINGS)
-def test_endings(tmp_path, name, expected):
+def test_the_format_is_told_by_the_ending(tmp_path, name, expected):
     found = format_by_name(tmp_path / name)
     assert (found.name if found else None) == expected

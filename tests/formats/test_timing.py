@@ -30,7 +30,7 @@ from pointbrush.formats.timing import natural_key, rate_of, read_times, stated_r
         ("12345678901234567890123", None),
     ],
 )
-def test_times_in_names(name, expected):
+def test_times_in_names_are_read(name, expected):
     assert time_in_name(name) == (
         expected if expected is None else pytest.approx(expected, abs=1e-5)
     )
@@ -50,7 +50,7 @@ def test_times_in_names(name, expected):
         (None, None),
     ],
 )
-def test_rates(times, rate):
+def test_the_rate_is_told_by_the_times(times, rate):
     assert rate_of(times) == (rate if rate is None else pytest.approx(rate, abs=0.02))
 
 
@@ -92,6 +92,6 @@ def test_a_header_of_a_list_is_passed_over(tmp_path):
         ([], None),
     ],
 )
-def test_a_stated_rate(tmp_path, meta, rate):
+def test_a_stated_rate_is_believed_if_it_is_one(tmp_path, meta, rate):
     (tmp_path / "meta.json").write_text(json.dumps(meta))
     assert stated_rate(tmp_path) == rate

@@ -38,7 +38,7 @@ def test_expired_and_revoked_ones_do_not(store: LabelStore) -> None:
     assert [token.valid for token in store.tokens.list()] == [False, False]
 
 
-def test_bad_requests(store: LabelStore) -> None:
+def test_unknown_roles_and_tokens_are_refused(store: LabelStore) -> None:
     with pytest.raises(BadInputError, match="annotator"):
         store.tokens.add("king")
     with pytest.raises(NotFoundError):

@@ -40,7 +40,7 @@ def test_presence_goes_to_the_others_in_the_same_sequence(served: Served) -> Non
     run(scenario)
 
 
-def test_roles(served: Served) -> None:
+def test_a_viewers_token_names_its_author_and_may_not_paint(served: Served) -> None:
     secret = served.workspace.store.tokens.add("viewer", "looks only")
 
     async def scenario() -> None:

@@ -54,7 +54,7 @@ def test_each_is_asked_as_far_as_its_own_reach(
 
 
 @given(clouds(), clouds(1), st.sampled_from([0.0112, 0.5012, 2.0012, np.inf]), st.booleans())
-def test_nearest(
+def test_the_nearest_is_that_of_all_with_all(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
 ) -> None:
     tint, tone = (np.float32([0.5, 2.0, 1.0]) * np.float32(p) for p in (wanted, points))
@@ -91,7 +91,7 @@ def test_what_lies_just_beside_a_surface(
 
 
 @given(clouds(), clouds(), st.sampled_from([0.0112, 0.5012, 2.0012]), st.booleans())
-def test_what_is_close(
+def test_what_is_close_is_that_of_all_with_all(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float, coloured: bool
 ) -> None:
     away = apart(wanted, points)
@@ -102,7 +102,7 @@ def test_what_is_close(
 
 
 @given(clouds(), clouds(), st.sampled_from([0.0512, 1.0012, 10.0012]))
-def test_three_nearest(
+def test_the_three_nearest_are_those_of_all_with_all(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
 ) -> None:
     distance, index = nearest_three(columns(points, NONE, 0.0), wanted, most)
@@ -114,14 +114,16 @@ def test_three_nearest(
 
 
 @given(clouds(), st.sampled_from([0.0, 0.3012, 1.5012]))
-def test_pairs(points: NDArray[np.float64], most: float) -> None:
+def test_pairs_are_those_of_all_with_all(points: NDArray[np.float64], most: float) -> None:
     one, other = np.nonzero(np.triu(apart(points, points) <= most, 1))
     expected = sorted(zip(one.tolist(), other.tolist(), strict=True))
     assert sorted(map(tuple, pairs(points, most).tolist())) == expected
 
 
 @given(clouds(), st.sampled_from([0.3012, 1.5012]), st.integers(0, 2**32 - 1))
-def test_parts_and_ways(points: NDArray[np.float64], most: float, seed: int) -> None:
+def test_parts_and_ways_are_those_of_a_graph(
+    points: NDArray[np.float64], most: float, seed: int
+) -> None:
     rng, count = np.random.default_rng(seed), len(points)
     some, links = rng.random(count) < 0.8, pairs(points, most)
     length = rng.uniform(0.1, 1.0, len(links))

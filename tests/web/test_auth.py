@@ -50,7 +50,9 @@ def test_health_needs_none(anyone: httpx.Client) -> None:
     ("role", "may_paint", "may_delete"),
     [("viewer", False, False), ("annotator", True, False), ("admin", True, True)],
 )
-def test_roles(served: Served, role: str, may_paint: bool, may_delete: bool) -> None:
+def test_a_role_may_do_what_it_is_for_and_no_more(
+    served: Served, role: str, may_paint: bool, may_delete: bool
+) -> None:
     secret = served.workspace.store.tokens.add(role, f"a {role}")
     headers = {"Authorization": f"Bearer {secret}"}
     with httpx.Client(base_url=f"{served.url}/api/v1", headers=headers) as client:
@@ -87,11 +89,11 @@ def test_url_token_becomes_a_cookie_and_leaves_the_address(anyone: httpx.Client)
     }  # fmt: skip
 
 
-def test_wrong_url_token(anyone: httpx.Client) -> None:
+def test_a_wrong_token_in_the_address_is_refused(anyone: httpx.Client) -> None:
     problem(anyone.get("/?token=wrong"), 401)
 
 
-def test_sign_in_and_out(anyone: httpx.Client) -> None:
+def test_a_session_lasts_from_sign_in_to_sign_out(anyone: httpx.Client) -> None:
     problem(anyone.post("/api/v1/session", json={"token": "wrong"}), 401)
     assert anyone.post("/api/v1/session", json={"token": TOKEN}).json()["role"] == "admin"
     assert anyone.get("/api/v1/session").status_code == 200
@@ -130,7 +132,7 @@ def test_rebound_names_are_refused(anyone: httpx.Client, host: str, known: bool)
     assert response.status_code == (200 if known else 403)
 
 
-def test_security_headers(anyone: httpx.Client) -> None:
+def test_answers_forbid_foreign_scripts_and_frames(anyone: httpx.Client) -> None:
     headers = anyone.get("/healthz").headers
     policy = headers["content-security-policy"]
     assert "default-src 'self'" in policy

@@ -138,7 +138,7 @@ def address(served: Served) -> tuple[str, int]:
     return host, int(port)
 
 
-def test_slow_loris(served: Served) -> None:
+def test_requests_that_never_end_keep_nobody_out(served: Served) -> None:
     with ExitStack() as stack:
         for i in range(100):
             raw = stack.enter_context(socket.create_connection(address(served)))

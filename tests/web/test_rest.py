@@ -57,7 +57,7 @@ def wait(api: httpx.Client, job: dict[str, Any]) -> dict[str, Any]:
     raise AssertionError("the job did not end")
 
 
-def test_manifest(api: httpx.Client) -> None:
+def test_the_manifest_tells_frames_points_fields_and_bounds(api: httpx.Client) -> None:
     manifest = api.get("/sequences/wall").json()
     assert [entry["id"] for entry in api.get("/sequences").json()] == ["wall"]
     assert manifest["frames"] == 4
@@ -129,7 +129,7 @@ def test_undo_redo_and_history(api: httpx.Client) -> None:
     assert page == history[2:3]
 
 
-def test_nothing_to_undo(served: Served) -> None:
+def test_who_has_done_nothing_can_undo_nothing(served: Served) -> None:
     secret = served.workspace.store.tokens.add("annotator", "newcomer")
     headers = {"Authorization": f"Bearer {secret}"}
     problem(httpx.post(f"{served.url}/api/v1/sequences/wall/undo", headers=headers), 409)
@@ -152,7 +152,7 @@ def test_annotation_round_trip_with_etag(api: httpx.Client) -> None:
     problem(api.put(url, content=npy(values), headers={"If-Match": "nonsense"}), 422)
 
 
-def test_deleted_layer(api: httpx.Client) -> None:
+def test_the_deleted_layer_is_put_and_read_back(api: httpx.Client) -> None:
     url = "/sequences/wall/frames/1/annotation?layer=deleted"
     deleted = load(api.get(url)).copy()
     assert deleted.dtype == np.bool_
@@ -204,7 +204,7 @@ def test_pickles_are_refused(api: httpx.Client) -> None:
     problem(api.put("/sequences/wall/frames/1/annotation", content=stream.getvalue()), 422)
 
 
-def test_labels(api: httpx.Client) -> None:
+def test_a_label_is_made_changed_and_deleted(api: httpx.Client) -> None:
     number = new_label(api, "club", category="prop", color="#12ab34")
     url = f"/sequences/wall/labels/{number}"
     assert api.get(url).json() == {
@@ -294,7 +294,9 @@ def test_bad_strokes_change_nothing(api: httpx.Client, change: dict[str, Any], s
     ],
     ids=["open", "binary", "nan", "list", "deep", "large"],
 )
-def test_bad_json(api: httpx.Client, content: bytes, status: int) -> None:
+def test_json_that_is_none_or_too_large_is_refused(
+    api: httpx.Client, content: bytes, status: int
+) -> None:
     headers = {"Content-Type": "application/json"}
     url = "/sequences/wall/frames/0/strokes"
     problem(api.post(url, content=content, headers=headers), status)
@@ -326,7 +328,9 @@ def test_bad_json(api: httpx.Client, content: bytes, status: int) -> None:
         ("GET", "/sequences/wall/undo", 405),
     ],
 )
-def test_wrong_addresses(api: httpx.Client, method: str, path: str, status: int) -> None:
+def test_addresses_of_nothing_are_refused(
+    api: httpx.Client, method: str, path: str, status: int
+) -> None:
     problem(api.request(method, path), status)
 
 
@@ -361,7 +365,9 @@ def write_ply(path: Path, seed: int, count: int = 500) -> None:
     PlyData([PlyElement.describe(rows, "vertex")]).write(str(path))
 
 
-def test_import_by_path(served: Served, api: httpx.Client) -> None:
+def test_a_folder_within_the_roots_is_imported_by_its_path(
+    served: Served, api: httpx.Client
+) -> None:
     folder = served.workspace.settings.roots[0] / "take one"
     folder.mkdir()
     for number in range(3):
@@ -376,7 +382,7 @@ def test_import_by_path(served: Served, api: httpx.Client) -> None:
     problem(api.get(f"/sequences/{manifest['id']}"), 404)
 
 
-def test_import_by_upload(served: Served, api: httpx.Client, tmp_path: Path) -> None:
+def test_uploaded_files_are_imported(served: Served, api: httpx.Client, tmp_path: Path) -> None:
     write_ply(tmp_path / "a.ply", 1)
     write_ply(tmp_path / "b.ply", 2)
     files = [("files", (name, (tmp_path / name).read_bytes())) for name in ("a.ply", "b.ply")]
@@ -416,7 +422,9 @@ def test_import_through_a_symlink_out_of_the_roots(served: Served, api: httpx.Cl
 
 
 @pytest.mark.parametrize("name", ["../x.ply", "..", ".hidden", "", "a\x00b"])
-def test_upload_names(api: httpx.Client, served: Served, name: str) -> None:
+def test_no_name_of_an_upload_leads_out_of_its_folder(
+    api: httpx.Client, served: Served, name: str
+) -> None:
     response = api.post("/sequences", files=[("files", (name, b"data"))])
     assert response.status_code in (202, 400, 422)
     if response.status_code == 202:
@@ -433,7 +441,7 @@ def test_upload_without_files(api: httpx.Client) -> None:
     problem(api.post("/sequences", content=b"hi", headers=headers), 415)
 
 
-def test_tracking(api: httpx.Client) -> None:
+def test_a_tracking_run_is_started_and_its_tracks_are_told(api: httpx.Client) -> None:
     label = new_label(api, "moving")
     api.post("/sequences/wall/frames/0/strokes", json=stroke(label, radius=0.5))
     body = {"labels": [label], "start": 0, "stop": 2, "method": "icp"}
@@ -473,7 +481,9 @@ def test_tracking_up_to_the_next_painted_frame(api: httpx.Client) -> None:
     ],
     ids=str,
 )
-def test_bad_tracking(api: httpx.Client, change: dict[str, Any], status: int) -> None:
+def test_a_tracking_run_that_cannot_be_is_refused(
+    api: httpx.Client, change: dict[str, Any], status: int
+) -> None:
     label = new_label(api, "tracked")
     api.post("/sequences/wall/frames/0/strokes", json=stroke(label, radius=0.5))
     body = {"labels": [label], "start": 0, "stop": 2, "method": "icp"} | change
@@ -501,7 +511,7 @@ def test_docs_are_self_contained(anyone: httpx.Client) -> None:
     assert "https://" not in page.text
 
 
-def test_metrics(api: httpx.Client) -> None:
+def test_metrics_count_requests_and_memory(api: httpx.Client) -> None:
     text = api.get("/metrics").text
     assert "pointbrush_requests_total" in text
     assert "process_resident_memory_bytes" in text

@@ -54,7 +54,7 @@ def described(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("mode", list(GenerationMode))
-def test_calls(described: Any, mode: GenerationMode) -> None:
+def test_every_call_keeps_to_its_description(described: Any, mode: GenerationMode) -> None:
     failures = []
     for result in described.get_all_operations():
         try:

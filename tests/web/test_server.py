@@ -95,7 +95,7 @@ def test_plain_http_stays_on_this_machine() -> None:
     ("host", "url"),
     [("127.0.0.1", "http://127.0.0.1:8/?token=t"), ("::1", "http://[::1]:8/?token=t")],
 )
-def test_page_url(host: str, url: str) -> None:
+def test_the_page_is_addressed_with_host_port_and_token(host: str, url: str) -> None:
     assert page_url(Settings(host=host), 8, "t", secure=False) == url
 
 
