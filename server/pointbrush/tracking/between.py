@@ -28,6 +28,21 @@ Found = tuple[I64 | None, TrackState | None]
 
 
 @dataclass(frozen=True)
+class _Task:
+    """What a run is asked to go through."""
+
+    frames: Frames
+    order: Sequence[int]
+    known: Known
+    options: TrackOptions
+
+    def rules(self, at: int) -> FrameRules:
+        """The rules of the frame at a position in the order."""
+        number = self.order[at]
+        return FrameRules(len(self.frames(number).xyz), self.known(number), self.options)
+
+
+@dataclass(frozen=True)
 class BothSides:
     """``method``, checked, and run from both sides between painted frames."""
 
@@ -50,6 +65,7 @@ class BothSides:
             painted = {label: at[:1] for label, at in painted.items()}
         else:
             ends = {label: len(order) - 1 for label in painted}
+        task = _Task(frames, order, known, options)
         buffer: list[dict[int, Found]] = []
         sent = 0
         for result in self.method.track(frames, order, seeds, known, options):
@@ -59,8 +75,7 @@ class BothSides:
                 {label: (result.assignments.get(label), result.tracks[label]) for label in labels}
             )
             for start, group in _closing(painted, at).items():
-                rules = FrameRules(len(frames(order[at]).xyz), known(order[at]), options)
-                self._meet(frames, order, start, at, group, rules, known, options, buffer)
+                self._meet(task, start, at, group, buffer)
             still_open = [p for positions in painted.values() for p in _open_since(positions, at)]
             ready = min([at + 1, *still_open])
             for position in range(sent, ready):
@@ -68,18 +83,13 @@ class BothSides:
             sent = max(sent, ready)
 
     def _meet(
-        self,
-        frames: Frames,
-        order: Sequence[int],
-        start: int,
-        stop: int,
-        labels: list[int],
-        rules: FrameRules,
-        known: Known,
-        options: TrackOptions,
-        buffer: list[dict[int, Found]],
+        self, task: _Task, start: int, stop: int, labels: list[int], buffer: list[dict[int, Found]]
     ) -> None:
-        """Replace the frames after the meeting point, of each label, by the backward run."""
+        """Replace the frames after the meeting point, of each label, by the backward run.
+
+        ``start`` and ``stop``: positions of the painted frames that it is between.
+        """
+        rules = task.rules(stop)
         seeds = [
             Seed(label, points)
             for label in labels
@@ -87,9 +97,10 @@ class BothSides:
         ]
         if not seeds or stop - start < 2:
             return
-        backward = list(order[start + 1 : stop + 1])[::-1]
-        options = replace(options, until_painted=False, before=())
-        results = list(self.method.track(frames, backward, seeds, known, options))[::-1]
+        backward = list(task.order[start + 1 : stop + 1])[::-1]
+        options = replace(task.options, until_painted=False, before=())
+        run = self.method.track(task.frames, backward, seeds, task.known, options)
+        results = list(run)[::-1]
         for label in labels:
             ahead = [buffer[p].get(label, (None, None)) for p in range(start + 1, stop + 1)]
             back = [(r.assignments.get(label), r.tracks.get(label)) for r in results]
