@@ -78,10 +78,12 @@ def test_no_image_where_nothing_proves_the_viewpoint() -> None:
     assert find_lens(frame(camera_points(furnished()), wrong)) is None
 
 
-def test_a_sensor_that_moves_has_an_image_where_its_pixels_show() -> None:
-    lattice = frame(camera_points(room()))
-    assert find_lens(lattice, moves=True) is not None
-    assert find_lens(frame(camera_points(room()) @ TILTED.T), moves=True) is None
+def test_a_sensor_that_moves_has_an_image_where_its_pixels_show_or_a_room_is_all_it_sees() -> None:
+    for away in (1.0, 20.0):
+        lattice = camera_points(away * room())
+        assert find_lens(frame(lattice), moves=True) is not None
+        lens = find_lens(frame(lattice @ TILTED.T), moves=True)
+        assert (lens is not None) == (away == 1.0)
 
 
 def furnished() -> np.ndarray:

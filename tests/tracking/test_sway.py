@@ -80,6 +80,23 @@ def test_people_before_it_are_followed_without_a_doubt(swaying: list[scenes.Fram
         assert np.linalg.norm(transform(result.tracks[2].pose, stands) - there) < 0.05
 
 
+def test_a_lens_that_bends_straight_lines_changes_nothing(swaying: list[scenes.Frame]) -> None:
+    """Pixels that were set straight lie on no lattice."""
+    bent = []
+    for frame in swaying:
+        plane = frame.xyz[:, :2] / frame.xyz[:, 2:]
+        plane *= 1 + 0.06 * (plane**2).sum(axis=1, keepdims=True)
+        xyz = np.hstack([plane, np.ones((len(plane), 1))]) * frame.xyz[:, 2:]
+        bent.append(replace(frame, xyz=xyz.astype(np.float32), pose=None))
+    for result in follow(bent)[1:]:
+        truth = bent[result.frame].truth
+        for label in (1, 2):
+            found = result.assignments[label]
+            both = np.count_nonzero(truth[found] == label)
+            assert both > 0.8 * (np.count_nonzero(truth == label) + len(found) - both)
+            assert result.tracks[label].confidence > 0.5
+
+
 def test_all_that_it_sees_lies_in_one_picture_and_nothing_is_hidden_there(
     swaying: list[scenes.Frame],
 ) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, TrackFrame
+from pointbrush.tracking.sensor.range_image import FAR, reach_of
 
 I32 = NDArray[np.int32]
 FEWEST = 500
@@ -130,8 +131,8 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     """The pixel grid of a pinhole-like frame, None where it has none.
 
     ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
-    A sensor that ``moves`` has one only where its lattice shows: a lidar's front view is better
-    followed as one that looks all round.
+    A sensor that ``moves`` has one only where its lattice shows, or it sees no farther than depth
+    cameras do: a lidar's front view is better followed as one that looks all round.
     """
     xyz = np.asarray(frame.xyz)
     if len(xyz) < FEWEST:
@@ -152,7 +153,7 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     pitch = [p for p in map(_lattice, plane) if p is not None and p > LEAST * spacing]
     if turn is None and len(pitch) == 2:
         return _lens(sample, eye, None, along, (pitch[0], pitch[1]))
-    if spacing <= 0 or moves:
+    if spacing <= 0 or (moves and reach_of(xyz) > FAR):
         return None
     lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
     least = 0.0 if told else FILLED if place is None else FILLED_TURNED

@@ -47,13 +47,13 @@ def steadied(lens: Lens, depth: F32, poses: Sequence[F64]) -> Lens | None:
     if (most - least > WIDER * size).any():
         return None
     least, most = least - MARGIN * size, most + MARGIN * size
-    across, down = np.ceil((most - least) / (SPREAD * pitch)).astype(int).tolist()
-    x, y = (SPREAD * pitch).tolist()
+    pitch = pitch * (SPREAD if lens.lattice else 1.0)
+    across, down = np.ceil((most - least) / pitch).astype(int).tolist()
     return replace(
         lens,
         eye=eye.astype(np.float32),
         least=(float(least[0]), float(least[1])),
-        pitch=(x, y),
+        pitch=(float(pitch[0]), float(pitch[1])),
         shape=(down, across),
         lattice=False,
     )
