@@ -18,7 +18,7 @@ from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work.tracking import LEAD, Findings, TrackingWork, lead, prepare
+from pointbrush.work.tracking import LEAD, PendingEdit, TrackingWork, lead, prepare
 from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -185,10 +185,10 @@ def test_a_run_changes_only_what_it_may(
     again = results_of(workspace, asked)
     assert list(map(plain, found)) == list(map(plain, again))
     labels = tuple(found[0].tracks)
-    findings = Findings(
+    pending = PendingEdit(
         workspace.store, asked.sequence, asked.start, labels, asked.overwrite, found
     )
-    done = findings.commit(str(uuid.uuid4()), "ada", "")
+    done = pending.commit(str(uuid.uuid4()), "ada", "")
     after = written(workspace, asked.sequence)
     reached = {result.frame for result in found} - {asked.start}
     for number, (old, new) in enumerate(zip(before, after, strict=True)):

@@ -66,10 +66,10 @@ class Runs:
             stop_unsure,
         )
         ids = tuple(seed.label for seed in seeds)
-        findings = tracking.Findings(self._store, sequence, start, ids, overwrite)
+        pending = tracking.PendingEdit(self._store, sequence, start, ids, overwrite)
 
         def on_item(job: Job, found: FrameResult) -> None:
-            findings.results.append(found)
+            pending.results.append(found)
             numbers, values = tracking.flat(found)
             self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
 
@@ -78,11 +78,11 @@ class Runs:
                 return dict(tracking.NOTHING)
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
             summary = f"tracked {labelled}, frames {start} to {stop}, {method}"
-            return findings.commit(edit, author, summary)
+            return pending.commit(edit, author, summary)
 
         def done(job: Job) -> None:
             self._kept.discard(job.id)
-            frames = tuple(found.frame for found in findings.results)
+            frames = tuple(found.frame for found in pending.results)
             self._publish(Retracted(sequence, job.id, frames))
 
         return self._runner.submit("tracking", sequence, work, finish, on_item, done)

@@ -168,7 +168,7 @@ def load_default_method() -> None:
 
 
 @dataclass
-class Findings:
+class PendingEdit:
     """What a run has found so far, in the server's process; becomes one edit."""
 
     store: LabelStore
