@@ -66,6 +66,18 @@ def test_its_way_is_found_again_after_a_hand_was_before_the_lens(
     assert way.lost == {4, 5}
 
 
+def test_a_camera_at_rest_is_not_moved_by_who_stops_the_recording() -> None:
+    frames = [replace(f, pose=None) for f in scenes.swaying(frames=6, far=0.0, turn=0.0)]
+    last = frames[-1]
+    across = last.xyz[:, 0] / last.xyz[:, 2]
+    depth = np.where(across < np.quantile(across, 0.3), last.xyz[:, 2], 1.0 + 0.3 * across**2)
+    depth += np.random.default_rng(1).normal(0.0, 0.002, len(depth))
+    near = last.xyz * (depth / last.xyz[:, 2])[:, None]
+    frames[-1] = replace(last, xyz=near.astype(np.float32), truth=None)
+    painted = np.flatnonzero(frames[0].truth)
+    assert find_trajectory(frames.__getitem__, range(6), painted) is None
+
+
 def test_people_before_it_are_followed_without_a_doubt(swaying: list[scenes.Frame]) -> None:
     for result in follow([replace(frame, pose=None) for frame in swaying])[1:]:
         frame = swaying[result.frame]

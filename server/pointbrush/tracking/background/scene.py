@@ -35,6 +35,8 @@ CALM = 4
 """Frames from which the noise of each place is measured."""
 LEAST = 0.1
 """Share of a picture that tells the noise alone."""
+COVERED = 0.125
+"""Share of the frames that may show nothing of the scene, as behind a hand before the lens."""
 SURVEY = 16
 """Frames that are looked through for what large things hide."""
 
@@ -93,8 +95,9 @@ class Scene:
             return
         some = [self._order[0], *self._apart()]
         way = self._way.among(some)
-        poses = [way.pose(number) for number in some]
-        still = None if way.lost else steadied(self.lens, self.first.cells[1], poses)
+        poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
+        seen = len(way.lost) <= COVERED * len(some)
+        still = steadied(self.lens, self.first.cells[1], poses) if seen else None
         if still is not None:
             self.lens, self._steady = still, True
             self.first = self._look(self._order[0])

@@ -174,13 +174,17 @@ def _mended(layer: Layer, image: Image, T: F64, steps: int) -> F64:
 def moves(frames: Frames, numbers: Sequence[int], lens: Lens, painted: I64 | None = None) -> bool:
     """Whether the sensor has moved between the first of some frames and any other.
 
-    What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell.
+    What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
+    nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
     """
     first, *others = numbers
     picture = picture_of(frames(first), lens, painted)
+    scale = None
     for number in others:
         fit = motion_between(picture, picture_of(frames(number), lens), lens, [np.eye(4)])
-        if fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before):
+        scale = fit.scale if scale is None else scale
+        better = fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before)
+        if better and _agreement(fit.off, scale) >= LOST:
             return True
     return False
 
