@@ -16,7 +16,7 @@ from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-from pointbrush.tracking.geometry.windows import widened
+from pointbrush.tracking.geometry.windows import blocks, widened
 from pointbrush.tracking.interface import F32, Mask
 
 NEAR = 3.0
@@ -44,9 +44,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
     hidden = widened(hidden.reshape(shape), 2).ravel()
     open_ = np.where(hidden, np.nan, 1.0 / depth)
     rows, columns = -(-height // STEP), -(-width // STEP)
-    padded = np.full((rows * STEP, columns * STEP), np.nan, np.float32)
-    padded[:height, :width] = open_.reshape(shape)
-    cells = padded.reshape(rows, STEP, columns, STEP).transpose(0, 2, 1, 3).reshape(-1, STEP**2)
+    cells = blocks(open_, shape, STEP)
     known = np.isfinite(cells).sum(axis=1) > STEP
     coarse = np.full(len(cells), np.nan)
     coarse[known] = np.nanmean(cells[known], axis=1)
@@ -142,14 +140,11 @@ def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F
     rows, columns = -(-height // BLOCK), -(-width // BLOCK)
     found = []
     for one, other in pairwise(images):
-        padded = np.full((rows * BLOCK, columns * BLOCK), np.nan, np.float32)
         with np.errstate(invalid="ignore"):
-            padded[:height, :width] = (np.abs(one - other) * 1.05 / deviation).reshape(shape)
-        grid = padded.reshape(rows, BLOCK, columns, BLOCK).transpose(0, 2, 1, 3)
-        blocks = grid.reshape(rows * columns, BLOCK**2)
-        enough = np.flatnonzero(np.isfinite(blocks).sum(axis=1) > BLOCK**2 // 4)
+            change = blocks(np.abs(one - other) * 1.05 / deviation, shape, BLOCK)
+        enough = np.isfinite(change).sum(axis=1) > BLOCK**2 // 4
         median = np.full(rows * columns, np.inf)
-        median[enough] = np.nanmedian(blocks[enough], axis=1)
+        median[enough] = np.nanmedian(change[enough], axis=1)
         found.append(median)
     calm = USUAL * np.min(found, axis=0)
     calm[np.isinf(calm)] = 1.0

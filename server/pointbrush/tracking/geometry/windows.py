@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.interface import Mask
+from pointbrush.tracking.interface import F32, Mask
 
 A = TypeVar("A", bound=NDArray[np.generic])
 
@@ -32,3 +32,12 @@ def widened(image: Mask, steps: int) -> Mask:
         result[:, 1:] |= before[:, :-1]
         result[:, :-1] |= before[:, 1:]
     return result
+
+
+def blocks(image: F32, shape: tuple[int, int], size: int) -> F32:
+    """(B, size ** 2) values of the blocks of an image (H * W,), row by row, NaN beyond it."""
+    height, width = shape
+    rows, columns = -(-height // size), -(-width // size)
+    padded = np.full((rows * size, columns * size), np.nan, np.float32)
+    padded[:height, :width] = image.reshape(shape)
+    return padded.reshape(rows, size, columns, size).transpose(0, 2, 1, 3).reshape(-1, size**2)
