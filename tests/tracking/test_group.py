@@ -242,6 +242,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Obs
         colour=lambda points: colour[cell[points]],
         depth=np.full(1, np.inf),
         project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
+        hides=lambda xyz, _: np.zeros(len(xyz), np.bool_),
     )
     return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])
 

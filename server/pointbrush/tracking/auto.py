@@ -19,6 +19,7 @@ import numpy as np
 from pointbrush.tracking.background.depth_background import Background, PictureBackground
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
+from pointbrush.tracking.fitting.judge import IN_FRONT
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.fitting.sharing import share_out
@@ -355,8 +356,7 @@ def _hidden_at_rest(thing: Thing, view: View) -> F64:
     if thing.motion.rested is None:
         return np.empty((0, 3))
     world = transform(thing.motion.rested, thing.model.xyz)
-    cell, depth = view.project(world)
-    return np.asarray(world[view.depth[cell] < depth + 3 * thing.unit])
+    return np.asarray(world[view.hides(world, -IN_FRONT * thing.unit)])
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.judge import judge
+from pointbrush.tracking.fitting.judge import IN_FRONT, judge
 from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.geometry.registration import transform, transform_each
 from pointbrush.tracking.interface import I64
@@ -55,8 +55,7 @@ def _far_off(thing: Thing, search: Search, place: Place) -> bool:
     if off < (LEASH * thing.span + motion.speed) * motion.gap:
         return False
     guesses = transform_each(search.guesses, thing.model.xyz[search.few])
-    cell, depth = search.view.project(guesses.reshape(-1, 3))
-    hidden = (cell < 0) | (search.view.depth[cell] < depth - 3 * thing.unit)
+    hidden = search.view.hides(guesses.reshape(-1, 3), IN_FRONT * thing.unit)
     return bool(hidden.reshape(len(guesses), -1).mean(axis=1).max() > MOSTLY)
 
 

@@ -65,12 +65,8 @@ def judge(
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
-        cell, depth = view.project(world)
-        seen = view.depth[cell]
-        with np.errstate(invalid="ignore"):
-            hidden = (seen < depth - IN_FRONT * thing.unit) & ~matched
-            through = (seen > depth + BEHIND * thing.unit) & ~matched & facing
-        hidden = hidden | (cell < 0)
+        hidden = view.hides(world, IN_FRONT * thing.unit) & ~matched
+        through = view.sees_through(world, BEHIND * thing.unit) & ~matched & facing
     elif view.shade is not None:
         hidden = view.shade.hides(world, IN_FRONT * thing.unit) & ~matched
     expected = facing & ~hidden

@@ -169,8 +169,7 @@ class Person:
         if self.missing:
             return np.empty(0, np.int64)
         seen, there = sight.cells.middle[cells], self.xyz + step
-        at, depth = sight.view.project(there)
-        hides = (sight.view.depth[at] < depth - BEHIND) | (at < 0)
+        hides = sight.view.hides(there, BEHIND)
         apart = cKDTree(seen).query(there)[0] > APART * sight.cells.size
         close = np.linalg.norm(there - np.median(seen, axis=0), axis=1) < FAR
         return np.flatnonzero(hides & apart & close)

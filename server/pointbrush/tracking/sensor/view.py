@@ -221,6 +221,19 @@ class View:
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
         return self.lens.cells(local.astype(np.float32))
 
+    def hides(self, world: F64, margin: float) -> Mask:
+        """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what
+        it shows; needs a lens."""
+        cell, depth = self.project(world)
+        with np.errstate(invalid="ignore"):
+            return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
+
+    def sees_through(self, world: F64, margin: float) -> Mask:
+        """Which places (M, 3) lie more than ``margin`` metres before what the picture shows."""
+        cell, depth = self.project(world)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.depth[cell] > depth + margin)
+
 
 @compiled
 def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:

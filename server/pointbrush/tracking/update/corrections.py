@@ -56,7 +56,5 @@ def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     painted = close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
     denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
     if view.lens is not None:
-        cell, depth = view.project(place.world)
-        with np.errstate(invalid="ignore"):
-            denied &= ~(view.depth[cell] < depth - IN_FRONT * thing.unit) & (cell >= 0)
+        denied &= ~view.hides(place.world, IN_FRONT * thing.unit)
     return np.asarray(denied)
