@@ -12,23 +12,14 @@ from unittest.mock import patch
 
 import numpy as np
 
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.ego_motion import SAMPLE
 
 TRACKING = "pointbrush.tracking"
 
 
-def _claimed_only(
-    _things: object,
-    _view: object,
-    _places: object,
-    claims: dict[int, Any],
-    free: Any,
-    _scene: object,
-) -> tuple[dict[int, Any], Any]:
-    taken = ~free
-    for claim in claims.values():
-        taken[claim.indices] = True
-    return {}, taken
+def _claimed_only(_things: object, findings: Findings) -> tuple[dict[int, Any], Any]:
+    return {}, ~findings.unclaimed()
 
 
 def _no(*_: object, **__: object) -> None:
@@ -134,12 +125,17 @@ IDEAS: dict[str, tuple[str, Any]] = {
 """Idea -> where it is defined in the tracker, and what does nothing in its place."""
 
 
+def found(idea: str) -> tuple[Any, str, Any]:
+    """The module or class where an idea is defined, its name there, and what does nothing."""
+    where, nothing = IDEAS[idea]
+    path, name = f"{TRACKING}.{where}".rsplit(".", 1)
+    return pkgutil.resolve_name(path), name, nothing
+
+
 @contextmanager
 def without(idea: str) -> Iterator[None]:
     """A context in which ``auto`` goes without an idea, whoever has imported it."""
-    where, nothing = IDEAS[idea]
-    path, name = f"{TRACKING}.{where}".rsplit(".", 1)
-    home = pkgutil.resolve_name(path)
+    home, name, nothing = found(idea)
     old = vars(home)[name]
     users = [m for n, m in list(sys.modules.items()) if n.startswith(TRACKING)]
     with ExitStack() as taken_out:
