@@ -86,12 +86,12 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "model over frames": ("objects.model.Model.gather", _no),
     "bending": ("update.learn.strained", lambda *_: 0.0),
     "hidden by other colours": ("update.settle.hides", lambda *_: False),
-    "slow-only keeping": ("auto.Run._shadow", lambda *_: np.empty((0, 3))),
+    "slow-only keeping": ("update.withheld.withheld", lambda *_: np.empty((0, 3))),
     "swaps": ("swaps.Swaps.meet", _no),
     # People
     "scene of the whole run": ("background.scene.Scene._survey", lambda _: []),
     "noise of each place": ("background.depth_background.ImageBackground.calm", _no),
-    "people together": ("auto.Run._gather", _no),
+    "people together": ("people.joint_tracking.JointTracking.gather", _no),
     "steps by depth": ("people.displacement._stride", lambda _s, person, *_: person.step),
     "steps mended": ("people.ownership._mended", lambda *_: np.zeros(3)),
     "clothes": (

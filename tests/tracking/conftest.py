@@ -9,20 +9,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import numpy as np
 import scenes
+from runs import follow
 
-from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions
-
-
-def follow(frames: list[scenes.Frame], method: str = "auto") -> list[FrameResult]:
-    """A run of every label of the first frame's truth; nothing else is known."""
-    truth = frames[0].truth
-    assert truth is not None
-    seeds = [Seed(n, np.flatnonzero(truth == n)) for n in np.unique(truth).tolist() if n]
-    order = range(len(frames))
-    run = METHODS[method]().track(frames.__getitem__, order, seeds, lambda _: None, TrackOptions())
-    return list(run)
+from pointbrush.tracking import FrameResult
 
 
 @pytest.fixture(scope="session")

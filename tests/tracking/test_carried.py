@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.background.depth_noise import DepthNoise

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking import TrackState, auto
 from pointbrush.tracking.objects.confidence import Evidence, likelihood

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking.fitting.recovery import shifts
 from pointbrush.tracking.geometry.registration import transform

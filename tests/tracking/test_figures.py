@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.objects.colours import ColourHistogram

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
@@ -396,9 +396,9 @@ def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
         run = Run(made.__getitem__, order, seeds, lambda _: None, TrackOptions(), workers)
         run.start(seeds)
         run.scene.close()
-    assert run.group is not None
-    assert len(run.group.people) == 2
-    for person in run.group.people:
+    assert run.people.group is not None
+    assert len(run.people.group.people) == 2
+    for person in run.people.group.people:
         scraps = staged(body(0.0, RED))
         scraps.owner[:2] = person.label
         assert person.elsewhere(scraps, 1)

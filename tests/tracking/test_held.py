@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking.background.last_seen import LastSeen
 from pointbrush.tracking.disputes import placed

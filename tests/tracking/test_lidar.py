@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions

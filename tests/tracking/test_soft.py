@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.fitting.judge import Verdict, judge

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scenes
-from conftest import follow
+from runs import follow
 
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64

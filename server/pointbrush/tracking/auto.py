@@ -10,16 +10,15 @@ followed together (people/).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background, PictureBackground
+from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
-from pointbrush.tracking.fitting.judge import IN_FRONT
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.fitting.sharing import share_out
@@ -37,30 +36,29 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
-from pointbrush.tracking.people.group import Group
+from pointbrush.tracking.people.joint_tracking import JointTracking
 from pointbrush.tracking.rules import FEWEST, FrameRules
 from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
-from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
-from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
-from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
+from pointbrush.tracking.segmentation.ground_below import with_ground
+from pointbrush.tracking.segmentation.rivals import around, note_beside, set_rivals, tell_apart
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.smoothing import Held, Smoother
 from pointbrush.tracking.swaps import Swaps
+from pointbrush.tracking.update.beginning import begin_anew, begin_label
 from pointbrush.tracking.update.corrections import taught
 from pointbrush.tracking.update.settle import settle
+from pointbrush.tracking.update.withheld import withheld
 
 AGAIN = 0.3
 """Confidence of what came out from behind another changed."""
-
-
-LIMB = 0.1
-"""Metres between points up to which they may be somebody's: limbs are no thicker."""
+STATIC, UNIT = 1.5, 0.02
+"""Units within which a point is where something stood before, if no depth image tells it; and the
+metres of a unit while nothing is tracked."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ class Run:
         self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
         self.astray: dict[int, int] = {}
-        self.group: Group | None = None
+        self.people = JointTracking(self.things, continue_lost=options.continue_lost)
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in seeds)])
         self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
 
@@ -124,8 +122,8 @@ class Run:
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
-        units = [t.unit for t in self.things.values()] or [0.02]
-        return np.full(len(world), 1.5 * float(np.median(units)), np.float32)
+        units = [t.unit for t in self.things.values()] or [UNIT]
+        return np.full(len(world), STATIC * float(np.median(units)), np.float32)
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
         """Begin with a person's points."""
@@ -135,62 +133,13 @@ class Run:
             self._begin(view, seed.label, np.sort(seed.indices))
         tell_apart(self.things, view, self.things)
         self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
-        self._gather(view, self.things)
+        self.people.gather(view, self.background, self.things)
         tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, tracks)
 
-    def _begin(self, view: View, label: int, indices: I64) -> None:
-        thing = begin(view, label, indices, self.scene.noise(view, indices), Rivals.none())
-        thing.painted = replace(
-            thing.painted,
-            grounded=painted_with_ground(view, indices),
-            with_flying=painted_with_flying(view, indices, thing.unit),
-        )
-        self.things[label] = thing
+    def _begin(self, view: View, label: int, points: I64) -> None:
+        begin_label(self.things, view, label, points, self.scene.noise(view, points))
         self.astray.pop(label, None)
-        set_rivals(thing, view, around(thing, view, thing.model.xyz))
-
-    def _gather(self, view: View, labels: Iterable[int]) -> None:
-        """People before a depth camera at rest are followed together.
-
-        Not where they hold what is tracked too: it and their hands are told apart by one claim; nor
-        where points too far apart to be limbs are a label.
-        """
-        bodies = {n: self.things[n] for n in labels if self.things[n].body}
-        alone = all(thing.body and thing.unit < LIMB for thing in self.things.values())
-        if bodies and alone and isinstance(self.background, PictureBackground):
-            self.group = Group.of(view, bodies, self.background)
-
-    def _among_people(
-        self,
-        view: View,
-        fixed: Mapping[int, I64],
-        settled: Mapping[int, tuple[TrackState, I64]],
-        free: Mask,
-    ) -> dict[int, tuple[TrackState, I64]]:
-        """How people fared who are followed together, and what each of them has."""
-        if self.group is None or not isinstance(self.background, PictureBackground):
-            return {}
-        left = free.copy()
-        for _, points in settled.values():
-            left[points] = False
-        found = self.group.step(view, self.background, left)
-        for label, (track, _) in found.items():
-            thing = self.things[label]
-            thing.stopped = track.state == "lost" and not self.options.continue_lost
-            if thing.stopped:
-                self.group.drop(label)
-        return {label: each for label, each in found.items() if label not in fixed}
-
-    def _accompanied(self, label: int) -> bool:
-        return self.group is not None and label in self.group.labels
-
-    def _join(self, view: View, label: int) -> None:
-        """Somebody who was painted in the middle of a run is followed among the others."""
-        if self.group is None:
-            self._gather(view, [label])
-        elif self.things[label].body:
-            self.group.put(view, label, self.things[label])
 
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""
@@ -208,7 +157,7 @@ class Run:
         free = rules.free(self.labels)
         for points in fixed.values():
             free[points] = False
-        sought = [t for n, t in things.items() if not (n in fixed or self._accompanied(n))]
+        sought = [t for n, t in things.items() if not (n in fixed or n in self.people)]
         absent = [thing for thing in sought if thing.absent]
         findings = self._find([t for t in sought if not t.absent], view, free)
         places = findings.places
@@ -216,17 +165,20 @@ class Run:
         find_astray(sought, self.astray, findings)
         self.swaps.meet(things, places)
         loose = look_for(absent, things, findings)
-        settled, again = self._settle(sought, findings, loose)
-        settled |= self._among_people(view, fixed, settled, free)
+        settled, emerged = self._settle(sought, findings, loose)
+        left = free.copy()
+        for _, points in settled.values():
+            left[points] = False
+        settled |= self.people.step(view, self.background, left, fixed)
         view.labels = dict(fixed)
-        tracks = self._conclude(view, rules, fixed, again, settled)
+        tracks = self._conclude(view, rules, fixed, emerged, settled)
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
             tell_apart(self.things, view, [label])
-            self._join(view, label)
-        self._look_around(view, places)
-        self.workers.learn(view, self.background, self._shadow(view, places))
+            self.people.join(view, self.background, label)
+        note_beside(things, view, places)
+        self.workers.learn(view, self.background, withheld(things, places, view))
         found = with_ground(view, things, places, free)
         tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
         most = {n: place.most for n, place in places.items()}
@@ -249,11 +201,12 @@ class Run:
     def _settle(
         self, sought: list[Thing], findings: Findings, loose: Mapping[int, I64]
     ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
-        """Let things grow, judge and learn them; and what large things came out, changed.
+        """Let things grow, judge and learn them: how they fared, and the points that each has.
 
+        And the points of large things that came out of hiding so changed that they are learnt anew.
         What is small is judged while it is found out what hangs together with large things.
         """
-        things, view = self.things, findings.view
+        things = self.things
         grown, taken = grow(things, findings)
 
         def given(thing: Thing) -> tuple[object, ...]:
@@ -263,21 +216,20 @@ class Run:
 
         alive = [thing for thing in sought if not thing.stopped]
         small = [thing for thing in alive if not thing.large]
-        large = {label: place for label, place in findings.places.items() if things[label].large}
-        meanwhile = small if large else []
+        meanwhile = small if any(things[label].large for label in findings.places) else []
         wait = self.workers.begin(settle, meanwhile, given, changes=True)
-        grown |= hang_together(view, things, large, findings.claims, taken, self.background)
-        again = bodies_left(loose, things, findings, grown)
-        rest = [t for t in alive if not (t.label in again or t in meanwhile)]
+        grown |= hang_together(things, findings, taken)
+        emerged = bodies_left(loose, things, findings, grown)
+        rest = [t for t in alive if not (t.label in emerged or t in meanwhile)]
         settled = wait()
-        return settled | self.workers.each(settle, rest, given, changes=True), again
+        return settled | self.workers.each(settle, rest, given, changes=True), emerged
 
     def _conclude(
         self,
         view: View,
         rules: FrameRules,
         fixed: Mapping[int, I64],
-        again: Mapping[int, I64],
+        emerged: Mapping[int, I64],
         settled: Mapping[int, tuple[TrackState, I64]],
     ) -> dict[int, TrackState]:
         """How each thing fared; its points go to ``view.labels``."""
@@ -285,10 +237,10 @@ class Run:
         for label, thing in self.things.items():
             if label in fixed:
                 tracks[label] = self._repainted(thing, view, fixed[label])
-                self._join(view, label)
-            elif label in again:
-                tracks[label] = self._emerge(thing, view, again[label])
-                view.labels[label] = again[label]
+                self.people.join(view, self.background, label)
+            elif label in emerged:
+                tracks[label] = self._emerge(thing, view, emerged[label])
+                view.labels[label] = emerged[label]
             elif label in settled:
                 tracks[label], points = settled[label]
                 points = together(points, rules.anchors(label))
@@ -297,66 +249,28 @@ class Run:
                     tracks[label] = replace(tracks[label], points=len(points))
         return tracks
 
-    def _look_around(self, view: View, places: Mapping[int, Place]) -> None:
-        """Take note of what is beside each thing and is nothing."""
-        taken = view.labelled()
-        for label, place in places.items():
-            before = taken[place.neutral]
-            taken[place.neutral] = True
-            beside = place.moving if place.beside is None else place.beside
-            set_rivals(self.things[label], view, beside[~taken[beside]])
-            taken[place.neutral] = before
-
-    def _shadow(self, view: View, places: dict[int, Place]) -> F64:
-        """(M, 3) where a thing is known to be, even if it claimed nothing there."""
-        slow = {n: t for n, t in self.things.items() if t.motion.slow(t.unit)}
-        there = [places[n].world for n in places if n in view.labels and n in slow]
-        if view.lens is None:
-            # What is hidden cannot be told from what is gone: it may be where it was.
-            hidden = [t for n, t in slow.items() if n not in view.labels and not t.stopped]
-            there += [transform(t.motion.poses[-1], t.model.xyz) for t in hidden]
-        else:
-            there += [_hidden_at_rest(t, view) for t in self.things.values()]
-        return np.concatenate([np.empty((0, 3)), *there])
-
     def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
         self.swaps.forget(thing.label)
-        pose = None if self._accompanied(thing.label) else taught(thing, view, points)
+        pose = None if thing.label in self.people else taught(thing, view, points)
         if pose is None:
-            return self._reseed(thing, view, points)
+            return self._begin_anew(thing, view, points)
         world = transform(pose, thing.model.xyz)
         set_rivals(thing, view, around(thing, view, world))
         return _painted(len(points), pose)
 
-    def _reseed(self, thing: Thing, view: View, points: I64) -> TrackState:
-        pose = thing.motion.poses[-1]
-        shift = np.eye(4)
-        old = transform(pose, thing.model.centre[None])[0]
-        if len(points):
-            shift[:3, 3] = view.xyz[points].mean(axis=0) - old
-        pose = shift @ pose
-        self._begin(view, thing.label, points)
-        tell_apart(self.things, view, [thing.label])
-        again = self.things[thing.label]
-        again.model.xyz = transform(inverse(pose), again.model.xyz)
-        again.motion.centre, again.motion.poses = again.model.centre, [pose]
+    def _begin_anew(self, thing: Thing, view: View, points: I64) -> TrackState:
+        noise = self.scene.noise(view, points)
+        pose = begin_anew(self.things, view, thing.label, points, noise)
+        self.astray.pop(thing.label, None)
         return _painted(len(points), pose)
 
     def _emerge(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn a large thing anew from what came out of hiding; the rest may follow."""
-        track = self._reseed(thing, view, points)
+        track = self._begin_anew(thing, view, points)
         anew = self.things[thing.label]
         anew.extent, anew.size, anew.trust, anew.worn = thing.span, thing.size, AGAIN, thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
-
-
-def _hidden_at_rest(thing: Thing, view: View) -> F64:
-    """(M, 3) where a thing that rested may be behind what is seen: it is not seen past there."""
-    if thing.motion.rested is None:
-        return np.empty((0, 3))
-    world = transform(thing.motion.rested, thing.model.xyz)
-    return np.asarray(world[view.hides(world, -IN_FRONT * thing.unit)])
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -12,7 +12,6 @@ from itertools import combinations
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.background.last_seen import STAYS
 from pointbrush.tracking.geometry.grid import perhaps_near
 from pointbrush.tracking.geometry.near import close_to
@@ -23,6 +22,7 @@ from pointbrush.tracking.objects.thing import Rivals, Thing
 from pointbrush.tracking.people.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.segmentation.belong import step_of
+from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 
 CELL = 3.0
@@ -58,71 +58,109 @@ def undisputed(claims: Mapping[int, Claim], things: Mapping[int, Thing]) -> dict
     return result
 
 
-def hang_together(
-    view: View,
-    things: Mapping[int, Thing],
-    places: Mapping[int, Place],
-    claims: dict[int, Claim],
-    taken: Mask,
-    background: Background,
-) -> dict[int, I64]:
-    """New surface of large things ``places``: what hangs together with their claims.
+def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) -> dict[int, I64]:
+    """New surface of large things: what hangs together with their claims, which may lose points.
 
-    What stood still, and what is where something unlabelled was, is the outside and spreads too:
-    floor that a foot has just uncovered hangs together with the floor around it.  ``background``
-    knows what lies before a scene that has been seen.
+    ``taken`` (N,) are points that somebody has.  What stood still, and what is where something
+    unlabelled was, is the outside and spreads too: floor that a foot has just uncovered hangs
+    together with the floor around it.
     """
-    cores = {n: claims[n].indices for n in places if len(claims[n].indices) >= FEWEST}
+    view, background = findings.view, findings.background
+    cores = {
+        n: findings.claims[n].indices
+        for n in findings.places
+        if things[n].large and len(findings.claims[n].indices) >= FEWEST
+    }
     if not cores:
         return {}
+    size = float(np.median([max(CELL * things[n].unit, FINE * things[n].span) for n in cores]))
+    inside, ground = _before_and_behind(findings, cores, taken, size)
+    other = _others(things, findings, cores, np.flatnonzero(inside & ~taken), ground, size)
+    either = inside.copy()
+    either[ground] = True
+    every = np.flatnonzero(either)
+    foreground = Foreground.of(view, every, size)
+    # What shows again as deep as it was before something nearer hid it is whose it was.
+    again = np.where(inside[every], background.again(view, every), 0)
+    seeds = _seeds(len(view.xyz), cores, every, again)
+    sure = (background.certain(view, every) | (again != 0)) & inside[every]
+    far = {n: FAR * things[n].span for n in cores} | _by_clothes(seeds, sure, foreground, things)
+    clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
+    outside = ~inside[every]
+    found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
+    _note_others(findings, cores, every[found == OTHER])
+    return {label: _taken_over(findings, label, every[found == label]) for label in cores}
+
+
+def _before_and_behind(
+    findings: Findings, cores: Mapping[int, I64], taken: Mask, size: float
+) -> tuple[Mask, I64]:
+    """What moves around large things (N,), and the points (M,) of what stands still beside it.
+
+    Of what others have ``taken`` only the claims ``cores`` count, within ``size`` metres.
+    """
+    view = findings.view
     inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
     for label in cores:
-        place = places[label]
+        place = findings.places[label]
         outside[place.around] = True
         inside[place.moving] = True
     inside[taken] = False
     for core in cores.values():
         inside[core] = True
     outside &= ~inside & ~taken
-    size = float(np.median([max(CELL * things[n].unit, FINE * things[n].span) for n in cores]))
-    ground = _beside(view, np.flatnonzero(outside), np.flatnonzero(inside), size)
-    other = np.zeros(len(view.xyz), np.bool_)
-    rest = np.flatnonzero(inside & ~taken)
-    scenery = ground[background.static(view, ground)[0]]
-    scene = view.xyz[scenery]
+    return inside, _beside(view, np.flatnonzero(outside), np.flatnonzero(inside), size)
+
+
+def _others(
+    things: Mapping[int, Thing],
+    findings: Findings,
+    cores: Mapping[int, I64],
+    rest: I64,
+    ground: I64,
+    size: float,
+) -> Mask:
+    """(N,) those of the ``rest`` (M,) of what moves that are unlabelled things'."""
+    view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
+    scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
     for label in cores:
         moved = _movers(things[label].rivals, scene, 1.5 * size)
-        other[rest[_was_there(things[label], moved, view, places[label], rest)]] = True
-    either = inside.copy()
-    either[ground] = True
-    every = np.flatnonzero(either)
-    foreground = Foreground.of(view, every, size)
-    far = {n: FAR * things[n].span for n in cores}
-    clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
-    seeds = {}
-    again = np.where(inside[every], background.again(view, every), 0)
+        other[rest[_was_there(things[label], moved, view, findings.places[label], rest)]] = True
+    return other
+
+
+def _seeds(count: int, cores: Mapping[int, I64], every: I64, again: I64) -> dict[int, Mask]:
+    """Label → which of the points ``every`` (M,) of ``count`` are certainly its.
+
+    Its claim, and where that is to a good part what shows ``again`` (M,), all that does.
+    """
+    seeds: dict[int, Mask] = {}
     for label, core in cores.items():
-        mask = np.zeros(len(view.xyz), np.bool_)
+        mask = np.zeros(count, np.bool_)
         mask[core] = True
         seeds[label] = mask[every]
         if np.count_nonzero(again[mask[every]] == label) > STAYS * len(core):
             seeds[label] |= again == label
-    sure = (background.certain(view, every) | (again != 0)) & inside[every]
-    far |= _by_clothes(seeds, sure, foreground, things)
-    found = foreground.spread(seeds, outside[every], other[every], sure, far, clothes)
-    other_moving = np.zeros(len(view.xyz), np.bool_)
-    other_moving[every[found == OTHER]] = True
+    return seeds
+
+
+def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> None:
+    """Of ``points`` (M,) of other moving things, those beside a large thing are noted there."""
+    mask = np.zeros(len(findings.view.xyz), np.bool_)
+    mask[points] = True
     for label in cores:
-        moving = places[label].moving
-        places[label].beside = moving[other_moving[moving]]
-    grown = {}
-    for label in cores:
-        own = np.zeros(len(view.xyz), np.bool_)
-        own[every[found == label]] = True
-        claims[label] = claims[label].pick(own[claims[label].indices])
-        own[claims[label].indices] = False
-        grown[label] = np.flatnonzero(own)
-    return grown
+        place = findings.places[label]
+        place.beside = place.moving[mask[place.moving]]
+
+
+def _taken_over(findings: Findings, label: int, points: I64) -> I64:
+    """New surface of a thing that has ``points`` (M,); its claim loses what it has not."""
+    own = np.zeros(len(findings.view.xyz), np.bool_)
+    own[points] = True
+    claim = findings.claims[label]
+    claim = findings.claims[label] = claim.pick(own[claim.indices])
+    own[claim.indices] = False
+    return np.flatnonzero(own)
 
 
 def _by_clothes(

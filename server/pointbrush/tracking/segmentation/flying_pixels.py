@@ -6,6 +6,8 @@ the thing does: it would be taken for surface.  But nothing beside it is as deep
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pointbrush.tracking.geometry.compiled import compiled
@@ -17,6 +19,20 @@ BEHIND, BESIDE = 4.0, 2.0
 """Units by which it lies behind a neighbour, and within which a neighbour is as deep as it is."""
 MOSTLY, FEWEST = 0.5, 20
 """Share of them that a thing was painted with, to have them ever after, and how many tell it."""
+
+
+class FlyingRule(NamedTuple):
+    """What makes a pixel a flying one: it lies ``behind`` metres behind one that it touches.
+
+    And up to a ``few`` pixels of the thing, ``reach`` pixels around, are within ``level`` metres as
+    deep.  None of the ``margin`` rows at the edge of the picture is.
+    """
+
+    behind: float
+    level: float
+    reach: int
+    few: int
+    margin: int
 
 
 def flying(view: View, points: I64, unit: float) -> Mask:
@@ -44,32 +60,33 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
     assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
-    width = view.lens.shape[1]
-    return _flying(*view.cells, view.depth, points, own, width, BEHIND * unit, BESIDE * unit)
+    cell, depth = view.cells[0][points], view.cells[1][points]
+    rule = FlyingRule(BEHIND * unit, BESIDE * unit, reach=1, few=0, margin=0)
+    return lies_behind(cell, depth, view.depth, own, view.lens.shape[1], rule)
 
 
 @compiled
-def _flying(
-    cells: I32,
-    depths: F32,
-    image: F32,
-    points: I64,
-    own: Mask,
-    width: int,
-    behind: float,
-    beside: float,
+def lies_behind(
+    cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule
 ) -> Mask:
-    result = np.empty(len(points), np.bool_)
-    for i in range(len(points)):
-        cell, depth = cells[points[i]], depths[points[i]]
-        lies_behind, has_like = False, False
-        for row in (-width, 0, width):
-            for other in range(cell + row - 1, cell + row + 2):
+    """Which pixels (M,) are flying: behind a pixel of the thing, and as deep as hardly any of it.
+
+    ``own`` (cells + 1,) the pixels of the thing in the depth ``image``, rows of ``width``.
+    """
+    result = np.zeros(len(cells), np.bool_)
+    border = rule.margin * (width + 1)
+    for i in range(len(cells)):
+        cell, like, behind = cells[i], 0, False
+        if not border <= cell < len(image) - 1 - border:
+            continue
+        for row in range(-rule.reach, rule.reach + 1):
+            for column in range(-rule.reach, rule.reach + 1):
+                other = cell + row * width + column
                 # Image borders: the pixel that the row before ends with is far from the thing.
                 if other == cell or other < 0 or other >= len(image) or not own[other]:
                     continue
-                away = depth - image[other]
-                lies_behind |= away > behind
-                has_like |= abs(away) < beside
-        result[i] = lies_behind and not has_like
+                away = depths[i] - image[other]
+                like += abs(away) < rule.level
+                behind |= away > rule.behind and abs(row) < 2 and abs(column) < 2
+        result[i] = behind and like <= rule.few
     return result

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled, innermost
+from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.segmentation.flying_pixels import FlyingRule, lies_behind
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
 
@@ -30,56 +31,29 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     cell, depth = view.cells
     image, width = view.depth, view.lens.shape[1]
     mine = view.marked(own)
-    behind, level = BEHIND * unit, LEVEL * unit
-    flying = _flying(cell[own], depth[own], image, mine, width, behind, level)
-    return flying, _rim(cell[rest], depth[rest], image, mine, width, behind, level)
-
-
-@innermost
-def _inside(cell: int, image: F32, width: int) -> bool:
-    """Whether there are two rows of pixels before and behind a cell."""
-    return 2 * width + 2 <= cell < len(image) - 2 * width - 3
+    rule = FlyingRule(BEHIND * unit, LEVEL * unit, reach=2, few=FEW, margin=2)
+    flying = lies_behind(cell[own], depth[own], image, mine, width, rule)
+    return flying, _rim(cell[rest], depth[rest], image, mine, width, rule)
 
 
 @compiled
-def _flying(
-    cells: I32, depths: F32, image: F32, mine: Mask, width: int, behind: float, level: float
-) -> Mask:
+def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule) -> Mask:
+    """Which pixels (M,) touch the thing, as deep as it or nearer, and stand apart from all else."""
     result = np.zeros(len(cells), np.bool_)
+    border = rule.margin * (width + 1)
     for i in range(len(cells)):
-        depth, like, lies_behind = depths[i], 0, False
-        if not _inside(cells[i], image, width):
-            continue
-        for row in range(-2, 3):
-            for column in range(-2, 3):
-                other = cells[i] + row * width + column
-                if other == cells[i] or not mine[other]:
-                    continue
-                away = depth - image[other]
-                like += abs(away) < level
-                lies_behind |= away > behind and abs(row) < 2 and abs(column) < 2
-        result[i] = lies_behind and like <= FEW
-    return result
-
-
-@compiled
-def _rim(
-    cells: I32, depths: F32, image: F32, mine: Mask, width: int, behind: float, level: float
-) -> Mask:
-    result = np.zeros(len(cells), np.bool_)
-    for i in range(len(cells)):
-        depth, others, touches, lies_behind = depths[i], 0, False, False
-        if not _inside(cells[i], image, width):
+        others, touches, behind = 0, False, False
+        if not border <= cells[i] < len(image) - 1 - border:
             continue
         for row in (-width, 0, width):
             for other in range(cells[i] + row - 1, cells[i] + row + 2):
                 if other == cells[i]:
                     continue
-                away = depth - image[other]
-                if mine[other]:
-                    touches |= abs(away) < behind
-                    lies_behind |= away > behind
+                away = depths[i] - image[other]
+                if own[other]:
+                    touches |= abs(away) < rule.behind
+                    behind |= away > rule.behind
                 else:
-                    others += abs(away) < level
-        result[i] = touches and not lies_behind and others <= FEW
+                    others += abs(away) < rule.level
+        result[i] = touches and not behind and others <= rule.few
     return result

@@ -9,6 +9,7 @@ import numpy as np
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing
 from pointbrush.tracking.sensor.view import View
 
@@ -41,6 +42,17 @@ def set_rivals(thing: Thing, view: View, indices: I64) -> None:
         others = ~(thing.worn.rather(colour) | thing.distinct(colour))
         some, colour = some[others], colour[others]
     thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)
+
+
+def note_beside(things: Mapping[int, Thing], view: View, places: Mapping[int, Place]) -> None:
+    """Let what moves beside each thing that was found, and is nothing's, be its rivals."""
+    taken = view.labelled()
+    for label, place in places.items():
+        before = taken[place.neutral]
+        taken[place.neutral] = True
+        beside = place.moving if place.beside is None else place.beside
+        set_rivals(things[label], view, beside[~taken[beside]])
+        taken[place.neutral] = before
 
 
 def tell_apart(things: Mapping[int, Thing], view: View, labels: Iterable[int]) -> None:
