@@ -11,6 +11,12 @@ from pointbrush.tracking.interface import F32
 SAME, STEPPED, TO_AND_FRO = 1e-4, 0.2, 0.4
 """Metres up to which depths are the same, share of them that are where depth comes in steps, and
 the standard deviation of what goes to and fro between two steps, in steps."""
+DEVIATION = 1.05
+"""Standard deviation of a depth, over the median difference of two of them: 1.4826 / sqrt(2)."""
+FEWEST, PARTS = 100, 10
+"""Pixels that tell the noise, and parts, by their depth, each of which tells it for itself."""
+LEAST = 5e-4
+"""Metres of noise that there is at least: no depth camera measures more finely."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +41,11 @@ def measure_noise(one: F32, other: F32) -> DepthNoise:
     Source of the fit, which a third of wrong values does not touch: Theil 1950, Sen 1968.
     """
     both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
-    if len(both) < 100:
+    if len(both) < FEWEST:
         return USUAL
     change = np.abs(one[both] - other[both])
     square = one[both].astype(np.float64) ** 2
-    parts = np.array_split(np.argsort(square, kind="stable"), 10)
+    parts = np.array_split(np.argsort(square, kind="stable"), PARTS)
     x = np.array([float(np.median(square[p])) for p in parts])
     y = np.array([_spread(change[p]) for p in parts])
     # Slopes of pairs, and their median: what moved between the images spoils a part or two.
@@ -48,7 +54,7 @@ def measure_noise(one: F32, other: F32) -> DepthNoise:
     slopes = ((y[other_part] - y[one_part])[run > 1e-6]) / run[run > 1e-6]
     growing = max(0.0, float(np.median(slopes))) if len(slopes) else 0.0
     still = float(np.median(y - growing * x))
-    return DepthNoise(max(still, 5e-4), growing)
+    return DepthNoise(max(still, LEAST), growing)
 
 
 def _spread(change: F32) -> float:
@@ -56,7 +62,7 @@ def _spread(change: F32) -> float:
 
     What comes in steps, as a first Kinect's does, is mostly the same or a step away.
     """
-    gaussian = float(np.median(change)) * 1.05
+    gaussian = float(np.median(change)) * DEVIATION
     other = change[change > SAME]
     if len(other) > (1.0 - STEPPED) * len(change) or not len(other):
         return gaussian

@@ -16,6 +16,7 @@ from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from pointbrush.tracking.background.depth_noise import DEVIATION
 from pointbrush.tracking.geometry.windows import blocks, widened
 from pointbrush.tracking.interface import F32, Mask
 
@@ -141,7 +142,7 @@ def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F
     found = []
     for one, other in pairwise(images):
         with np.errstate(invalid="ignore"):
-            change = blocks(np.abs(one - other) * 1.05 / deviation, shape, BLOCK)
+            change = blocks(np.abs(one - other) * DEVIATION / deviation, shape, BLOCK)
         enough = np.isfinite(change).sum(axis=1) > BLOCK**2 // 4
         median = np.full(rows * columns, np.inf)
         median[enough] = np.nanmedian(change[enough], axis=1)

@@ -46,6 +46,12 @@ there is no depth image, that hides it."""
 CLEAR, GOOD, HARDLY_WORSE = 0.12, 0.2, 1.25
 """Costs of a fit at which nothing else is tried though the motion is unknown, and not the next
 guess; and how many times the cost of the best guess the next may have to be tried."""
+NODES, NODES_SOFT, STEP, PULLED = 5, 8, 3.0, 4.0
+"""Nodes of a bending surface on its radius, more of what is soft, but none closer than so many
+units; and units within which they are pulled."""
+JUDGED, JUDGED_FAR, STAYED = 3.0, 6.0, 2.0
+"""Units that distances are judged by: of fits, of guesses that nothing was fitted to, and of what
+stays where it was."""
 SELDOM = 4
 """Frames in one of which other places are tried again where they were no better before."""
 ELSEWHERE = 0.5
@@ -74,8 +80,8 @@ def find(search: Search) -> Place:
 
 def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
     """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
-    apart = max(thing.model.radius / (8 if thing.soft else 5), 3 * thing.unit)
-    return np.asarray(world + warp(world, colour, target, apart, 4 * thing.unit))
+    apart = max(thing.model.radius / (NODES_SOFT if thing.soft else NODES), STEP * thing.unit)
+    return np.asarray(world + warp(world, colour, target, apart, PULLED * thing.unit))
 
 
 def register(search: Search) -> tuple[F64, float]:
@@ -100,7 +106,7 @@ def register(search: Search) -> tuple[F64, float]:
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.kept
-        return best, float(_fits(search, search.many, best[None], (2.0,)).cost[0])
+        return best, float(_fits(search, search.many, best[None], (STAYED,)).cost[0])
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
     near = search.target.around(world, 4 * LAST[0] * search.thing.unit)
@@ -197,7 +203,7 @@ def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64)
     """
     thing, some, tried = search.thing, search.few, np.stack(guesses)
     at = look(thing, search.view, some, tried, search.own)
-    seen = costs_of(thing, search.target, some, at, 6 * thing.unit)
+    seen = costs_of(thing, search.target, some, at, JUDGED_FAR * thing.unit)
     order = np.argsort(seen + _surprise(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
     rest = rest[np.argsort(seen[rest], kind="stable")]
@@ -253,7 +259,7 @@ def _scores(search: Search, poses: F64) -> F64:
     if search.view.lens is None:
         away = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
-        costs_of(thing, search.target, search.few, at, 3 * thing.unit)
+        costs_of(thing, search.target, search.few, at, JUDGED * thing.unit)
         + _surprise(search, poses)
         + beside
         + AVERTED * np.maximum(0.0, away)

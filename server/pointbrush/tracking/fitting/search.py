@@ -26,6 +26,10 @@ FEWEST = 5
 WIDE, NEW, FAST, PATIENCE = 1.5, 0.6, 0.4, 8
 """Radii around the predictions that are cut out, and more while no motion is known; share of its
 speed that it may change by in a frame; and frames without it for which that adds up."""
+JUDGED = 4.0
+"""Units that the distances of guesses are judged by."""
+HALF = 0.5
+"""Radii by which a large thing goes on until what stayed is no part of it."""
 ONE = 0.25
 """Units by which no point of the model moves between two guesses that are one."""
 
@@ -59,7 +63,7 @@ class Search:
     def costs(self) -> F64:
         """(K,) what each of the guesses costs, by the target as it is."""
         thing = self.thing
-        return costs_of(thing, self.target, self.few, self.at, 4 * thing.unit)
+        return costs_of(thing, self.target, self.few, self.at, JUDGED * thing.unit)
 
     def aim(self, target: Target) -> None:
         """Look for it in another target."""
@@ -109,9 +113,8 @@ def crop(
     if len(around):
         far, still = background.static(view, around)
         if thing.large:
-            # What stays while the thing has gone half its size on is no part of it.
             speed = thing.motion.speed
-            stay = int(0.5 * radius / speed) + 2 if speed > unit else PATIENT
+            stay = int(HALF * radius / speed) + 2 if speed > unit else PATIENT
             rest = np.flatnonzero(~far)
             far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not

@@ -24,6 +24,11 @@ from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
+PAIRED, FEWEST_PAIRS = 3.0, 6
+"""Scales of a fit within which points are paired, and pairs that tell a turn."""
+ON, BESIDE, EXCESS = 3.0, 6.0, 0.3
+"""Units from a surface within which points are on it and, farther, beside it; and what a fit costs
+beside which there are as many as on it."""
 MOSTLY = 0.8
 """Share of a target from which it does not pay to cut it."""
 Pair = Callable[[F64], tuple[F64, I64]]
@@ -180,19 +185,19 @@ def _robust_fits(
                 if coloured:
                     tint = toned(colour, i, weight)
                 # What was the nearest before is so again, or nearly.
-                square, at = nearest_one(grid, place, tint, 3.0 * scale, room, last[i])
+                square, at = nearest_one(grid, place, tint, PAIRED * scale, room, last[i])
                 last[i] = at
                 which += 1
                 if at < 0:
-                    total += 9.0
+                    total += PAIRED * PAIRED
                     continue
                 square /= scale * scale
                 total += square
                 share[pairs] = 1.0 / (1.0 + square) ** 2
                 near[pairs] = grid.xyz[at]
                 pairs += 1
-            costs[k] = total / (9.0 * max(which, 1))
-            T = _motion(moved[:pairs], near[:pairs], share[:pairs], 6) @ T
+            costs[k] = total / (PAIRED * PAIRED * max(which, 1))
+            T = _motion(moved[:pairs], near[:pairs], share[:pairs], FEWEST_PAIRS) @ T
         motions[k] = T
     return motions, costs
 
@@ -232,25 +237,25 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
 
 
 def excess(moved: F64, target: Target, unit: float) -> float:
-    """How much of the target lies just beside the ``moved`` source, 0..0.3.
+    """How much of the target lies just beside the ``moved`` source, 0 to EXCESS.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    return 0.3 * min(1.0, _beside(columns(moved, NONE, 0.0), target.xyz, unit))
+    return EXCESS * min(1.0, _beside(columns(moved, NONE, 0.0), target.xyz, unit))
 
 
 @compiled
 def _beside(surface: Columns, xyz: F64, unit: float) -> float:
-    """Points (N, 3) three to six units from the surface, for each that is nearer."""
+    """Points (N, 3) just beside the surface, for each that is on it."""
     on, beside, none = 0, 0, (0.0, 0.0, 0.0)
     lo, hi = bounds(surface.xyz)
     for i in range(len(xyz)):
         x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
         away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-        if away >= 6.0 * unit:
+        if away >= BESIDE * unit:
             continue
-        if any_near(surface, (x, y, z), none, 3.0 * unit):
+        if any_near(surface, (x, y, z), none, ON * unit):
             on += 1
-        elif any_near(surface, (x, y, z), none, 6.0 * unit):
+        elif any_near(surface, (x, y, z), none, BESIDE * unit):
             beside += 1
     return beside / max(on, 1)

@@ -39,6 +39,11 @@ cut through its own surface, or the hand that it took in through an arm, much of
 USUAL = 1.2
 """Usual cost in place and colour from which a thing's is taken as a multiple of it: one whose
 colours hardly vary beside each other shows all shading as a difference."""
+SIZE_MOST, CHANGE_MOST, LEFT_MOST, COARSE_MOST, POINTS_MOST = 2.0, 1.0, 4.0, 6.0, 7.0
+"""Logarithms at most of the size, of a sudden change of it, of what is left beside a thing over its
+own, of how coarse it is, and of how few points it has: beyond, they say no more."""
+WORN_LEAST = -3.0
+"""Mean logarithm under which clothes are another's, however much."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
 """Trust that a frame can give back: what has been in doubt may have become another's, and what a
 lidar shows of the two hardly differs."""
@@ -96,12 +101,12 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
             evidence.gap,
             evidence.cost * min(1.0, USUAL / evidence.usual),
             min(evidence.fit, 1.0),
-            abs(_log(evidence.size, 2.0)),
-            abs(_log(evidence.change, 1.0)),
+            abs(_log(evidence.size, SIZE_MOST)),
+            abs(_log(evidence.change, CHANGE_MOST)),
             evidence.grown,
             float(evidence.whole),
             evidence.share,
-            max(evidence.worn, -3.0),
+            max(evidence.worn, WORN_LEAST),
         ]
     )
     if body:
@@ -109,20 +114,21 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
     else:
         odds = float(WEIGHTS @ features[:-1]) + OFFSET - MIDDLE
         odds -= BORDER * evidence.border
-        odds -= SHRUNK * features[5] if evidence.soft else 0.0
-        odds += FEW * min(0.0, _log(evidence.points / MANY, 7.0)) if evidence.pixels else 0.0
+        odds -= SHRUNK * abs(_log(evidence.size, SIZE_MOST)) if evidence.soft else 0.0
+        if evidence.pixels:
+            odds += FEW * min(0.0, _log(evidence.points / MANY, POINTS_MOST))
     return _squashed(odds)
 
 
 def _scanned(evidence: Evidence) -> float:
     """Log odds of what a lidar saw."""
     features = [
-        _log(evidence.left, 4.0),
-        abs(_log(evidence.size, 2.0)),
+        _log(evidence.left, LEFT_MOST),
+        abs(_log(evidence.size, SIZE_MOST)),
         evidence.bend,
-        _log(evidence.coarse, 6.0),
+        _log(evidence.coarse, COARSE_MOST),
         evidence.sure,
-        abs(_log(evidence.change, 1.0)),
+        abs(_log(evidence.change, CHANGE_MOST)),
         evidence.grown,
     ]
     return float(SCAN_WEIGHTS @ features) + SCAN_OFFSET

@@ -13,6 +13,12 @@ RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
 share of the way between rings that is a unit."""
 RIM, EDGE = 2, 0.15
 """Pixels from the edge of the picture, and the share of what is painted that lies there."""
+SAMPLE = 400
+"""Points whose neighbours are looked at."""
+LONE = 0.02
+"""Metres between points where there are too few to tell."""
+BLACK = 0.1
+"""Share of exactly black points from which many were seen by no camera."""
 LEAST_NOISE = 0.03
 """Colour noise is at least this, in the units of ``View.colour``."""
 
@@ -42,8 +48,8 @@ def across_way(xyz: F64) -> float:
 def texture(xyz: F64, colour: F32) -> tuple[float, float]:
     """Median distance and colour difference between neighbours."""
     if len(xyz) < 3:
-        return 0.02, LEAST_NOISE
-    sample = np.arange(0, len(xyz), max(1, len(xyz) // 400))
+        return LONE, LEAST_NOISE
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // SAMPLE))
     distance, near = cKDTree(xyz).query(xyz[sample], k=2)
     gaps = np.asarray(distance)[:, 1]
     unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
@@ -57,7 +63,7 @@ def across_rings(xyz: F64) -> float:
     """
     if len(xyz) < RINGS:
         return 0.0
-    sample = xyz[:: max(1, len(xyz) // 400)]
+    sample = xyz[:: max(1, len(xyz) // SAMPLE)]
     distance, near = cKDTree(xyz).query(sample, k=RINGS)
     way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
     length = np.asarray(distance)[:, 1:] + 1e-9
@@ -78,4 +84,4 @@ def uneven(xyz: F64) -> float:
 def colourless(view: View, indices: I64) -> bool:
     """Whether many of the points were seen by no camera: exactly black."""
     rgb = view.frame.rgb
-    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > 0.1
+    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > BLACK

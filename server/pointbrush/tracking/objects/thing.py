@@ -42,6 +42,10 @@ HARDLY = 0.2
 FINEST = 0.5
 """Share of the spacing of a model that its tolerance is at least, however fine a lidar sees it when
 it is near: most of what is seen is farther from the model's points."""
+CLOSER = 2.0
+"""Times as near, or as far, as a thing comes in a frame at most: farther, it is another place."""
+COLOUR = 0.5
+"""Units that a difference of colour as large as that between neighbours counts for."""
 DENSE = 3000
 """Points from which a thing is looked at more coarsely than it is seen: so many points tell where
 it is, and a model and its targets have no more."""
@@ -170,7 +174,7 @@ class Thing:
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
         if self.away > 0.0 and away > 0.0:
-            closer = float(np.clip(self.away / away, 0.5, 2.0))
+            closer = float(np.clip(self.away / away, 1 / CLOSER, CLOSER))
             self.size *= closer**2
             self.grain /= closer
             unit = max(self.grain, FINEST * self.model.spacing)
@@ -255,7 +259,7 @@ def _made(
     unit = max(spacing, noise, BETWEEN * across_rings(xyz))
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
-        weight = 0.5 * unit / max(speckle, LEAST_NOISE)
+        weight = COLOUR * unit / max(speckle, LEAST_NOISE)
     model = Model.of(xyz, colour, view.eye, spacing)
     model.hits[:] = SURE
     count = len(indices)

@@ -33,6 +33,13 @@ DISPUTED = 0.3
 """Share of the smaller claim from which two things want the same body."""
 DISTINCT = 1.4
 """How much commoner, in the logarithm, a colour has to be for one than for any other to be its."""
+APART = 1.5
+"""Cells from the scene that stands still within which what was unlabelled is taken to be of it."""
+NEAR, WANDERS, UNSEEN = 0.2, 0.2, 8
+"""Radii from where somebody is expected within which his clothes are looked for, and more for each
+frame unseen, up to so many frames."""
+SAMPLE = 4000
+"""Moving points of which it is told what they touch."""
 FEWEST = 5
 """Points of a claim from which it counts."""
 
@@ -124,7 +131,7 @@ def _others(
     view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
     scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
     for label in cores:
-        moved = _movers(things[label].rivals, scene, 1.5 * size)
+        moved = _movers(things[label].rivals, scene, APART * size)
         other[rest[_was_there(things[label], moved, view, findings.places[label], rest)]] = True
     return other
 
@@ -181,7 +188,7 @@ def _by_clothes(
     far: dict[int, float] = {}
     for at, label in enumerate(labels):
         thing = dressed[label]
-        reach = thing.span * (0.2 + 0.2 * min(thing.missing, 8))
+        reach = thing.span * (NEAR + WANDERS * min(thing.missing, UNSEEN))
         guess = transform(thing.motion.predictions()[0], thing.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
@@ -200,7 +207,7 @@ def _by_clothes(
 
 def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
     """Those of the points ``still`` that touch the moving ones, by cells of ``size`` metres."""
-    some = moving[:: max(1, len(moving) // 4000)]
+    some = moving[:: max(1, len(moving) // SAMPLE)]
     if not len(some) or not len(still):
         return still[:0]
     return still[perhaps_near(view.xyz[still], view.xyz[some], size)]

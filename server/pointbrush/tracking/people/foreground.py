@@ -35,6 +35,9 @@ BRIDGE = 0.25
 BODY, CLEARLY = 12, 0.7
 """Cells from which a part shows whose clothes it wears, and how much commoner, in the mean
 logarithm, its colours have to be among another's."""
+MOSTLY, ALIKE = 0.5, 0.6
+"""Share of the points of a cell, or of the claims on a body, that decide what it is; and of the
+cells of a part that have the colours of the figure beside it."""
 ENOUGH = 0.03
 """Share of a body that has to be claimed by whom it is given to."""
 OTHER = -(2**20)
@@ -115,10 +118,10 @@ class Foreground:
         total = len(self.count)
         solid = self.solid
         ways = self._ways()
-        still = np.bincount(self.cell, weights=outside, minlength=total) > 0.5 * self.count
-        rival = np.bincount(self.cell, weights=other, minlength=total) > 0.5 * self.count
+        still = np.bincount(self.cell, weights=outside, minlength=total) > MOSTLY * self.count
+        rival = np.bincount(self.cell, weights=other, minlength=total) > MOSTLY * self.count
         bare = still | rival
-        sure = np.bincount(self.cell, weights=certain, minlength=total) > 0.5 * self.count
+        sure = np.bincount(self.cell, weights=certain, minlength=total) > MOSTLY * self.count
         votes = np.stack(
             [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
         )
@@ -175,7 +178,7 @@ class Foreground:
         part = parts(self.touching, sure)[inside]
         count = part.max() + 1
         claim = np.stack([np.bincount(part, weights=v[inside], minlength=count) for v in votes])
-        there = claim > 0.5 * claim.sum(axis=0)
+        there = claim > MOSTLY * claim.sum(axis=0)
         there[np.arange(len(claim)), claim.argmax(axis=1)] = True
         there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
         sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
@@ -217,7 +220,7 @@ class Foreground:
             tone = close_to(self.colour[apart], self.colour[own], UNLIKE / 2)
             alike = np.bincount(part, weights=tone, minlength=count)
             whole = np.bincount(part, minlength=count)
-            beside &= (alike > 0.6 * whole) & (whole >= SMALLEST) & (whole < len(own))
+            beside &= (alike > ALIKE * whole) & (whole >= SMALLEST) & (whole < len(own))
             owner[apart[beside[part]]] = label
 
     def _ways(self) -> Paths:

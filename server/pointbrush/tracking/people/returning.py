@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.thing import HARDLY, Thing
-from pointbrush.tracking.people.bodies import CELL, FEWEST, FINE
+from pointbrush.tracking.people.bodies import CELL, FEWEST, FINE, UNSEEN
 from pointbrush.tracking.people.foreground import SMALLEST, Foreground
 from pointbrush.tracking.sensor.view import View
 
@@ -21,6 +21,11 @@ SAMPLE = 400
 HARDLY_LESS = 0.1
 """How much less, in the mean logarithm, something may look like what one wears than like what
 another does: who are dressed alike, or seen without colour, cannot be told apart by it."""
+NEAR, WANDERS = 0.5, 0.25
+"""Radii from where somebody was expected within which he may come out, and more for each frame
+unseen."""
+SCRAP = 0.25
+"""Share of what hardly anything of a thing is that a body must have to be it."""
 EDGE = 0.5
 """What a body at the end of the reach of a figure loses against one where it is expected."""
 
@@ -43,13 +48,13 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
         either = (thing.motion.predictions()[0], thing.motion.poses[-1])
         guess = np.vstack([transform(T, thing.model.xyz) for T in either])
         away, _ = cKDTree(guess).query(foreground.middle)
-        reach = thing.span * (0.5 + 0.25 * min(thing.missing, 8))
+        reach = thing.span * (NEAR + WANDERS * min(thing.missing, UNSEEN))
         for number, cells in enumerate(bodies):
             gap = float(np.asarray(away)[cells].min())
             if gap > reach:
                 continue
             points = moving[np.isin(foreground.cell, cells)]
-            if len(points) < HARDLY / 4 * thing.size:
+            if len(points) < HARDLY * SCRAP * thing.size:
                 continue
             colour = view.colour(points[:: _step(len(points))])
             if thing.worn.share(colour) > ALIKE:

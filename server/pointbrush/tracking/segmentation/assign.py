@@ -13,6 +13,10 @@ from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
+NEARER, ASIDE, BY_CHANCE = 3.0, 2, 0.05
+"""Units by which what may hide how a thing goes on is nearer, pixels aside at which it is looked
+for, and the share of the points beside it up to which it hides nothing."""
+
 
 @dataclass(eq=False)
 class Claim:
@@ -103,21 +107,20 @@ def without(free: Mask, claims: Iterable[Claim]) -> Mask:
     return left
 
 
-def cut_off(view: View, rest: I64, step: float, most: float = 0.05, by: I64 | None = None) -> bool:
+def cut_off(view: View, rest: I64, unit: float, by: I64 | None = None) -> bool:
     """Whether something nearer to the sensor hides how the points ``rest`` go on.
 
-    What ends where an outline ``step`` metres in front of it begins may go on behind it;
-    ``most`` is the share of the points that may lie at such an outline by chance; ``by``: only the
-    points (M,) of the frame that count as nearer.
+    What ends where the outline of something before it begins may go on behind that.  ``unit``
+    metres of tolerance; ``by``: only the points (M,) of the frame that count as nearer.
     """
     if view.lens is None or not len(rest):
         return False
     cell, depth = view.cells
     width = view.lens.shape[1]
-    steps = np.array([-2 * width, -2, 2, 2 * width])
+    steps = ASIDE * np.array([-width, -1, 1, width])
     around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
     with np.errstate(invalid="ignore"):
-        nearer = view.depth[around] < depth[rest][:, None] - step
+        nearer = view.depth[around] < depth[rest][:, None] - NEARER * unit
     if by is not None:
         nearer &= view.marked(by)[around]
-    return float(nearer.any(axis=1).mean()) > most
+    return float(nearer.any(axis=1).mean()) > BY_CHANCE

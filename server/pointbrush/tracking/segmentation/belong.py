@@ -30,6 +30,10 @@ from pointbrush.tracking.sensor.view import View
 REACH, UNLIKE = 2.2, 3.5
 """A model claims points this many reaches away, in place; and in place and colour.  Of a small
 thing all but the first are units: where its model is coarse, a hand beside it is not."""
+SHADED = 1.2
+"""Reaches from the model, in place, within which no colour is too unlike: it may be shaded."""
+STILL = 1.5
+"""Reaches, in place and colour, within which also what has not moved may be the thing's."""
 FIRM = 0.9
 """Reaches from well confirmed surface within which a point is the thing's in any case."""
 FOOT = 0.6
@@ -40,6 +44,22 @@ WIDE = 5.0
 """New points within this many reaches of a model are not held against it later."""
 STRIP = 20
 """Steps by which the surface that another object uncovers may go on in a frame."""
+FEWEST = 5
+"""Points of a claim beside which new surface is looked for."""
+STEP = 2.5
+"""Units from point to point of what hangs together in the air, or was uncovered."""
+BY_COLOUR, BY_COLOUR_BENT = 2.0, 3.0
+"""Units, in place and colour, from point to point of new surface beside something else."""
+PALE, STEPS_BENT = 0.2, 8
+"""Share of the usual weight of colour for what bends, which is shaded anew, and the steps that its
+new surface may go on by in a frame: one, if it does not bend."""
+NEW, NEW_ROAMING, NEW_LEAST, NEW_EVER = 0.5, 1.2, 10, 1.8
+"""New surface at most: a share of the points that are known, a larger one before a lidar on the
+move, which sees new sides in every frame, and a few more; and, with them, of the thing's size."""
+EXPLAINED = 4.0
+"""Units from something unlabelled within which it explains a point beside a thing."""
+LABELS = 2**16
+"""Labels that there can be."""
 SAMPLE, TOUCH = 2000, 3.0
 """Points of a thing of which its border is told, and units within which others touch them."""
 MAINLY = 0.3
@@ -79,13 +99,13 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     moving[place.moving] = True
     if view.roams:
         moving |= view.low
-    lost |= ~moving[near.indices] & (near.cost > 1.5 * thing.reach)
+    lost |= ~moving[near.indices] & (near.cost > STILL * thing.reach)
     lost |= _hardly(view, place)[near.indices] & (
         (near.cost > thing.reach) | (thing.model.hits[near.nearest] < SURE)
     )
     beyond = thing.reach if thing.large else thing.unit
     unlike = near.cost > thing.reach + (UNLIKE - 1) * beyond
-    unlike &= near.gap > 1.2 * thing.reach
+    unlike &= near.gap > SHADED * thing.reach
     if not thing.painted.flat:  # The ground touches what stands on it, and goes on.
         lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
     found = near.pick(~lost & ~unlike & (near.gap < thing.reach + (REACH - 1) * beyond))
@@ -115,7 +135,7 @@ def grow(things: Mapping[int, Thing], findings: Findings) -> tuple[dict[int, I64
     for label, place in places.items():
         thing, core = things[label], claims[label].indices
         rest = place.moving[~taken[place.moving]]
-        if len(core) < 5 or thing.large:
+        if len(core) < FEWEST or thing.large:
             continue
         new = _whole(thing, view, place, core, taken, free) if len(rest) else None
         place.whole = new is not None
@@ -198,7 +218,7 @@ def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:
 
 def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which points nothing unlabelled explains, where it was or gone along with the thing."""
-    return ~_explained(thing, view, place, points, np.full(len(points), 4 * thing.unit))
+    return ~_explained(thing, view, place, points, np.full(len(points), EXPLAINED * thing.unit))
 
 
 def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
@@ -236,15 +256,15 @@ def _whole(
         return None
     other = free.copy()
     other[core] = False
-    more = 1.2 if view.roams else 0.5
-    most = int(max(more * len(core) + 10, 1.8 * thing.size - len(core)))
+    more = NEW_ROAMING if view.roams else NEW
+    most = int(max(more * len(core) + NEW_LEAST, NEW_EVER * thing.size - len(core)))
     around, (lo, hi) = place.around, place.box
     if view.lens is not None and not thing.motion.slow(thing.unit):
         lo, hi = lo - LONGER * thing.model.radius, hi + LONGER * thing.model.radius
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
-    new = blob(view, core, near, 2.5 * thing.unit, len(near) if flies else most, (lo, hi))
+    new = blob(view, core, near, STEP * thing.unit, len(near) if flies else most, (lo, hi))
     if new is None or not len(new):
         return new
     if len(new) > most:  # Painted end on, it has many times the points that are known.
@@ -269,7 +289,7 @@ def _may_be_a_hand(
     What goes on behind something nearer, and has not the colours that the thing was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
-    if not cut_off(view, new, 3 * thing.unit):
+    if not cut_off(view, new, thing.unit):
         return float(before.mean()) >= WAS_OPEN
     colour = view.colour(new)
     if len(new) > MUCH * len(core) and thing.strange(colour).mean() > STRANGE:
@@ -292,19 +312,18 @@ def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64
     own = thing.distinct(colour)
     may = own | (unexplained(thing, view, place, rest) & ~thing.strange(colour))
     rest, own = rest[may], own[may]
-    bends = thing.bends or thing.large
-    weight = thing.weight * (0.2 if bends else 1.0)
+    weight = thing.weight * (PALE if thing.bends else 1.0)
     joined = connected(
         _placed(view, core, weight),
         _placed(view, rest, weight),
-        (3.0 if bends else 2.0) * thing.unit,
-        8 if bends else 1,
+        (BY_COLOUR_BENT if thing.bends else BY_COLOUR) * thing.unit,
+        STEPS_BENT if thing.bends else 1,
     )
     if own.any():  # Nothing else has its colours: it goes on as far as they do.
         front = np.concatenate([core, rest[joined]])
         more = np.flatnonzero(own & ~joined)
         at, beside = (view.xyz[points].astype(np.float64) for points in (front, rest[more]))
-        on = connected(at, beside, 2.0 * thing.unit, STRIP)
+        on = connected(at, beside, BY_COLOUR * thing.unit, STRIP)
         joined[more[on]] = True
     return rest[joined]
 
@@ -318,8 +337,8 @@ def _shown(thing: Thing, view: View, core: I64, shown: I64, hider: I64) -> I64:
     if thing.bends or not thing.motion.rests(thing.unit):
         return shown[:0]
     front, rest = (_placed(view, points, thing.weight) for points in (core, shown))
-    joined = connected(front, rest, 2.5 * thing.unit, STRIP)
-    own, every = (np.bincount(h, minlength=2**16) for h in (hider[joined], hider))
+    joined = connected(front, rest, STEP * thing.unit, STRIP)
+    own, every = (np.bincount(h, minlength=LABELS) for h in (hider[joined], hider))
     return np.asarray(shown[joined & (own > MAINLY * every)[hider]])
 
 

@@ -15,13 +15,15 @@ from pointbrush.tracking.sensor.view import View
 
 REACH = 1.0
 """Metres about a thing within which whoever may hold it is."""
+BESIDE, SPARE = 0.5, 4.0
+"""Radii, and units, about a thing within which what is unlabelled is beside it."""
 MOST = 1000
 """Rivals kept of those beside a thing."""
 
 
 def around(thing: Thing, view: View, world: F64) -> I64:
     """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
-    return _unlabelled(view, world, 0.5 * thing.model.radius + 4 * thing.unit)
+    return _unlabelled(view, world, BESIDE * thing.model.radius + SPARE * thing.unit)
 
 
 def _unlabelled(view: View, world: F64, margin: float) -> I64:

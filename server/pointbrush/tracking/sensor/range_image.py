@@ -14,9 +14,11 @@ AZIMUTH = 0.4
 ELEVATIONS = (0.4, 0.8, 1.6, 3.2)
 """Degrees of a cell: the least elevation is taken whose cells are mostly FILLED."""
 FILLED = 0.6
+"""Share of the cells, within the edges of what is seen, that show something."""
 DEEPER = 0.03
 """Share of its range by which a point has to lie behind all others there to be hidden."""
 FEWEST = 2000
+"""Points of a frame of which it is asked whether they were seen from one place."""
 HEIGHTS = (0.0, 1.0, 1.8, 2.6)
 """Metres above a frame's origin at which its sensor is looked for."""
 BEHIND, SEES, SWEPT = 1.25, 0.02, 0.07
@@ -36,6 +38,11 @@ FAR, MOST = 15.0, 0.95
 SPREADS, BESIDE, ASKED = 0.5, 3, 2000
 """Power of the range by which points have to lie farther apart for a sensor to have seen them: 1
 as it sees them, 0 as a surface is sampled; neighbours, and points, of which it is asked."""
+RIM, ENDS = 0.02, 0.05
+"""Shares of the points beyond the edges of what is seen, and that are the nearest or the farthest:
+stray ones, which tell nothing of the rest."""
+SAMPLE = 5000
+"""Points that tell which way is up."""
 ASIDE = 6
 """Cells beside the last direction in which anything was measured from which nothing is seen."""
 
@@ -90,7 +97,7 @@ def range_image_of(xyz: F32, eye: F64, most: float = SWEPT) -> RangeImage | None
         farthest = np.zeros(int(180 / step + 1) * WIDTH, np.float32)
         np.maximum.at(farthest, cell, away.astype(np.float32))
         image = farthest.reshape(-1, WIDTH)
-        row = np.quantile(cell // WIDTH, [0.02, 0.98]).astype(int)
+        row = np.quantile(cell // WIDTH, [RIM, 1 - RIM]).astype(int)
         part = image[row[0] : row[1] + 1, image.any(axis=0)] > 0
         if part.mean() > FILLED:
             break
@@ -130,7 +137,7 @@ def _deep(local: F32 | F64) -> bool:
     """Whether what lies behind something else would be seen to: all of a small thing is hardly
     farther than its front."""
     away = np.linalg.norm(local, axis=1)
-    near, far = np.quantile(away, [0.05, 0.95])
+    near, far = np.quantile(away, [ENDS, 1 - ENDS])
     return bool(far > DEEP * near)
 
 
@@ -158,7 +165,7 @@ def reach_of(xyz: F32) -> float:
 
 def axis_up(local: F32 | F64) -> int:
     """The axis that a spinning sensor looks along the least."""
-    return int(np.argmin(np.abs(local[:: max(1, len(local) // 5000)]).mean(axis=0)))
+    return int(np.argmin(np.abs(local[:: max(1, len(local) // SAMPLE)]).mean(axis=0)))
 
 
 def _behind(local: F32 | F64, up: int) -> float:

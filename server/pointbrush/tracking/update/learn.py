@@ -38,6 +38,9 @@ SNAP = 0.7
 """Share of its way to the points measured there that a soft thing's surface goes."""
 BESIDE = 8.0
 """Units around a thing within which what is left over may be its."""
+NEW, NEW_ALONE = 3.0, 8.0
+"""Units from the model within which its points and new surface teach it; more where nothing else
+is beside it, or where a lidar sees it."""
 CERTAIN = 0.8
 """Share of the model found, weighed by what shows, from which its size is learnt."""
 PACE, PACE_OF_STRAIN = 0.15, 0.2
@@ -244,7 +247,7 @@ def _claimed_again(
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
-    reach = (8 if place.whole or thing.scanned else 3) * thing.unit
+    reach = (NEW_ALONE if place.whole or thing.scanned else NEW) * thing.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
     rest = np.concatenate([found.indices[~kept], grown])

@@ -10,7 +10,7 @@ from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, likelihood
 from pointbrush.tracking.objects.free_space import remember
-from pointbrush.tracking.objects.model import SURE
+from pointbrush.tracking.objects.model import NEW_SURFACE, SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import HARDLY, Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
@@ -131,7 +131,7 @@ def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
     of colours that the thing has not shown: what holds it may be where it bends."""
     if place.whole or thing.large:
         return found
-    keep = found.gap < 0.9 * thing.model.spacing
+    keep = found.gap < NEW_SURFACE * thing.model.spacing
     new = np.flatnonzero(~keep)
     keep[new] = ~thing.strange(view.colour(found.indices[new]))
     if not thing.bends:
