@@ -48,6 +48,37 @@ FAR = 0.6
 """A way ends at this share of the figure's radius."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Figures:
+    """K figures that share the foreground.
+
+    ``votes`` (K, cells) points that each claims of a cell; ``far`` (K,) metres of its longest way;
+    ``clothes`` that anybody wears, and ``wears`` (K,) which of them are whose.
+    """
+
+    votes: NDArray[np.number]
+    far: F64
+    clothes: list[ColourHistogram]
+    wears: I64
+
+    @property
+    def limit(self) -> F64:
+        """(K + 1,) metres of the longest way of nobody, and of each figure."""
+        return np.concatenate([[0.0], self.far])
+
+    def nearest(self, ways: Paths, bare: Mask, away: F64) -> tuple[I64, F64]:
+        """(cells,) number, from 1 on, of the figure with the shortest way to each, and the way.
+
+        0 where that is too long, or ``away`` (cells,), to what is nobody's, is shorter.  No way
+        leads over ``bare`` cells.
+        """
+        way, origin = reach(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
+        first = self.votes.argmax(axis=0) + 1
+        owner = np.where(np.isfinite(way), first[origin], 0)
+        owner[(way > self.limit[owner]) | (away < way)] = 0
+        return owner, way
+
+
 @dataclass(eq=False)
 class Foreground:
     """Cells of the points ``indices`` (M,): ``cell`` (M,) of each.
@@ -114,34 +145,18 @@ class Foreground:
         points of other moving things, which spread anywhere; ``far`` label → metres of the longest
         way; ``clothes`` label → what it wears, of all there are.
         """
-        labels = np.array([0, *cores])
-        total = len(self.count)
-        solid = self.solid
-        ways = self._ways()
-        still = np.bincount(self.cell, weights=outside, minlength=total) > MOSTLY * self.count
-        rival = np.bincount(self.cell, weights=other, minlength=total) > MOSTLY * self.count
+        solid, ways = self.solid, self._ways()
+        still, rival, sure = (self._mostly(points) for points in (outside, other, certain))
         bare = still | rival
-        sure = np.bincount(self.cell, weights=certain, minlength=total) > MOSTLY * self.count
-        votes = np.stack(
-            [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
-        )
-        votes[:, bare] = 0
-        off, _ = reach(ways, np.flatnonzero(rival), np.ones(total, np.bool_))
+        figures = self._figures(cores, bare, far, clothes)
+        off, _ = reach(ways, np.flatnonzero(rival), np.ones(len(bare), np.bool_))
         away = np.minimum(reach(ways, np.flatnonzero(still), ~sure)[0], off)
-        way, origin = reach(ways, np.flatnonzero(votes.max(axis=0) > 0), ~bare)
-        first = votes.argmax(axis=0) + 1
-        limit = np.array([0.0, *[far[n] for n in cores]])
-        owner = np.where(np.isfinite(way), first[origin], 0)
-        owner[(way > limit[owner]) | (away < way)] = 0
-        spans = np.array([far[n] for n in cores]) / FAR
-        own = np.array([list(clothes).index(abs(n)) for n in cores])
-        self._whole_bodies(
-            owner, votes, ways, sure & solid & ~bare & ~(off < way), spans, own, clothes
-        )
+        owner, way = figures.nearest(ways, bare, away)
+        self._whole_bodies(owner, figures, ways, sure & solid & ~bare & ~(off < way))
         apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
-        self._join_apart(owner, apart, BRIDGE * limit)
+        self._join_apart(owner, apart, BRIDGE * figures.limit)
         owner[~solid] = 0
-        result: I64 = labels[owner][self.cell]
+        result: I64 = np.array([0, *cores])[owner][self.cell]
         result[((owner == 0) & (off < way))[self.cell] | other] = OTHER
         result[outside] = 0
         for number, (label, core) in enumerate(cores.items()):
@@ -151,54 +166,77 @@ class Foreground:
             result[core & loose[self.cell]] = label
         return result
 
+    def _mostly(self, points: Mask) -> Mask:
+        """(cells,) those most of whose points are among these (M,)."""
+        inside = np.bincount(self.cell, weights=points, minlength=len(self.count))
+        return np.asarray(inside > MOSTLY * self.count)
+
+    def _figures(
+        self,
+        cores: Mapping[int, Mask],
+        bare: Mask,
+        far: Mapping[int, float],
+        clothes: Mapping[int, ColourHistogram],
+    ) -> _Figures:
+        """Those with claims; see ``spread``.  Nobody's are on the ``bare`` cells (cells,)."""
+        total = len(self.count)
+        votes = np.stack(
+            [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
+        )
+        votes[:, bare] = 0
+        wears = np.array([list(clothes).index(abs(n)) for n in cores])
+        return _Figures(votes, np.array([far[n] for n in cores]), list(clothes.values()), wears)
+
     def _beside(self, own: Mask) -> Mask:
         """(cells,) those that touch the cells of a figure; all where it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
         return close_to(self.middle, self.middle[own], TOUCH * self.size)
 
-    def _whole_bodies(
-        self,
-        owner: I64,
-        votes: NDArray[np.number],
-        ways: Paths,
-        sure: Mask,
-        spans: F64,
-        own: I64,
-        clothes: Mapping[int, ColourHistogram],
-    ) -> None:
+    def _whole_bodies(self, owner: I64, figures: _Figures, ways: Paths, sure: Mask) -> None:
         """Give what hangs together, surely before the scene, to who has his claims there.
 
-        All of it where that is one figure, else to the claim with the shorter way.  Who has most
-        of his claims on another body has a right to this one only by most of the claims on it.
+        All of it where that is one figure, else to the claim with the shorter way.
         """
         inside = np.flatnonzero(sure)
         if not len(inside):
             return
         part = parts(self.touching, sure)[inside]
-        count = part.max() + 1
-        claim = np.stack([np.bincount(part, weights=v[inside], minlength=count) for v in votes])
-        there = claim > MOSTLY * claim.sum(axis=0)
-        there[np.arange(len(claim)), claim.argmax(axis=1)] = True
-        there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
-        sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
-        middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
-        main = middle[claim.argmax(axis=1)]
-        there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
-        like = np.stack([worn.each(self.colour[inside]) for worn in clothes.values()])
-        for who, body in np.argwhere(there).tolist():
-            claimed = (part == body) & (votes[who, inside] > 0)
-            if np.count_nonzero(claimed) >= BODY:
-                mean = like[:, claimed].mean(axis=1)
-                there[who, body] = mean[own[who]] > mean.max() - CLEARLY
+        there = self._rights(figures, inside, part)
         owner[inside] = 0
-        voters = np.where(there[:, part], votes[:, inside], 0)
+        voters = np.where(there[:, part], figures.votes[:, inside], 0)
         source = np.flatnonzero(voters.max(axis=0) > 0)
         way, origin = reach(ways, inside[source], sure)
         first = np.zeros(len(sure), np.int64)
         first[inside] = voters.argmax(axis=0) + 1
         reached = np.flatnonzero(np.isfinite(way) & sure)
         owner[reached] = first[origin[reached]]
+
+    def _rights(self, figures: _Figures, inside: I64, part: I64) -> Mask:
+        """(K, bodies) which figures have a right to which bodies.
+
+        ``part`` (C,) is the body of each cell ``inside`` (C,).  Who has most of his claims on
+        another body has a right to this one only by most of the claims on it; nobody has one that
+        is too far from where he is, or in another's clothes.
+        """
+        votes = figures.votes[:, inside]
+        count = part.max() + 1
+        claim = np.stack([np.bincount(part, weights=v, minlength=count) for v in votes])
+        there = claim > MOSTLY * claim.sum(axis=0)
+        there[np.arange(len(claim)), claim.argmax(axis=1)] = True
+        there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
+        sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
+        middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
+        main = middle[claim.argmax(axis=1)]
+        spans = figures.far / FAR
+        there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
+        like = np.stack([worn.each(self.colour[inside]) for worn in figures.clothes])
+        for who, body in np.argwhere(there).tolist():
+            claimed = (part == body) & (votes[who] > 0)
+            if np.count_nonzero(claimed) >= BODY:
+                mean = like[:, claimed].mean(axis=1)
+                there[who, body] = mean[figures.wears[who]] > mean.max() - CLEARLY
+        return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
         """Give what nothing reached to the figure beside it, where it wears its colours.
