@@ -31,7 +31,7 @@ from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
 from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
-from pointbrush.work.runs import Runs
+from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
 
@@ -303,17 +303,8 @@ class Workspace:
             continue_lost=continue_lost,
             until_painted=until_painted,
         )
-        return self._runs.start(
-            self.recording(sequence),
-            start,
-            stop,
-            labels,
-            method,
-            options,
-            author,
-            edit_id(edit),
-            stop_unsure=stop_unsure,
-        )
+        request = TrackRequest(start, stop, labels, method, options, stop_unsure)
+        return self._runs.start(self.recording(sequence), request, author, edit_id(edit))
 
     def accept(
         self,

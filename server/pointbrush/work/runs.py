@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pointbrush.errors import BadInputError
@@ -13,6 +13,21 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work import tracking
 from pointbrush.work.events import Event, Provisional, Retracted
+
+
+@dataclass(frozen=True)
+class TrackRequest:
+    """Carry ``labels``, all in frame ``start`` when None, to frame ``stop``; either way.
+
+    ``stop_unsure``: to the first frame that a person should look at.
+    """
+
+    start: int
+    stop: int
+    labels: Sequence[int] | None
+    method: str
+    options: TrackOptions
+    stop_unsure: bool
 
 
 class Runs:
@@ -33,26 +48,15 @@ class Runs:
         """What a run has found is to be committed also when it is cancelled."""
         self._kept.add(job_id)
 
-    def start(
-        self,
-        recording: Recording,
-        start: int,
-        stop: int,
-        labels: Sequence[int] | None,
-        method: str,
-        options: TrackOptions,
-        author: str,
-        edit: str,
-        *,
-        stop_unsure: bool,
-    ) -> Job:
+    def start(self, recording: Recording, request: TrackRequest, author: str, edit: str) -> Job:
         """See ``Workspace.track``; ``edit`` is the id of the run's edit."""
-        sequence, overwrite = recording.manifest.id, options.overwrite
-        tracking.require_method(method)
+        sequence, overwrite = recording.manifest.id, request.options.overwrite
+        tracking.require_method(request.method)
         if overwrite not in tracking.OVERWRITE:
             expected = ", ".join(tracking.OVERWRITE)
             raise BadInputError(f"overwrite: expected one of {expected}, got {overwrite!r}")
-        chosen = None if labels is None else list(labels)
+        start, stop = request.start, request.stop
+        chosen = None if request.labels is None else list(request.labels)
         seeds = tracking.prepare(self._store, recording, chosen, start, stop)
         locked = frozenset(label.id for label in self._store.palette(sequence) if label.locked)
         work = tracking.TrackingWork(
@@ -61,9 +65,9 @@ class Runs:
             start,
             stop,
             seeds,
-            method,
-            replace(options, locked=locked),
-            stop_unsure,
+            request.method,
+            replace(request.options, locked=locked),
+            request.stop_unsure,
         )
         ids = tuple(seed.label for seed in seeds)
         pending = tracking.PendingEdit(self._store, sequence, start, ids, overwrite)
@@ -77,7 +81,7 @@ class Runs:
             if cancelled and job.id not in self._kept:
                 return dict(tracking.NOTHING)
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
-            summary = f"tracked {labelled}, frames {start} to {stop}, {method}"
+            summary = f"tracked {labelled}, frames {start} to {stop}, {request.method}"
             return pending.commit(edit, author, summary)
 
         def done(job: Job) -> None:
