@@ -61,7 +61,10 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "whole in the air": ("segmentation.belong._whole", _no),
     "uncovered by others": ("segmentation.belong._shown", lambda *a: a[3][:0]),
     "missed pieces": ("segmentation.regain.lost_pieces", _none),
-    "outline": ("segmentation.belong._outlined", lambda *a: (a[3], a[4])),
+    "outline": (
+        "segmentation.belong._outlined",
+        lambda thing, findings, new, _taken: (findings.claims[thing.label], new),
+    ),
     "flying pixels": (
         "segmentation.flying_pixels.flying",
         lambda _view, points, _unit: np.zeros(len(points), bool),

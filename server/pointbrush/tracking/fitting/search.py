@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -36,28 +36,35 @@ ONE = 0.25
 
 @dataclass(eq=False)
 class Search:
-    """A thing's part of the frame: points ``around`` its predictions.
+    """A thing's part of the frame: points ``around`` its ``guesses`` (K, 4, 4), inside a ``box``.
 
     ``near`` are those that it may have, ``moving`` those before the background that were not
-    there in the last frame either.
-
-    ``few`` numbers the model points that guesses (K, 4, 4) are judged by.
+    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.
     """
 
     thing: Thing
     view: View
+    guesses: F64
     box: tuple[F64, F64]
     around: I64
     near: I64
     moving: I64
-    guesses: F64
-    few: I64
-    many: I64
-    target: Target
     faint: I64
-    """Those of ``near`` that are hardly before the background."""
+    few: I64 = field(init=False)
+    """Numbers of the model points that guesses are judged by."""
+    many: I64 = field(init=False)
+    """Numbers of those that the last iterations use."""
+    target: Target = field(init=False)
+    """What the model is fitted to: some of the moving points."""
     vain: bool = False
     """Other places were tried, and were no better."""
+
+    def __post_init__(self) -> None:
+        """Choose what is compared."""
+        count = len(self.thing.model.xyz)
+        self.few = np.arange(0, count, max(1, count // COARSE))
+        self.many = np.arange(0, count, max(1, count // FINE))
+        self.target = target_of(self.view, self.moving, self.thing.weight)
 
     @cached_property
     def costs(self) -> F64:
@@ -131,7 +138,7 @@ def crop(
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < FEWEST:
         return None
-    search = _search(thing, view, guesses, (lo, hi), around, near, moving, faint)
+    search = Search(thing, view, guesses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
 
@@ -152,33 +159,7 @@ def among(thing: Thing, view: View, points: I64) -> Search:
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
     guesses = thing.motion.predictions()
-    return _search(thing, view, guesses, box, points, points, points, points[:0])
-
-
-def _search(
-    thing: Thing,
-    view: View,
-    guesses: F64,
-    box: tuple[F64, F64],
-    around: I64,
-    near: I64,
-    moving: I64,
-    faint: I64,
-) -> Search:
-    count = len(thing.model.xyz)
-    return Search(
-        thing,
-        view,
-        box,
-        around,
-        near,
-        moving,
-        guesses,
-        np.arange(0, count, max(1, count // COARSE)),
-        np.arange(0, count, max(1, count // FINE)),
-        target_of(view, moving, thing.weight),
-        faint,
-    )
+    return Search(thing, view, guesses, box, points, points, points, points[:0])
 
 
 def target_of(view: View, indices: I64, weight: float, most: int = TARGET) -> Target:

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
@@ -150,9 +149,7 @@ def grow(things: Mapping[int, Thing], findings: Findings) -> tuple[dict[int, I64
         taken[new] = True
         claims[label], grown[label] = _solid(thing, view, place, claims[label], new)
     for label in grown:
-        claims[label], grown[label] = _outlined(
-            things[label], view, places[label], claims[label], grown[label], taken, background
-        )
+        claims[label], grown[label] = _outlined(things[label], findings, grown[label], taken)
     for label, new in grown.items():
         if not things[label].dyed:
             own, rest = np.concatenate([claims[label].indices, new]), places[label].moving
@@ -183,17 +180,13 @@ def _solid(thing: Thing, view: View, place: Place, found: Claim, new: I64) -> tu
     return found.pick(kept[:count]), new[kept[count:]]
 
 
-def _outlined(
-    thing: Thing,
-    view: View,
-    place: Place,
-    found: Claim,
-    new: I64,
-    taken: Mask,
-    background: Background,
-) -> tuple[Claim, I64]:
-    """A claim and new surface of what is slow without flying pixels; ``place.rim`` takes in what
-    was missed at its outline, and those if it was painted with them."""
+def _outlined(thing: Thing, findings: Findings, new: I64, taken: Mask) -> tuple[Claim, I64]:
+    """The claim and new surface of what is slow without flying pixels.
+
+    ``Place.rim`` takes in what was missed at its outline, and those if it was painted with them.
+    """
+    view, background = findings.view, findings.background
+    place, found = findings.places[thing.label], findings.claims[thing.label]
     if view.lens is None or not thing.motion.slow(thing.unit):
         return found, new
     own = np.concatenate([found.indices, new])

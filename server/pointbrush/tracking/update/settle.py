@@ -6,9 +6,9 @@ import numpy as np
 
 from pointbrush.tracking.fitting.judge import Verdict, judge
 from pointbrush.tracking.geometry.registration import transform
-from pointbrush.tracking.interface import I64, State, TrackOptions, TrackState
+from pointbrush.tracking.interface import F64, I64, State, TrackOptions, TrackState
 from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, likelihood
+from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, Evidence, likelihood
 from pointbrush.tracking.objects.free_space import remember
 from pointbrush.tracking.objects.model import NEW_SURFACE, SURE
 from pointbrush.tracking.objects.place import Place
@@ -47,38 +47,19 @@ def settle(
     options: TrackOptions,
 ) -> tuple[TrackState, I64]:
     """Judge what was found in a frame, and learn from it: the state, and the points (M,)."""
-    pose = None if place is None else place.pose
-    verdict = judge(thing, view, pose, None if place is None else place.world, found)
-    pose = thing.motion.poses[-1] if place is None else place.pose
+    pose, world = (None, None) if place is None else (place.pose, place.world)
+    verdict = judge(thing, view, pose, world, found)
     seen = place is not None and _seen(thing, view, place, verdict)
     if place is None or found is None or not seen or hides(thing, view, place, found):
-        thing.missing += 1
-        thing.motion.gap += 1
-        lost = thing.missing > PATIENCE
-        thing.stopped = lost and not options.continue_lost
-        thing.trust = max(0.0, thing.trust - REGAIN)
-        state: State = "lost" if lost else "occluded"
-        return TrackState(pose, 0.0, verdict.inliers, 0.0, 0, state), np.empty(0, np.int64)
+        return _unseen(thing, pose, verdict, options), np.empty(0, np.int64)
     thing.missing, thing.vain = 0, place.vain
     if thing.scanned and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     points = together(found.indices, grown)
-    told = evidence(thing, view, place, found, points, verdict)
-    here = likelihood(told, thing.body)
-    if place.whole and place.cost < SOUND:
-        thing.usual += GRADUAL * (told.cost - thing.usual)
-    regain = REGAIN_SCANNED if thing.scanned else REGAIN
-    trust = min(here, thing.trust + regain, place.most)
-    thing.trust, thing.last = trust, len(points)
-    # What was found so in the frame before too has moved from there to here.
-    scrap = thing.large and len(points) < SCRAP * thing.size and not thing.scanned
-    if scrap or (place.anew and not thing.motion.fresh):
-        thing.motion.begin(place.pose)
-    else:
-        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
-    if thing.handy and well_seen(thing, verdict, len(points)):
-        thing.motion.seen(thing.unit)
+    _trust(thing, place, evidence(thing, view, place, found, points, verdict))
+    thing.last = len(points)
+    _move(thing, place, verdict)
     if place.cost < DOUBTFUL:
         stretch(thing, view, place, verdict, points)
     # What bends fits badly as a whole, and well where it was bent.
@@ -88,8 +69,41 @@ def settle(
     if place.cost < SOUND and not (thing.bends or thing.large):
         remember(thing.glimpses, view, place.pose, place.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
-    track = TrackState(pose, rmse, verdict.inliers, trust, len(points), "tracked")
+    track = TrackState(place.pose, rmse, verdict.inliers, thing.trust, len(points), "tracked")
     return track, together(points, place.rim)
+
+
+def _unseen(thing: Thing, pose: F64 | None, verdict: Verdict, options: TrackOptions) -> TrackState:
+    """A thing was not seen in a frame, though it was looked for at a ``pose`` (4, 4)."""
+    thing.missing += 1
+    thing.motion.gap += 1
+    lost = thing.missing > PATIENCE
+    thing.stopped = lost and not options.continue_lost
+    thing.trust = max(0.0, thing.trust - REGAIN)
+    state: State = "lost" if lost else "occluded"
+    at = thing.motion.poses[-1] if pose is None else pose
+    return TrackState(at, 0.0, verdict.inliers, 0.0, 0, state)
+
+
+def _trust(thing: Thing, place: Place, fit: Evidence) -> None:
+    """Trust a thing as far as this fit and the frames before allow."""
+    here = likelihood(fit, thing.body)
+    if place.whole and place.cost < SOUND:
+        thing.usual += GRADUAL * (fit.cost - thing.usual)
+    regain = REGAIN_SCANNED if thing.scanned else REGAIN
+    thing.trust = min(here, thing.trust + regain, place.most)
+
+
+def _move(thing: Thing, place: Place, verdict: Verdict) -> None:
+    """Let the motion of a thing take in where it was found."""
+    # What was found so in the frame before too has moved from there to here.
+    scrap = thing.large and thing.last < SCRAP * thing.size and not thing.scanned
+    if scrap or (place.anew and not thing.motion.fresh):
+        thing.motion.begin(place.pose)
+    else:
+        thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
+    if thing.handy and well_seen(thing, verdict, thing.last):
+        thing.motion.seen(thing.unit)
 
 
 def well_seen(thing: Thing, verdict: Verdict, count: int) -> bool:
