@@ -7,7 +7,7 @@ import pytest
 import scenes
 
 from pointbrush.tracking.fitting import fit
-from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -30,5 +30,5 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     asked = []
     monkeypatch.setattr(fit, "proposals", lambda *_: asked.append(1) or [])
     monkeypatch.setattr(fit, "DOUBT", -1.0)
-    fit.register(among(thing, view, points))
+    fit.register(search_among(thing, view, points))
     assert bool(asked) == moves

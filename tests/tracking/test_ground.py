@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.belong import own_points
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
@@ -55,7 +55,7 @@ def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it:
     assert grounded == with_it
     thing.unit, thing.painted = 0.15, replace(thing.painted, grounded=grounded)
     # Ground that was seen before is in no search; what drives on is on other ground.
-    place = find(among(thing, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
+    place = find(search_among(thing, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
     view.labels = {1: own_points(thing, view, place).indices}
     found = with_ground(view, {1: thing}, {1: place}, np.ones(len(xyz), np.bool_))[1]
     assert (truth[found] == 1).sum() == 600

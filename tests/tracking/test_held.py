@@ -11,7 +11,7 @@ from runs import follow
 
 from pointbrush.tracking.background.last_seen import LastSeen
 from pointbrush.tracking.disputes import placed
-from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -111,6 +111,6 @@ def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bo
     before = {1: (0.03, 1.3, 0.0)} if hidden else {}
     now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
     view = View(1, now, find_lens(now))
-    search = among(thing, view, np.flatnonzero(now.truth == 3))
+    search = search_among(thing, view, np.flatnonzero(now.truth == 3))
     _, claim = placed(thing, view, search)
     assert len(claim.indices) < 5 if hidden else len(claim.indices) > 300

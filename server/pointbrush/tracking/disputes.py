@@ -83,7 +83,7 @@ def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
         if has > (ANOTHERS if anothers else GAIN) * had:
             decided, claims, places[label] = better, again, place
     for label, place in places.items():
-        place.kept = len(decided[label].indices) / max(len(claims[label].indices), 1)
+        place.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
     findings.claims = decided
 
 

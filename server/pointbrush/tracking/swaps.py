@@ -50,14 +50,14 @@ class Meeting:
     before: F64
     after: list[F64 | None] = field(default_factory=list)
 
-    def told(self) -> bool:
+    def kept_places(self) -> bool:
         """Whether the two are known to have kept their places, by their ways."""
         late = [both for both in self.after[1:] if both is not None]
         if len(late) < FRAMES or not self.before.shape[1]:
             return False
         after = np.stack(late, axis=1)
-        kept = _unsteady(np.concatenate([self.before, after], axis=1))
-        return kept < SMOOTHER * _unsteady(np.concatenate([self.before, after[::-1]], axis=1))
+        as_found = _unsteady(np.concatenate([self.before, after], axis=1))
+        return as_found < SMOOTHER * _unsteady(np.concatenate([self.before, after[::-1]], axis=1))
 
 
 class Swaps:
@@ -106,7 +106,7 @@ class Swaps:
             if len(meeting.after) <= FRAMES:
                 seen = one in at and other in at
                 meeting.after.append(np.stack([at[one], at[other]]) if seen else None)
-                if meeting.told():
+                if meeting.kept_places():
                     del self.meetings[one, other]
 
 

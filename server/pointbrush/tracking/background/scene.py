@@ -94,7 +94,7 @@ class Scene:
         if self.lens is None or self._way is None:
             return
         some = [self._order[0], *self._apart()]
-        way = self._way.among(some)
+        way = self._way.over(some)
         poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
         seen = len(way.lost) <= COVERED * len(some)
         still = steadied(self.lens, self.first.cells[1], poses) if seen else None
@@ -201,8 +201,8 @@ def _fixed(first: TrackFrame, others: Sequence[TrackFrame]) -> Lens | None:
     It is looked for where no frame tells it; the ``others`` were seen from there as well.
     """
     xyz = np.asarray(first.xyz)
-    told = first.viewpoint is not None or first.pose is not None
-    if told or reach_of(xyz) > FAR or find_lens(first) is not None:
+    recorded = first.viewpoint is not None or first.pose is not None
+    if recorded or reach_of(xyz) > FAR or find_lens(first) is not None:
         return None
     place = find_camera(xyz)
     if place is None or any(find_lens(f, place=place) is None for f in others if len(f.xyz)):

@@ -105,7 +105,7 @@ def register(search: Search) -> tuple[F64, float]:
         search.vain = search.thing.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
-        best = motion.kept
+        best = motion.resting_pose
         return best, float(_fits(search, search.many, best[None], (STAYED,)).cost[0])
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
@@ -139,7 +139,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
     What half hides it would push it away bit by bit.
     """
-    thing, last = search.thing, search.thing.motion.kept
+    thing, last = search.thing, search.thing.motion.resting_pose
     if thing.bends:
         return False
     if search.view.lens is None:

@@ -87,7 +87,7 @@ def _is_astray(thing: Thing, astray: dict[int, int], view: View, place: Place | 
 
 def _own(place: Place | None) -> Place | None:
     """The place of a thing, None where it is another's."""
-    return None if place is None or place.kept < ANOTHERS else place
+    return None if place is None or place.undisputed < ANOTHERS else place
 
 
 def _alone(

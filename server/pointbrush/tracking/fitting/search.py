@@ -154,7 +154,7 @@ def _distinct(thing: Thing, guesses: F64) -> F64:
     return guesses[kept]
 
 
-def among(thing: Thing, view: View, points: I64) -> Search:
+def search_among(thing: Thing, view: View, points: I64) -> Search:
     """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)

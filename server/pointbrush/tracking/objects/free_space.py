@@ -86,7 +86,7 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
 def remember(glimpses: list[Glimpse], view: View, pose: F64, world: F64) -> None:
     """Add a glimpse where it shows the thing from another side; the oldest leaves."""
     # The thing hardly leaves its place in front of the sensor: what turns is the thing.
-    turns = [float((kept.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for kept in glimpses]
+    turns = [float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in glimpses]
     if turns and max(turns) > APART:
         return
     new = glimpse(view, pose, world)
@@ -100,6 +100,6 @@ def carved(glimpses: list[Glimpse], view: View, pose: F64, points: I64, unit: fl
     votes = np.zeros(len(points), np.int64)
     if len(glimpses) >= ENOUGH and len(points):
         own = transform(inverse(pose), view.xyz[points].astype(np.float64))
-        for kept in glimpses:
-            votes += kept.through(own, BEYOND * unit)
+        for earlier in glimpses:
+            votes += earlier.through(own, BEYOND * unit)
     return np.asarray(votes >= ENOUGH)

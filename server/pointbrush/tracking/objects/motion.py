@@ -53,8 +53,8 @@ class Motion:
         self.rested = self.poses[-1] if self.rests(unit) else None
 
     @property
-    def kept(self) -> F64:
-        """The pose (4, 4) that it may have kept: where it rested, or where it was last."""
+    def resting_pose(self) -> F64:
+        """The pose (4, 4) if it has not moved: where it rested, or where it was last."""
         return self.poses[-1] if self.rested is None else self.rested
 
     @property

@@ -28,7 +28,7 @@ class Place:
     """It was found far from where it was predicted: its motion begins here."""
     faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Those of ``near`` that are hardly before the background."""
-    kept: float = 1.0
+    undisputed: float = 1.0
     """Share of what it claimed there that no other thing has."""
     most: float = 1.0
     """Confidence at most, since it may have changed places with another."""

@@ -187,11 +187,11 @@ def mistakable(
     rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
     some = sight.some(cells) if rivals else None
     top = person.top(sight) if rivals else None
-    rivals = [f for f in rivals if not told(some, top, person, f)]
+    rivals = [f for f in rivals if not rules_out(some, top, person, f)]
     return [f for f in rivals if far_from(sight, f, cells, now) < 1.0]
 
 
-def told(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
+def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
     """Whether what somebody has is certainly not another's, by colours (S, 3) of it or by its top,
     where the other of both does not speak against it."""
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)

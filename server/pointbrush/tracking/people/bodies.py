@@ -58,10 +58,10 @@ def undisputed(claims: Mapping[int, Claim], things: Mapping[int, Thing]) -> dict
             continue
         cost = float(a.cost[i].mean()) / things[one].reach
         against = float(b.cost[j].mean()) / things[other].reach
-        label, lost = (other, j) if cost <= against else (one, i)
-        keep = np.ones(len(result[label].indices), np.bool_)
-        keep[lost] = False
-        result[label] = result[label].pick(keep)
+        loser, disputed = (other, j) if cost <= against else (one, i)
+        keep = np.ones(len(result[loser].indices), np.bool_)
+        keep[disputed] = False
+        result[loser] = result[loser].pick(keep)
     return result
 
 

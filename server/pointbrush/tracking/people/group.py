@@ -17,7 +17,7 @@ from pointbrush.tracking.background.depth_background import PictureBackground
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
 from pointbrush.tracking.objects.confidence import REGAIN
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers, told
+from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers, rules_out
 from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
@@ -160,8 +160,8 @@ class Group:
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [f for f in as_tall if ratio(top, f.stature, person.stature) >= DECISIVE]
         some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
-        person.doubts -= {f.label for f in here if told(some, top, person, f)}
-        person.doubts |= {f.label for f in as_tall if told(some, top, f, person)}
+        person.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
+        person.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
         if not person.doubts and looks.likelihood() > SURE:
             person.sure = self.now
             person.measure(top)

@@ -91,23 +91,23 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     # What is beside a large thing is told by what hangs together.
     wide = (REACH if thing.large else WIDE) * thing.reach
     near = claim(view, place.near, place.world, thing.model.colour, thing.weight, wide)
-    lost = contested(view, near, thing, place)
-    place.neutral = near.indices[~lost]
-    lost &= near.cost > thing.reach
+    not_its = contested(view, near, thing, place)
+    place.neutral = near.indices[~not_its]
+    not_its &= near.cost > thing.reach
     moving = np.zeros(len(view.xyz), np.bool_)
     moving[place.moving] = True
     if view.roams:
         moving |= view.low
-    lost |= ~moving[near.indices] & (near.cost > STILL * thing.reach)
-    lost |= _hardly(view, place)[near.indices] & (
+    not_its |= ~moving[near.indices] & (near.cost > STILL * thing.reach)
+    not_its |= _hardly(view, place)[near.indices] & (
         (near.cost > thing.reach) | (thing.model.hits[near.nearest] < SURE)
     )
     beyond = thing.reach if thing.large else thing.unit
     unlike = near.cost > thing.reach + (UNLIKE - 1) * beyond
     unlike &= near.gap > SHADED * thing.reach
     if not thing.painted.flat:  # The ground touches what stands on it, and goes on.
-        lost |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
-    found = near.pick(~lost & ~unlike & (near.gap < thing.reach + (REACH - 1) * beyond))
+        not_its |= view.low[near.indices] & (near.gap > FOOT * thing.reach)
+    found = near.pick(~not_its & ~unlike & (near.gap < thing.reach + (REACH - 1) * beyond))
     # A pose is never exact: what lies on well confirmed surface is not asked.
     firm = (thing.model.hits[found.nearest] >= SURE) & (found.gap < FIRM * thing.reach)
     return found.pick(firm | ~_carved(thing, view, place, found.indices))

@@ -23,10 +23,10 @@ from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
 from pointbrush.tracking.sensor.range_image import FAR, find_eye, reach_of
 from pointbrush.tracking.sensor.shifts import likely_shifts
 from pointbrush.tracking.sensor.trajectory import (
+    RecordedTrajectory,
     RegisteredTrajectory,
-    ToldTrajectory,
     Trajectory,
-    told,
+    recorded_pose,
 )
 
 COARSE = 0.02
@@ -205,12 +205,12 @@ def find_trajectory(
     As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
     first frame; None where the sensor is at rest.
     """
-    first, *others = (told(frames(order[at])) for at in (0, len(order) // 2, -1))
+    first, *others = (recorded_pose(frames(order[at])) for at in (0, len(order) // 2, -1))
     back = None if first is None else np.linalg.inv(first)
     if back is not None and any(
         pose is not None and np.abs(back @ pose - np.eye(4)).max() > AT_REST for pose in others
     ):
-        return ToldTrajectory(frames, np.asarray(back, np.float64))
+        return RecordedTrajectory(frames, np.asarray(back, np.float64))
     lens = find_lens(frames(order[0]), moves=True)
     if lens is not None:
         last = len(order) - 1

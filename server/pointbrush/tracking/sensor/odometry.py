@@ -221,7 +221,7 @@ class CameraTrajectory(RegisteredTrajectory):
         self._last, self._keys = first, [first]
         self._scale: F64 | None = None
 
-    def among(self, some: Sequence[int]) -> Trajectory:
+    def over(self, some: Sequence[int]) -> Trajectory:
         """See ``Trajectory``."""
         return CameraTrajectory(self._frames, some, self._lens, self._painted)
 

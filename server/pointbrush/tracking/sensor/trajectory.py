@@ -26,12 +26,12 @@ class Trajectory(ABC):
     def pose(self, number: int) -> F64:
         """The pose (4, 4) of frame ``number``."""
 
-    def among(self, some: Sequence[int]) -> Trajectory:  # noqa: ARG002
+    def over(self, some: Sequence[int]) -> Trajectory:  # noqa: ARG002
         """The way over ``some`` frames, the first of them that of the run, at their cost alone."""
         return self
 
 
-class ToldTrajectory(Trajectory):
+class RecordedTrajectory(Trajectory):
     """A way that the recording tells."""
 
     def __init__(self, frames: Frames, back: F64) -> None:
@@ -41,11 +41,11 @@ class ToldTrajectory(Trajectory):
 
     def pose(self, number: int) -> F64:
         """See ``Trajectory``."""
-        pose = told(self._frames(number))
+        pose = recorded_pose(self._frames(number))
         return np.eye(4) if pose is None else np.asarray(self._back @ pose, np.float64)
 
 
-def told(frame: TrackFrame) -> F64 | None:
+def recorded_pose(frame: TrackFrame) -> F64 | None:
     """The pose of a frame as the recording tells it, None where that is no motion of space."""
     pose = frame.pose
     if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pointbrush.tracking.fitting.fit import find
 from pointbrush.tracking.fitting.judge import IN_FRONT, ON_SURFACE
-from pointbrush.tracking.fitting.search import among
+from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
@@ -34,7 +34,7 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
     if thing.bends or thing.large or thing.missing or len(points) < FEWEST:
         return None
-    place = find(among(thing, view, points))
+    place = find(search_among(thing, view, points))
     model, reach = thing.model, BESIDE * thing.unit
     found = claim(view, points, place.world, model.colour, thing.weight, 2 * thing.reach)
     if place.cost > FITS or len(found.indices) < EXPLAINED * len(points):

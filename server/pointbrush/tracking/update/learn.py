@@ -135,13 +135,13 @@ def _make_anew(thing: Thing, view: View, place: Place, points: I64, verdict: Ver
     if thing.scanned:  # what hides it from a lidar is known too coarsely
         unseen = unseen | ~close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
     old = np.flatnonzero(unseen & (thing.model.misses < FORGOTTEN))
-    kept = thing.model
-    new = Model.of(xyz, view.colour(points), _eye_of(back, view), kept.spacing, MOST_BENT)
+    before = thing.model
+    new = Model.of(xyz, view.colour(points), _eye_of(back, view), before.spacing, MOST_BENT)
     new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
-    new.colour = np.vstack([new.colour, kept.colour[old]])
-    new.seen = np.vstack([new.seen, kept.seen[old]])
-    new.hits = np.append(new.hits, kept.hits[old]).astype(np.float32)
-    new.misses = np.append(new.misses, kept.misses[old] + 1).astype(np.float32)
+    new.colour = np.vstack([new.colour, before.colour[old]])
+    new.seen = np.vstack([new.seen, before.seen[old]])
+    new.hits = np.append(new.hits, before.hits[old]).astype(np.float32)
+    new.misses = np.append(new.misses, before.misses[old] + 1).astype(np.float32)
     thing.model = new
 
 
