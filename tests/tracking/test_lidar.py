@@ -19,7 +19,7 @@ from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.geometry.grid import cells_of
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.view import View
@@ -121,7 +121,7 @@ def test_what_shows_many_of_its_points_is_there_though_most_of_it_is_hidden() ->
 
 def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
     thing, view, place, found, verdict = half_hidden()
-    thing.bend = 0.5
+    thing.bending = Bending(share=0.5)
     learn(thing, view, place, found, np.empty(0, np.int64), verdict)
     assert thing.bends
     assert np.ptp(thing.model.xyz[:, 0]) > 7.5

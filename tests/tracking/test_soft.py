@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.fitting.judge import Verdict, judge
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Rivals, Thing, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, Thing, begin
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -155,7 +155,7 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     for _ in range(6):
         learn.stretch(thing, view, place, verdict, mine)
     assert thing.soft
-    thing.strain, thing.size = 0.0, 2.0 * DENSE  # many points are seldom posed wrongly
+    thing.bending, thing.size = Bending(), 2.0 * DENSE  # many points are seldom posed wrongly
     learn.stretch(thing, view, place, verdict, mine)
     assert thing.soft
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -102,6 +102,32 @@ class Rivals:
         return explained
 
 
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """How a sensor samples a thing.
+
+    ``imaged`` it sees depth images; ``scanned`` it is a lidar, then ``grain`` metres lie between
+    the points of the thing, as it is seen from ``away`` metres, 0 while that is not known.
+    """
+
+    imaged: bool
+    scanned: bool
+    grain: float
+    away: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Bending:
+    """How much a thing bends, as running means.
+
+    ``share`` 0..1 of it that one rigid motion does not explain; ``strain`` share of its known
+    surface that bending alone explains.
+    """
+
+    share: float = 0.0
+    strain: float = 0.0
+
+
 @dataclass(eq=False)
 class Thing:
     """State of a label."""
@@ -115,12 +141,12 @@ class Thing:
     """Metres of tolerance: spacing of its points or noise of the sensor."""
     rivals: Rivals
     painted: Painted
+    sampling: Sampling
     size: float
     """The most points that it had."""
     missing: int = 0
     """Frames since it was seen."""
-    bend: float = 0.0
-    """0..1, how much of it one rigid motion does not explain."""
+    bending: Bending = Bending()
     stopped: bool = False
     """Whether it is not looked for any more."""
     trust: float = 1.0
@@ -133,18 +159,8 @@ class Thing:
     """Metres, the greatest radius that it had."""
     glimpses: list[Glimpse] = field(default_factory=list)
     """What lay around it."""
-    imaged: bool = False
-    """Whether the sensor sees depth images."""
-    strain: float = 0.0
-    """Share of its surface that bending alone explains."""
     vain: bool = False
     """Whether it was looked for elsewhere, when its fit was in doubt, and that was no better."""
-    away: float = 0.0
-    """Metres from a lidar that sees it."""
-    scanned: bool = False
-    """Whether a lidar sees it."""
-    grain: float = 0.0
-    """Metres between its points, as a lidar sees it from there."""
     worn: ColourHistogram = field(
         default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
     )
@@ -169,23 +185,29 @@ class Thing:
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
-        return self.bend > (BENT_LARGE if self.large and not self.scanned else BENT)
+        return self.bending.share > (BENT_LARGE if self.large and not self.scanned else BENT)
 
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
-        if self.away > 0.0 and away > 0.0:
-            closer = float(np.clip(self.away / away, 1 / CLOSER, CLOSER))
+        grain = self.sampling.grain
+        if self.sampling.away > 0.0 and away > 0.0:
+            closer = float(np.clip(self.sampling.away / away, 1 / CLOSER, CLOSER))
             self.size *= closer**2
-            self.grain /= closer
-            unit = max(self.grain, FINEST * self.model.spacing)
+            grain /= closer
+            unit = max(grain, FINEST * self.model.spacing)
             self.weight *= unit / self.unit
             self.unit = unit
-        self.away = away
+        self.sampling = replace(self.sampling, grain=grain, away=away)
+
+    @property
+    def scanned(self) -> bool:
+        """Whether a lidar sees it."""
+        return self.sampling.scanned
 
     @property
     def soft(self) -> bool:
         """Whether it is a small thing whose surface moves within itself, as a toy's does."""
-        return self.strain > SOFT and not self.large
+        return self.bending.strain > SOFT and not self.large
 
     @property
     def large(self) -> bool:
@@ -193,18 +215,18 @@ class Thing:
         if self.scanned:
             return True
         part = self.painted.cut or (self.painted.broad and self.span > HALF)
-        part = part and self.imaged and self.span > VAGUE * self.unit
+        part = part and self.sampling.imaged and self.span > VAGUE * self.unit
         return (part or self.span > max(TALL, COARSE * self.unit)) and not self.painted.sheet
 
     @property
     def body(self) -> bool:
         """Whether it is large and before a sensor that sees depth images."""
-        return self.imaged and self.large
+        return self.sampling.imaged and self.large
 
     @property
     def handy(self) -> bool:
         """Whether it is small and before a sensor that sees depth images: it may be thrown."""
-        return self.imaged and not self.large
+        return self.sampling.imaged and not self.large
 
     @property
     def span(self) -> float:
@@ -272,10 +294,8 @@ def _made(
         unit,
         rivals,
         Painted.of(view, indices, xyz, model.radius),
+        Sampling(view.lens is not None, view.scans, grain=unit),
         float(count),
         last=count,
-        grain=unit,
-        imaged=view.lens is not None,
         worn=ColourHistogram.of(colour),
-        scanned=view.scans,
     )

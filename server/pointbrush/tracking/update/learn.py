@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pointbrush.tracking.fitting.fit import bent
@@ -76,7 +78,7 @@ def evidence(
         scans=thing.scanned,
         soft=thing.soft,
         left=(_beside(thing, view, place, points) + 1) / (len(points) + 1),
-        bend=thing.bend,
+        bend=thing.bending.share,
         coarse=thing.unit / max(thing.model.radius, thing.unit),
         border=place.border,
     )
@@ -119,7 +121,9 @@ def _ask_whether_it_bends(
     loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
     # What is mostly hidden says little about the rest of it.
     says = PACE * (verdict.visible if thing.handy else 1.0)
-    thing.bend += says * (max(loose, 1 - verdict.inliers) - thing.bend)
+    share = thing.bending.share
+    share += says * (max(loose, 1 - verdict.inliers) - share)
+    thing.bending = replace(thing.bending, share=share)
 
 
 def _eye_of(back: F64, view: View) -> F64 | None:
@@ -183,7 +187,9 @@ def stretch(thing: Thing, view: View, place: Place, verdict: Verdict, points: I6
     if stiff and _asked(thing, view, place):
         most = np.inf if thing.size > DENSE else AGAIN * SOFT
         now = min(strained(thing, view, place, verdict, points), most)
-        thing.strain += PACE_OF_STRAIN * (now - thing.strain)
+        strain = thing.bending.strain
+        strain += PACE_OF_STRAIN * (now - strain)
+        thing.bending = replace(thing.bending, strain=strain)
 
 
 def _settled_on(world: F64, view: View, found: Claim) -> F64:
@@ -236,7 +242,7 @@ def _asked(thing: Thing, view: View, place: Place) -> bool:
 
     What is seen by very many points fits well while it is stiff.
     """
-    speaks = thing.strain > HINT * SOFT or (place.cost > LOOSE and thing.size > DENSE)
+    speaks = thing.bending.strain > HINT * SOFT or (place.cost > LOOSE and thing.size > DENSE)
     return speaks or (view.number + thing.label) % SELDOM == 0
 
 
