@@ -19,6 +19,8 @@ from pointbrush.tracking.objects.thing import Thing
 
 NEAR = 1.5
 """Times the radii of both within which two predictions may meet."""
+EXPLAINS = 3.0
+"""Units from a prediction within which it explains a point."""
 CLEARLY = 0.5
 """Share of the way to a thing's own prediction within which another's is clearly nearer."""
 
@@ -34,7 +36,7 @@ def share_out(searches: Iterable[Search]) -> None:
         drop = np.zeros(len(left.xyz), np.bool_)
         for number in sure:
             if searches[number] is not search and ghosts[number].meets(ghost):
-                reach = 3 * searches[number].thing.unit
+                reach = EXPLAINS * searches[number].thing.unit
                 own, theirs = ghost.surface, ghosts[number].surface
                 _drop_theirs(drop, left.xyz, left.colour, own, theirs, reach)
         if drop.any() and (~drop).sum() >= FEWEST:

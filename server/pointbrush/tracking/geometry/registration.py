@@ -67,14 +67,13 @@ def transform_each(T: F64, xyz: F64) -> F64:
     return np.asarray(xyz @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3])
 
 
-def best_rigid_motion(source: F64, target: F64, weight: F64 | None = None) -> F64:
+def best_rigid_motion(source: F64, target: F64) -> F64:
     """The (4, 4) motion that brings ``source`` (M, 3) nearest to ``target`` in least squares.
 
-    ``weight`` (M,) non-negative.  Identity rotation where fewer than three pairs carry weight,
-    identity where none does.
+    A mere shift where there are fewer than three pairs, identity where there is none.
     Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
     """
-    return _motion(source, target, np.ones(len(source)) if weight is None else weight, 3)
+    return _motion(source, target, np.ones(len(source)), 3)
 
 
 def icp(
@@ -204,7 +203,10 @@ def _robust_fits(
 
 @compiled
 def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
-    """See ``best_rigid_motion``."""
+    """See ``best_rigid_motion``; each pair counts by its ``weight`` (M,).
+
+    It does not turn by fewer than ``fewest`` pairs that have some.
+    """
     count = len(source)
     total, used = 0.0, 0
     middle_s, middle_t = np.zeros(3), np.zeros(3)

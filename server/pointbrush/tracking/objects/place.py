@@ -11,7 +11,11 @@ from pointbrush.tracking.interface import F64, I64
 
 @dataclass(eq=False)
 class Place:
-    """Where a thing was found: pose, model points in the world, and the points around."""
+    """Where a thing was found: ``pose`` (4, 4), and its model's points ``world`` (M, 3).
+
+    Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
+    have; ``moving``, before the background.  ``cost`` of the fit, 0 to 1.
+    """
 
     pose: F64
     world: F64
