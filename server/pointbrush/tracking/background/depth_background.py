@@ -33,8 +33,9 @@ from pointbrush.tracking.sensor.view import View
 
 ROUGHLY = 0.93
 """Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
-RARELY, MOSTLY = 0.25, 0.5
-"""Share of the frames that must show the scene, and show what lies off the scene drawn on."""
+RARELY, MOSTLY, ONCE_MORE = 0.25, 0.5, 2.0
+"""Share of the frames that must show the scene, and show what lies off the scene drawn on; and the
+fewest frames that do: one alone may show anything."""
 FAINT = 0.5
 """Deviations from which a point may be of something that touches the background there."""
 FARTHER, LARGE = 2.0, 0.1
@@ -194,7 +195,7 @@ class ImageBackground:
         where it lies well behind, stays, and goes on beside what is labelled.
         """
         scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
-        scene[count < max(2.0, RARELY * (1 + len(others)))] = np.nan
+        scene[count < max(ONCE_MORE, RARELY * (1 + len(others)))] = np.nan
         shape = first.lens.shape if first.lens else (1, len(scene))
         known = np.isfinite(scene)
         for points in first.labels.values():

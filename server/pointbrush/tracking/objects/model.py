@@ -20,6 +20,9 @@ NEARLY_ALL = 0.98
 HIT, NEW_SURFACE = 1.2, 0.9
 """Spacings from a known point up to which another is a hit on it, and from which it is new: what
 lies between is both."""
+FEWEST, TRUSTED = 10, 4
+"""Points that a model keeps at least, and hits that count against misses: what was often seen
+leaves all the same once it was seen through six times."""
 CELL, COARSER = 0.8, 1.05
 """Spacings across a cell that keeps one point; and how much coarser a full model becomes."""
 FACING = 0.25
@@ -120,11 +123,11 @@ class Model:
         Returns the new number of each point (M,), -1 for those that have left.
         """
         self.misses[which] += 1
-        return self.drop(self.misses > np.minimum(self.hits, 4) + 1)
+        return self.drop(self.misses > np.minimum(self.hits, TRUSTED) + 1)
 
     def drop(self, which: Mask) -> I64:
         """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
-        if not which.any() or np.count_nonzero(~which) < 10:
+        if not which.any() or np.count_nonzero(~which) < FEWEST:
             return np.arange(len(which))
         self._keep(np.flatnonzero(~which))
         return np.where(which, -1, np.cumsum(~which) - 1)

@@ -10,12 +10,13 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.mean_field import agreed
-from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import FEWEST, Person
 
-LIMBS, SWING, MOST = 0.06, 0.4, 0.3
-"""Metres by which limbs move anyhow, and share of the fastest step, of so many metres at most."""
+LIMBS, SWING, SLOWEST, MOST = 0.06, 0.4, 0.02, 0.3
+"""Metres by which limbs move anyhow, and share of the fastest step, of so many metres at least and
+at most."""
 UNSEEN, LONG = 0.04, 8
 """Metres more a frame unseen, of so many frames at most."""
 SHADE = 0.06
@@ -31,14 +32,18 @@ ROUND, BEYOND, REACH = 0.25, 0.2, 2.0
 ROUNDS, SETTLED, DOUBT = 3, 0.02, 0.15
 """Most times that strides are mended, metres up to which once is enough, and the visible share at
 which they are believed half."""
+SHOWN, MET = 0.03, 2.5
+"""Share of his cells that somebody has to have, and times that limbs swing within which cells meet
+his surface, for his stride to be mended."""
 FITS, FITTING = 0.8, 0.2
 """Share of the cap that fits, and of its cells that must fit for a body to be anybody's."""
 SURE = 0.9
 """Probability from which an outline far from everybody is somebody's."""
 APART, PART = 0.35, 0.5
 """Metres that nothing lies from the rest of somebody, if it has less than this share of it."""
-KNOWN, BESIDE = 0.15, 0.5
-"""Metres from his surface, and from his middle, within which it may lie all the same."""
+KNOWN, BESIDE, HALF = 0.15, 0.5, 0.5
+"""Metres from his surface, and from his middle, within which at least so much of it may lie all the
+same."""
 CLOSE = 1.0
 """Cost less than another's by which a cell is disputed."""
 
@@ -63,7 +68,7 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
     """Give the cells in ``sight`` owners, mending the strides (K, 3) by who has what."""
     clothes = _clothes(sight, people)
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.missing]
-    swing = LIMBS + SWING * min(max([0.02, *steps]), MOST)
+    swing = LIMBS + SWING * min(max([SLOWEST, *steps]), MOST)
     stride = stride.copy()
     surfaces = [_Surface.of(f, swing, coloured=sight.tints is not None) for f in people]
     for _ in range(ROUNDS):
@@ -77,8 +82,8 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
         who = chance.argmax(axis=1)
         mended = np.zeros_like(stride)
         for k, person in enumerate(people):
-            has, sure = who == k, chance[:, k]
-            mended[k] = _mended(sight, person, stride[k], has, sure, near[k], swing)
+            his = np.where(who == k, near[k], -1)
+            mended[k] = _mended(sight, person, stride[k], chance[:, k], his, swing)
         stride += mended
         if np.linalg.norm(mended, axis=1).max() < SETTLED:
             break
@@ -139,21 +144,24 @@ def _mended(
     sight: Observation,
     person: Person,
     stride: F64,
-    own: Mask,
     chance: F64,
     near: I64,
     swing: float,
 ) -> F64:
-    """(3,) how far off a stride is, by the cells he has and by the surface he should show."""
-    cells = np.flatnonzero(own & (near >= 0) & sight.cells.solid)
-    if len(cells) < max(FEWEST, 0.03 * person.size):
+    """(3,) how far off a stride is, by the cells he has and by the surface he should show.
+
+    ``near`` (N,) number of the point of his surface that each cell is nearest to, -1 for those
+    that he has not; ``chance`` (N,) of each to be his; ``swing`` metres by which limbs move.
+    """
+    cells = np.flatnonzero((near >= 0) & sight.cells.solid)
+    if len(cells) < max(FEWEST, SHOWN * person.size):
         return np.zeros(3)
     there = person.xyz + stride
     seen = sight.cells.middle[cells]
     weight = chance[cells] * np.sqrt(sight.cells.count[cells])
     off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
     shown = sight.shows(there)
-    gap, nearest = map(np.asarray, cKDTree(seen).query(there[shown], 1, 0, 2, 2.5 * swing))
+    gap, nearest = map(np.asarray, cKDTree(seen).query(there[shown], 1, 0, 2, MET * swing))
     met = np.isfinite(gap)
     if np.count_nonzero(met) > FEWEST:
         off = (off + (seen[nearest[met]] - there[shown][met]).mean(axis=0)) / 2
@@ -193,5 +201,5 @@ def _drop(sight: Observation, person: Person, stride: F64) -> None:
     known &= np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1) < BESIDE
     for number in np.unique(part[rest]).tolist():
         piece = part[rest] == number
-        if gap[piece].min() > APART and known[piece].mean() < 0.5:
+        if gap[piece].min() > APART and known[piece].mean() < HALF:
             sight.owner[cells[rest[piece]]] = 0

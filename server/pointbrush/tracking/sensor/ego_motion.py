@@ -36,6 +36,9 @@ ENOUGH = 100_000
 """Points that planes are looked for in."""
 AROUND = 10
 """Neighbours that a plane is fitted to."""
+FEWEST_POINTS, FEWEST, ASKED = 500, 10, 6
+"""Points of a frame, and neighbourhoods of cells, that planes are looked for in at least; and
+places asked for one that may be registered."""
 FLAT, BROAD = 0.05, 0.08
 """Share of the variance across a plane at most, and along its shorter side at least."""
 SAMPLE = 1500
@@ -74,7 +77,7 @@ class Planes:
 def planes_of(xyz: F64) -> Planes | None:
     """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
     xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
-    if len(xyz) < 500:
+    if len(xyz) < FEWEST_POINTS:
         return None
     cell = _cell(xyz)
     if cell <= 0.0:
@@ -83,10 +86,10 @@ def planes_of(xyz: F64) -> Planes | None:
     for _ in range(2):
         cell = _cell(nodes_of(xyz, cell))
     some = nodes_of(xyz, cell)
-    if len(some) < 10 * AROUND:
+    if len(some) < FEWEST * AROUND:
         return None
     tree = cKDTree(some)
-    asked = some[:: max(1, len(some) // (6 * SAMPLE))]
+    asked = some[:: max(1, len(some) // (ASKED * SAMPLE))]
     _, near = tree.query(asked, k=AROUND)
     around = some[near] - some[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
