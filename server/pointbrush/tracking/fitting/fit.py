@@ -58,9 +58,10 @@ ELSEWHERE = 0.5
 """Radii between two guesses from which they are at different places."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
-LEASH, BEYOND = 0.5, 2.0
+LEASH, LEASH_FRESH, BEYOND = 0.5, 1.5, 2.0
 """Share of its radius and of its speed by which what a lidar sees may be off its predictions in a
-frame, and what a pose costs that is farther: nothing of that weight changes its way so fast."""
+frame, and of its radius while its motion is unknown, and what a pose costs that is farther: nothing
+of that weight changes its way so fast, and a car that goes farther than that is another."""
 
 
 def find(search: Search) -> Place:
@@ -296,12 +297,15 @@ def _surprise(search: Search, poses: F64) -> F64:
     at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
     reach = 3 * max(model.radius, search.thing.unit) * motion.gap
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
+    cost = SURPRISE * np.minimum(1.0, off)
+    if search.thing.scanned:
+        speeds = LEASH * (model.radius + motion.speed)
+        leash = (LEASH_FRESH * model.radius if motion.fresh else speeds) + 3 * search.thing.unit
+        far = BEYOND * (off * reach > leash * motion.gap)
+    else:
+        far = np.zeros(len(off))
     if motion.fresh:
-        return np.asarray(0.5 * SURPRISE * np.minimum(1.0, off))
+        return np.asarray(0.5 * cost + far)
     turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
-    cost = SURPRISE * np.minimum(1.0, off) + TURNED * turned
-    if search.thing.scanned:
-        leash = LEASH * (model.radius + motion.speed) + 3 * search.thing.unit
-        cost += BEYOND * (off * reach > leash * motion.gap)
-    return np.asarray(cost)
+    return np.asarray(cost + TURNED * turned + far)

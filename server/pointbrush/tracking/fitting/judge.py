@@ -25,7 +25,7 @@ PRESENT, A_FEW, OF_MANY = 0.25, 4, 0.01
 must have, and as a share of its size."""
 LEAST_TRUST = 0.4
 """Share of its confidence that a thing keeps of which next to nothing shows."""
-STILL_THERE = 0.25
+STILL_THERE = 0.1
 """Share of the points that it had in the last frame from which what a lidar sees is there."""
 
 

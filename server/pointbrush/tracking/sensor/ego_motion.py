@@ -32,6 +32,9 @@ from pointbrush.tracking.sensor.trajectory import (
 COARSE = 0.02
 """Size of the cells that a frame is thinned to, as a share of the median distance from its
 middle."""
+LEAST = 0.5
+"""Metres of such a cell at least, of what sees farther than depth cameras: down a narrow street
+most of what is seen is near, but the next frame is metres on, too far for small cells."""
 ENOUGH = 100_000
 """Points that planes are looked for in."""
 AROUND = 10
@@ -43,7 +46,7 @@ FLAT, BROAD = 0.05, 0.08
 """Share of the variance across a plane at most, and along its shorter side at least."""
 SAMPLE = 1500
 """Planes that are registered."""
-SCALES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0, 0.7, 0.7, 0.5, 0.5)
+SCALES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0, 0.7, 0.7, 0.5, 0.5, 0.3, 0.3)
 """Scales of the robust weights, in cells."""
 TRIES = (1, 4, 12)
 """Frames after the first at which a sensor is asked whether it has moved; a depth camera also at
@@ -79,12 +82,13 @@ def planes_of(xyz: F64) -> Planes | None:
     xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
     if len(xyz) < FEWEST_POINTS:
         return None
-    cell = _cell(xyz)
+    least = LEAST if reach_of(xyz) > FAR else 0.0
+    cell = _cell(xyz, least)
     if cell <= 0.0:
         return None
     # The ground before a sensor is seen by most of its points: what is far counts by its area.
     for _ in range(2):
-        cell = _cell(nodes_of(xyz, cell))
+        cell = _cell(nodes_of(xyz, cell), least)
     some = nodes_of(xyz, cell)
     if len(some) < FEWEST * AROUND:
         return None
@@ -99,8 +103,9 @@ def planes_of(xyz: F64) -> Planes | None:
     return Planes(at[kept], normal[kept], tree, cell)
 
 
-def _cell(xyz: F64) -> float:
-    return COARSE * float(np.median(np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)))
+def _cell(xyz: F64, least: float) -> float:
+    away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
+    return max(COARSE * float(np.median(away)), least)
 
 
 def _all_ways(normal: F64) -> I64:

@@ -155,7 +155,7 @@ def _spreads(local: F32 | F64) -> bool:
     return bool(wider > farther**SPREADS)
 
 
-def reach_of(xyz: F32) -> float:
+def reach_of(xyz: F32 | F64) -> float:
     """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
     if not len(xyz):
         return 0.0
