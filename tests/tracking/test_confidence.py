@@ -45,15 +45,23 @@ def test_what_bends_and_shrinks_is_not_trusted() -> None:
 
 def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     """Half a car, and a car whose neighbour was taken for it, leave points unclaimed beside it."""
-    alone = replace(GOOD, pixels=False, scans=True, sure=1.0, left=0.01)
+    alone = replace(GOOD, pixels=False, scans=True, left=0.01, others=0.1)
     assert likelihood(alone) > 0.9
     assert likelihood(replace(alone, left=1.0)) < 0.5
     assert likelihood(replace(alone, left=0.1, bend=0.2)) < likelihood(alone)
+    crowded = replace(alone, others=1.0)
+    assert likelihood(replace(alone, left=1.0)) < likelihood(crowded) < likelihood(alone)
+
+
+def test_what_is_not_as_tall_before_a_lidar_as_it_was_is_trusted_less() -> None:
+    """Half of somebody in a group leaves only the others beside him."""
+    group = replace(GOOD, pixels=False, scans=True, left=0.2, others=1.0)
+    assert likelihood(replace(group, tall=0.5)) < 0.5 < likelihood(group)
 
 
 def test_what_suddenly_changes_before_a_lidar_is_trusted_less() -> None:
     """Who takes another's place shows more or less of himself, and what the model does not know."""
-    before = replace(GOOD, pixels=False, scans=True, left=0.05)
+    before = replace(GOOD, pixels=False, scans=True, left=0.2, others=0.2)
     assert likelihood(replace(before, change=0.4)) < likelihood(before) - 0.1
     assert likelihood(replace(before, change=2.5)) < likelihood(before) - 0.1
     assert likelihood(replace(before, grown=0.6)) < likelihood(before) - 0.1

@@ -20,12 +20,13 @@ BODY_OFFSET, BODY_MIDDLE = 4.99, 1.5
 """The same for large things before a known scene, people above all: fitted, with each sign held,
 on walking people at 30 and at 5 frames a second, with and without what keeps them apart; sudden
 changes of size were too rare to fit, and their weight is set."""
-SCAN_WEIGHTS = np.array([-0.57, -0.53, -1.22, -0.8, 0.89, -1.21, -1.58])
-SCAN_OFFSET, SCAN_MIDDLE, SCAN_STRETCH = -2.13, 1.15, 2.5
-"""The same for lidars: what is left beside a thing of what moves, its size, how much it bends,
-how coarse it is seen, the share on well confirmed surface, a sudden change of size, and what its
-model does not explain.  Fitted on generated streets of 16 to 128 beams, at rest and on the move;
-what is left beside a thing says more than all the rest."""
+SCAN_WEIGHTS = np.array([-0.9, -0.3, -1.53, -5.38, -0.65, -0.63, -4.17])
+SCAN_OFFSET, SCAN_MIDDLE, SCAN_STRETCH = -2.7, 0.35, 2.0
+"""The same for lidars: what of what moves beside a thing is nobody's, what is another's, its
+height, how much it bends, how coarse it is seen, a sudden change of size, and what its model does
+not explain.  Fitted on generated streets of 16 to 128 beams, at rest and on the move; what is left
+beside a thing says the most, and then whether it is as tall as it was, since whoever stands close
+to others leaves nothing beside him but them."""
 MANY, FEW = 300, 2.5
 """Points from which a fit before a pixel grid is told apart well, and the weight of the logarithm
 of the share of them that there are: small things are taken for each other."""
@@ -40,8 +41,8 @@ USUAL = 1.2
 """Usual cost in place and colour from which a thing's is taken as a multiple of it: one whose
 colours hardly vary beside each other shows all shading as a difference."""
 SIZE_MOST, CHANGE_MOST, LEFT_MOST, COARSE_MOST, POINTS_MOST = 2.0, 1.0, 4.0, 6.0, 7.0
-"""Logarithms at most of the size, of a sudden change of it, of what is left beside a thing over its
-own, of how coarse it is, and of how few points it has: beyond, they say no more."""
+"""Logarithms at most of the size and height, of a sudden change of size, of what is left beside a
+thing over its own, of how coarse it is, and of how few points it has: beyond, they say no more."""
 WORN_LEAST = -3.0
 """Mean logarithm under which clothes are another's, however much."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
@@ -61,9 +62,10 @@ class Evidence:
     ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
     ``usual`` what ``cost`` mostly was where the thing was alone in the air;
     ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
-    a lidar; ``soft`` whether the thing bends; ``left`` points that move beside it and are not its,
-    over its own; ``bend`` share that one motion does not explain; ``coarse`` its unit, over its
-    radius; ``border`` share of its points that touch moving ones that are nobody's.
+    a lidar; ``soft`` whether the thing bends; ``left`` and ``others`` points that move beside it
+    and are nobody's, and another's, over its own; ``tall`` its height over its model's; ``bend``
+    share that one motion does not explain; ``coarse`` its unit, over its radius; ``border`` share
+    of its points that touch moving ones that are nobody's.
     """
 
     inliers: float
@@ -83,6 +85,8 @@ class Evidence:
     scans: bool = False
     soft: bool = False
     left: float = 0.0
+    others: float = 0.0
+    tall: float = 1.0
     bend: float = 0.0
     coarse: float = 0.05
     border: float = 0.0
@@ -124,10 +128,10 @@ def _scanned(evidence: Evidence) -> float:
     """Log odds of what a lidar saw."""
     features = [
         _log(evidence.left, LEFT_MOST),
-        abs(_log(evidence.size, SIZE_MOST)),
+        _log(evidence.others, LEFT_MOST),
+        abs(_log(evidence.tall, SIZE_MOST)),
         evidence.bend,
         _log(evidence.coarse, COARSE_MOST),
-        evidence.sure,
         abs(_log(evidence.change, CHANGE_MOST)),
         evidence.grown,
     ]

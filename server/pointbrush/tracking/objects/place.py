@@ -44,5 +44,7 @@ class Place:
     """Share of its points that touch moving points that are nobody's; of what has no colours."""
     beside: I64 | None = None
     """Points of other moving things beside a large one; None where that is not known."""
+    had: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    """Those of ``moving`` that some thing has, this or another; of large things."""
     rim: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points in this frame of which it learns nothing."""

@@ -96,7 +96,19 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     outside = ~inside[every]
     found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
     _note_others(findings, cores, every[found == OTHER])
-    return {label: _taken_over(findings, label, every[found == label]) for label in cores}
+    grown = {label: _taken_over(findings, label, every[found == label]) for label in cores}
+    _note_had(findings, grown, taken)
+    return grown
+
+
+def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None:
+    """Take note of what some thing has, by its claim or ``grown``, or ``taken`` (N,) before."""
+    had = taken.copy()
+    for label, new in grown.items():
+        had[findings.claims[label].indices] = had[new] = True
+    for label in grown:
+        place = findings.places[label]
+        place.had = place.moving[had[place.moving]]
 
 
 def _before_and_behind(

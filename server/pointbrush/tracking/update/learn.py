@@ -60,6 +60,7 @@ def evidence(
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
     some = points[:: max(1, len(points) // SAMPLE)]
+    left, others = _beside(thing, view, place, points)
     return Evidence(
         inliers=verdict.inliers,
         sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
@@ -77,22 +78,39 @@ def evidence(
         pixels=view.lens is not None,
         scans=thing.scanned,
         soft=thing.soft,
-        left=(_beside(thing, view, place, points) + 1) / (len(points) + 1),
+        left=(left + 1) / (len(points) + 1),
+        others=(others + 1) / (len(points) + 1),
+        tall=_height(thing, view, place, points),
         bend=thing.bending.share,
         coarse=thing.unit / max(thing.model.radius, thing.unit),
         border=place.border,
     )
 
 
-def _beside(thing: Thing, view: View, place: Place, points: I64) -> int:
-    """Moving points around a thing's ``points`` (M,) that are not its; asked of lidars alone."""
+def _beside(thing: Thing, view: View, place: Place, points: I64) -> tuple[int, int]:
+    """How many moving points around a thing's ``points`` (M,) nobody has, and others have.
+
+    Asked of lidars alone.
+    """
     if not (thing.scanned and len(points)):
-        return 0
-    own = np.zeros(len(view.xyz), np.bool_)
-    own[points] = True
+        return 0, 0
     lo, hi = bounds(view.xyz[points])
     margin = BESIDE * thing.unit
-    return int(within(view.xyz[place.moving[~own[place.moving]]], lo - margin, hi + margin).sum())
+    had = np.zeros(len(view.xyz), np.bool_)
+    had[points] = True
+    rest = place.moving[~had[place.moving]]
+    rest = rest[within(view.xyz[rest], lo - margin, hi + margin)]
+    had[place.had] = True
+    others = int(had[rest].sum())
+    return len(rest) - others, others
+
+
+def _height(thing: Thing, view: View, place: Place, points: I64) -> float:
+    """Height of a thing's ``points`` (M,) over its model's; asked of lidars alone."""
+    if not (thing.scanned and len(points)):
+        return 1.0
+    whole = float(np.ptp(place.world[:, view.up]))
+    return float(np.ptp(view.xyz[points, view.up])) / max(whole, thing.unit)
 
 
 def learn(
