@@ -8,10 +8,11 @@ import scenes
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import cut_off
-from pointbrush.tracking.segmentation.regain import lost_pieces
+from pointbrush.tracking.segmentation.regain import LONG, SELDOM, lost_pieces
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 
@@ -43,7 +44,7 @@ def shot(
         np.array([reach, 0.06, 0.1]),
         rot=np.eye(3),
     )
-    return View(1, camera.shoot([box, block], rng), lens), background
+    return View(SELDOM - 1, camera.shoot([box, block], rng), lens), background
 
 
 @pytest.mark.parametrize(
@@ -78,6 +79,54 @@ def test_a_piece_that_was_missed_is_taken_back(
     assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
     thing.size = len(core)  # nothing of it is missing
     assert not len(lost_pieces(thing, view, place, core, has, background))
+
+
+def beside_whole(
+    view: View, background: ImageBackground, moves: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """What is found beside a box of which nothing is known to be missing, and the block there.
+
+    ``moves`` metres a frame.
+    """
+    core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
+    thing = begin(view, 1, core, 0.004, Rivals.none())
+    for frame in range(MEMORY):
+        pose = np.eye(4)
+        pose[0, 3] = moves * frame
+        thing.motion.add(pose)
+    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
+    box = (lo.astype(np.float64), hi.astype(np.float64))
+    around = view.box(*box)
+    place = Place(pose, thing.model.xyz + pose[:3, 3], box, around, around, around, 0.05)
+    has = np.zeros(len(view.xyz), np.bool_)
+    has[core] = True
+    return lost_pieces(thing, view, place, core, has, background), beside
+
+
+def test_a_thing_on_the_move_has_sides_that_it_had_not_shown() -> None:
+    found, beside = beside_whole(*shot(BLUE, 0.01), moves=0.05)
+    assert len(np.intersect1d(found, beside)) > 0.8 * len(beside)
+
+
+@pytest.mark.parametrize(
+    ("reach", "frames", "moves", "taken"),
+    [
+        (0.01, LONG + 1, 0.0, True),
+        (0.01, 2, 0.0, False),  # a finger that has just come
+        (0.01, LONG + 1, 0.05, False),  # a thing on the move, which a hand may hold
+        (0.03, LONG + 1, 0.0, False),  # large: another thing may stand there
+    ],
+)
+def test_what_has_come_to_rest_with_a_thing_is_its_whatever_its_colours(
+    reach: float, frames: int, moves: float, taken: bool
+) -> None:
+    view, background = shot(SKIN, reach)
+    view.labels = {1: np.flatnonzero(view.frame.truth == 1)}
+    for _ in range(frames):
+        background.learn(view)
+    found, beside = beside_whole(view, background, moves)
+    assert (len(np.intersect1d(found, beside)) > 0.8 * len(beside)) == taken
+    assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
 
 
 def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:

@@ -54,6 +54,9 @@ class Background(Protocol):
     def faint(self, view: View, indices: I64) -> Mask:
         """Which of the background's points (M,) may be of something that touches it there."""
 
+    def stayed(self, view: View, indices: I64, frames: int) -> Mask:
+        """Which of the points (M,), labelled or not, have been as deep for so many ``frames``."""
+
     def revealed(self, view: View, indices: I64) -> Mask:
         """Which of the points (M,) lie behind all that was ever seen there.
 
@@ -161,6 +164,12 @@ class ImageBackground:
     @property
     def _waver(self) -> tuple[float, float]:
         return self.waver.still, self.waver.growing
+
+    def stayed(self, view: View, indices: I64, frames: int) -> Mask:
+        """See ``Background``."""
+        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        as_deep = np.abs(depth - self.anchor[cell]) < NEAR * self.waver(depth)
+        return np.asarray(as_deep & (self.age[cell] >= frames))
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""

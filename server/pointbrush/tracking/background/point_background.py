@@ -56,6 +56,10 @@ class PointBackground:
         rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
         labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
 
+    def stayed(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
+        """See ``Background``; what a sensor on the move sees does not stay."""
+        return np.zeros(len(indices), np.bool_)
+
     def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)

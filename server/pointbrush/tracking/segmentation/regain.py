@@ -2,7 +2,8 @@
 
 What is missed once lies unlabelled beside the thing ever after, and explains itself as unlabelled.
 But a hand goes on to an arm, and out of the picture; a piece that ends all round, touches nothing
-but the thing and what never moves, and has the colours that the thing was painted with, is its.
+but the thing and what never moves, and has the colours that the thing was painted with, is its.  So
+is one of other colours that has come to rest with it: a side that it had not shown.
 """
 
 from __future__ import annotations
@@ -20,11 +21,10 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import cut_off
 from pointbrush.tracking.sensor.view import View
 
-SHRUNK, MOST = 0.85, 1.1
-"""Share of its size under which a thing on the move has lost a part, and up to which a thing is
-given pieces."""
+MOST = 1.1
+"""Share of its size up to which a thing is given pieces."""
 SELDOM = 4
-"""Frames in one of which what rests is asked for parts that it has not lost but never had."""
+"""Frames in one of which what is slow is asked: it soon shows them again."""
 LEAST, FEWEST = 0.01, 5.0
 """Share of its size, and number of points, that a piece has at least."""
 BESIDE, LONELY = 2.5, 6.0
@@ -34,6 +34,9 @@ FEW, SHARP = 0.2, 0.2
 lie where the sensor looked through; cost of a fit up to which that can be told."""
 ALIKE = 0.7
 """Share of a piece's colours that the thing showed where it was painted."""
+SMALL, LONG, MOSTLY = 0.1, 8, 0.5
+"""Share of a thing at rest that a piece of other colours may be; frames for which it must have
+stayed, and share of its points that must be as deep as then, since the last one wavers too."""
 FARTHEST, END = 1.3, 0.3
 """Radii from the middle of a thing on the move from which what reaches so far is an end of it, and
 share of its points that an end has at most: a hand has more."""
@@ -47,9 +50,9 @@ def lost_pieces(
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
     what never moves, or no colour.
     """
-    turn = (view.number + thing.label) % SELDOM == 0 and thing.motion.slow(thing.unit)
+    asked = (view.number + thing.label) % SELDOM == 0 or not thing.motion.slow(thing.unit)
     tells = view.lens is not None and thing.weight > 0.0 and not thing.bends
-    if not tells or (len(core) > SHRUNK * thing.size and not turn):
+    if not (tells and asked):
         return _NONE
     rest, least = _apart(view, place.around[~taken[place.around]], background), _least(thing)
     if len(rest) < least:
@@ -65,7 +68,9 @@ def lost_pieces(
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
         mine = piece == one
         points = rest[mine]
-        if len(points) <= left and _is_its(thing, view, place, core, points, xyz[~mine]):
+        if len(points) > left or not _looks_like(thing, view, core, points, background):
+            continue
+        if _is_its(thing, view, place, core, points, xyz[~mine]):
             found.append(points)
             left -= len(points)
     return np.sort(np.concatenate(found))
@@ -81,13 +86,20 @@ def _least(thing: Thing) -> float:
     return max(FEWEST, LEAST * thing.size)
 
 
+def _looks_like(thing: Thing, view: View, core: I64, points: I64, background: Background) -> bool:
+    """Whether a piece has the thing's colours, or is small and has come to rest with it."""
+    colour = view.colour(points)
+    if thing.worn.share(colour) >= ALIKE and not thing.worn.unlike(colour):
+        return True
+    if not thing.motion.rests(thing.unit) or len(points) > SMALL * len(core):
+        return False
+    return float(background.stayed(view, points, LONG).mean()) > MOSTLY
+
+
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
-    """Whether a piece touches the thing and no ``others`` (M, 3), and looks like it."""
+    """Whether a piece touches the thing and no ``others`` (M, 3), and may be a part of it."""
     xyz = view.xyz[points].astype(np.float64)
     if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
-        return False
-    colour = view.colour(points)
-    if thing.worn.share(colour) < ALIKE or thing.worn.unlike(colour):
         return False
     if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
         return False
