@@ -81,6 +81,15 @@ def test_somebody_painted_by_an_arm_at_the_edge_of_the_picture_is_more_than_that
     assert large(behind >= np.quantile(behind[arm], 0.3))
 
 
+def test_where_all_that_is_seen_ends_is_no_edge_of_the_picture() -> None:
+    frame = recording(1, {1: (0.0, 2.4, 0.0)})[0]
+    arm = np.flatnonzero((frame.truth == 1) & (frame.xyz[:, 0] > 0.17))
+    alone = replace(frame, xyz=frame.xyz[arm], rgb=frame.rgb[arm], truth=None)
+    view, every = View(0, alone, find_lens(frame)), np.arange(len(arm))
+    view.labels = {1: every}
+    assert not begin(view, 1, every, 0.0, NO_RIVALS).large
+
+
 def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere() -> None:
     limit, unknown = np.full(4, 0.02, np.float32), np.full(4, np.nan, np.float32)
 

@@ -24,13 +24,18 @@ LEAST_NOISE = 0.03
 
 
 def cut_off_by_edge(view: View, indices: I64) -> bool:
-    """Whether much of what is painted lies at the edge of the picture: there is more of it."""
+    """Whether much of what is painted lies at the edge of the picture: there is more of it.
+
+    Where nothing unlabelled reaches as far, what is painted ends, and not the picture.
+    """
     if view.lens is None:
         return False
-    row, column = np.divmod(view.cells[0], view.lens.shape[1])
-    aside = np.minimum(column - column.min(), column.max() - column)
-    away = np.minimum(aside, np.minimum(row - row.min(), row.max() - row))
-    return float((away[indices] < RIM).mean()) > EDGE
+    others, away = ~view.labelled(), np.inf
+    for at in np.divmod(view.cells[0], view.lens.shape[1]):
+        for side in (at, -at):
+            if others.any() and side[others].min() < side.min() + RIM:
+                away = np.minimum(away, side[indices] - side.min())
+    return float(np.mean(away < RIM)) > EDGE
 
 
 def away_from(view: View, xyz: F64) -> float:
