@@ -149,6 +149,9 @@ class Thing:
     bending: Bending = Bending()
     stopped: bool = False
     """Whether it is not looked for any more."""
+    strayed: bool = False
+    """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
+    alone."""
     trust: float = 1.0
     """The last confidence."""
     usual: float = USUAL

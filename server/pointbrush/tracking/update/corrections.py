@@ -47,7 +47,7 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eye, sure=True)
     thing.motion.add(place.pose)
     thing.last, thing.size = len(points), max(thing.size, float(len(points)))
-    thing.trust = 1.0
+    thing.trust, thing.strayed = 1.0, False
     return place.pose
 
 

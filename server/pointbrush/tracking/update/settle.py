@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.fitting.judge import Verdict, judge
-from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.geometry.registration import transform, transform_each
 from pointbrush.tracking.interface import F64, I64, State, TrackOptions, TrackState
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, Evidence, likelihood
@@ -34,6 +34,9 @@ LESS = 0.6
 are: half as common. It is known better than what was painted, and of all sides."""
 WELL = 0.5
 """Share of its size, and of what faces the sensor, from which a small thing is well seen."""
+DOUBTED, ELSEWHERE = 0.45, 0.5
+"""Confidence up to which a thing may be another where it is found elsewhere, and that it has there
+at most; and radii from all predictions from which that is so."""
 STAYED = 0.35
 """Share of inliers that is enough for what is found where it was, if what hides it is not known."""
 
@@ -91,7 +94,23 @@ def _trust(thing: Thing, place: Place, fit: Evidence) -> None:
     if place.whole and place.cost < SOUND:
         thing.usual += GRADUAL * (fit.cost - thing.usual)
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
-    thing.trust = min(here, thing.trust + regain, place.most)
+    thing.strayed = not place.whole and (thing.strayed or _strays(thing, place))
+    most = min(place.most, DOUBTED) if thing.strayed else place.most
+    thing.trust = min(here, thing.trust + regain, most)
+
+
+def _strays(thing: Thing, place: Place) -> bool:
+    """Whether what is in doubt, and has no colours to be known by, is found where no motion led.
+
+    What bends has no shape that would tell it from an arm.
+    """
+    if thing.dyed or thing.large or thing.trust > DOUBTED:
+        return False
+    centre = thing.motion.centre[None]
+    at = transform(place.pose, centre)[0]
+    expected = transform_each(thing.motion.predictions(), centre)[:, 0]
+    off = np.linalg.norm(expected - at, axis=1).min()
+    return bool(off > ELSEWHERE * thing.model.radius)
 
 
 def _move(thing: Thing, place: Place, verdict: Verdict) -> None:

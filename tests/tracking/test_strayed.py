@@ -1,0 +1,55 @@
+"""What is found elsewhere while it is in doubt may be another."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scenes
+import views
+
+from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.interface import TrackOptions
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Rivals
+from pointbrush.tracking.segmentation.assign import claim
+from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.update.beginning import begin
+from pointbrush.tracking.update.settle import settle
+
+FRAMES = 6
+
+
+def box(x: float, colour: bool) -> View:
+    """A box in mid-air ``x`` metres aside, label 1."""
+    size = np.array([0.1, 0.12, 0.06])
+    view = views.shot(scenes.Part(1, views.BLUE, np.array([x, 1.2, 1.6]), size, rot=np.eye(3)))
+    if not colour:
+        view.frame.rgb = None
+    return view
+
+
+@pytest.mark.parametrize(
+    ("colour", "aside", "whole", "trusted"),
+    [
+        (False, 0.2, False, False),
+        (False, 0.2, True, True),
+        (False, 0.01, False, True),
+        (True, 0.2, False, True),
+    ],
+)
+def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone(
+    colour: bool, aside: float, whole: bool, trusted: bool
+) -> None:
+    first, now = box(0.0, colour), box(aside, colour)
+    thing = begin(first, 1, np.flatnonzero(first.frame.truth == 1), 0.004, Rivals.none())
+    thing.trust = 0.0
+    own = np.flatnonzero(now.frame.truth == 1)
+    pose = np.eye(4)
+    pose[0, 3] = aside
+    for _ in range(FRAMES):
+        model = thing.model
+        world = transform(pose, model.xyz)
+        found = claim(now, own, world, model.colour, thing.weight, 3 * thing.reach)
+        place = Place(pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, whole=whole)
+        track, _ = settle(thing, now, place, found, own[:0], TrackOptions())
+    assert (track.confidence > 0.5) == trusted
