@@ -214,7 +214,8 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     owner = np.ones(10, np.int64)
     sight = SimpleNamespace(owner=owner, cells=cells, ground=middle @ flat, flat=flat)
     sight.cells_of, sight.area = lambda _: np.arange(10), len
-    person = Person(1, middle, middle.astype(np.float32), 0, missing=1)
+    person = Person.met(1, middle, middle.astype(np.float32), 0)
+    person.missing = 1
     person.follow(cast(Observation, sight), np.zeros(3), 1)
     assert len(person.xyz) == 5
 
@@ -249,7 +250,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Obs
 
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
     middle, tints = body(right, colour)
-    person = Person(label, middle, tints, 0, ColourHistogram.of(tints))
+    person = Person.met(label, middle, tints, 0, ColourHistogram.of(tints))
     person.well, person.area = well, 30 * 5 * 9.0
     return person
 
@@ -281,28 +282,27 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
     group = Group([found, gone], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, found, SURE)
-    assert found.doubts == ({2} if doubted else set())
-    assert gone.doubts == ({1} if doubted else set())
+    assert found.identity.doubts == ({2} if doubted else set())
+    assert gone.identity.doubts == ({1} if doubted else set())
     # The other is found elsewhere: in clothes that both wear, either may still be either.
     found.missing, gone.well = 0, 10
     sight.owner[15:] = 2
     group.doubt(sight, found, SURE)
-    assert bool(found.doubts) == doubted
+    assert bool(found.identity.doubts) == doubted
     # Painted anew, or looked for no more, the other is not he.
     group.drop(2)
-    assert not found.doubts
+    assert not found.identity.doubts
 
 
 def test_doubts_end_when_clothes_tell() -> None:
     one, two = somebody(1, 0.0, RED, well=10), somebody(2, 1.0, BLUE, well=10)
-    one.doubts.add(2)
-    two.doubts.add(1)
+    one.doubt(two)
     sight = staged(body(0.0, RED), body(1.0, RED))
     sight.owner[:] = np.repeat([1, 2], 30)
     group = Group([one, two], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, one, SURE)
     group.doubt(sight, two, replace(SURE, like=-2.0))
-    assert (one.doubts, two.doubts) == (set(), {1})
+    assert (one.identity.doubts, two.identity.doubts) == (set(), {1})
 
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
@@ -311,11 +311,11 @@ def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     sight = staged(body(0.0, RED), body(0.3, RED))
     sight.owner[:30] = 1
     group.doubt(sight, both, replace(SURE, size=1.0))
-    assert not both.doubts
+    assert not both.identity.doubts
     sight.owner[:] = 1
     group.doubt(sight, both, replace(SURE, size=2.0))
-    assert both.doubts
-    assert gone.doubts
+    assert both.identity.doubts
+    assert gone.identity.doubts
 
 
 def test_cells_that_touch_anothers_are_counted() -> None:
@@ -426,7 +426,7 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     sight.owner[:] = np.repeat([1, 2], 30)
     for now in range(10, 10 + FRAMES):
         assert sight.owner[0] == 1
-        assert bool(one.doubts) == (told and now > 10)
+        assert bool(one.identity.doubts) == (told and now > 10)
         one.well = two.well = now - 1
         exchange(sight, [one, two], now)
     assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
@@ -437,7 +437,7 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
 
 def as_tall(label: int, right: float, tall: float) -> Person:
     person = somebody(label, right, RED, well=9)
-    person.stature.tops = [tall, tall]
+    person.identity.stature.tops = [tall, tall]
     return person
 
 
@@ -450,14 +450,14 @@ def test_who_changed_places_are_changed_back_when_their_statures_tell(
     sight.owner[:] = np.repeat([1, 2], 30)
     exchange(sight, [one, two], 10)
     assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
-    assert one.stature.tops[0] == (other if told else 0.0)
+    assert one.identity.stature.tops[0] == (other if told else 0.0)
 
 
 @pytest.mark.parametrize("doubted", [True, False])
 def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubted: bool) -> None:
     one, stranger = as_tall(1, 0.0, 0.3), somebody(-1, 1.0, RED, well=9)
-    one.doubts = {2} if doubted else set()
-    one.sure, stranger.since = 4, 6
+    one.identity.doubts = {2} if doubted else set()
+    one.identity.sure, stranger.since = 4, 6
     sight = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
     sight.owner[:] = np.repeat([1, -1], 30)
     for now in range(10, 10 + FRAMES):
@@ -465,7 +465,7 @@ def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubte
         exchange(sight, [one, stranger], now)
     assert sight.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
     # Who was there while he was surely himself is not he.
-    one.sure = 8
+    one.identity.sure = 8
     assert not list(exchanged(sight, [one, stranger], 10))
 
 
@@ -476,13 +476,13 @@ def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -
         sight = staged(body(0.0, RED, tall), coloured=False)
         sight.owner[:] = 1
         group.doubt(sight, one, SURE)
-        assert one.doubts == doubts
+        assert one.identity.doubts == doubts
     # While something hides his head, the top of what shows is not his.
     sight = staged(body(0.0, RED, 0.2), coloured=False)
     sight.owner[:] = 1
     sight.view.depth[:] = 2.0
     group.doubt(sight, one, SURE)
-    assert not one.doubts
+    assert not one.identity.doubts
 
 
 def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:
@@ -504,8 +504,8 @@ def test_of_two_bodies_that_one_has_each_is_whose_stature_it_has(touching: bool)
     sight.owner[:] = 1
     come_back(sight, [both, gone], 30, now=10)
     assert sight.owner[[0, 30]].tolist() == [2, 1]
-    assert both.doubts == {2}
-    assert gone.doubts == {1}
+    assert both.identity.doubts == {2}
+    assert gone.identity.doubts == {1}
 
 
 def test_a_raised_arm_is_nobody_elses() -> None:

@@ -86,8 +86,7 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
         person = next(f for f in gone if f.label == label)
         person.missing = max(person.missing, 1)
         if other is not None and rest is not None:
-            person.doubts.add(other.label)
-            other.doubts.add(label)
+            person.doubt(other)
     return gone_on
 
 
@@ -136,15 +135,15 @@ def _dressed_as(
     sight: Observation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
     """What others have and is dressed as somebody who is missing, rather than as they are."""
-    if who.worn is None:
+    if who.identity.worn is None:
         return []
     found: list[Offer] = []
-    his = sight.unlike(who.worn)
+    his = sight.unlike(who.identity.worn)
     for other in people:
-        if other is who or not other.named or other.worn is None:
+        if other is who or not other.named or other.identity.worn is None:
             continue
         mask = (sight.owner == other.label) & sight.cells.solid
-        mask &= sight.smooth(sight.unlike(other.worn) - his) > RATHER
+        mask &= sight.smooth(sight.unlike(other.identity.worn) - his) > RATHER
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
         large = np.flatnonzero(count >= max(BACK, PART * usual)).tolist()
@@ -166,8 +165,8 @@ def _cost(
 
 def _tall(sight: Observation, person: Person, cells: I64) -> float:
     """What is gained by how likely somebody is as tall as some cells."""
-    top = top_of(sight, cells, person.area) if person.stature.known else None
-    return 0.0 if top is None else STATURE * person.stature.likelihood(top)
+    top = top_of(sight, cells, person.area) if person.identity.stature.known else None
+    return 0.0 if top is None else STATURE * person.identity.stature.likelihood(top)
 
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
@@ -195,7 +194,7 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
     """Whether what somebody has is certainly not another's, by colours (S, 3) of it or by its top,
     where the other of both does not speak against it."""
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
-    tall = ratio(top, person.stature, other.stature)
+    tall = ratio(top, person.identity.stature, other.identity.stature)
     return (like >= TOLD and tall > -DECISIVE) or (tall >= DECISIVE and like > -TOLD)
 
 
@@ -219,7 +218,7 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
                 some = sight.some(cells)
                 worn = None if some is None else ColourHistogram.of(some)
                 middle, colour = sight.cells.middle[cells], sight.cells.colour[cells]
-                fresh.append(Person(owner, middle, colour, now, worn))
+                fresh.append(Person.met(owner, middle, colour, now, worn))
         sight.owner[cells] = owner or 0
     return fresh
 

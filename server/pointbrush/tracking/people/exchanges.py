@@ -38,8 +38,8 @@ def exchanged(
         cross = [f.likeness(some[g.label]) for f, g in named]
         rather = min(np.subtract(cross, [f.likeness(some[f.label]) for f, _ in named]))
         taller = (
-            ratio(tops[one.label], other.stature, one.stature),
-            ratio(tops[other.label], one.stature, other.stature),
+            ratio(tops[one.label], other.identity.stature, one.identity.stature),
+            ratio(tops[other.label], one.identity.stature, other.identity.stature),
         )
         dressed = rather > CLEARLY and sum(taller) > -DECISIVE
         tall = sum(taller) >= DECISIVE and min(taller) > 0 and rather > -CLEARLY
@@ -51,7 +51,7 @@ def exchanged(
 
 def _may_have_taken(person: Person, stranger: Person) -> bool:
     """Whether somebody may have the place of a stranger, who has his."""
-    return bool(person.doubts) and stranger.since > person.sure
+    return bool(person.identity.doubts) and stranger.since > person.identity.sure
 
 
 def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
@@ -63,8 +63,7 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
     for one, other, certain in pairs:
         one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
         if one.named and other.named:
-            one.doubts.add(other.label)
-            other.doubts.add(one.label)
+            one.doubt(other)
         if certain or min(one.mistaken, other.mistaken) >= FRAMES:
             mine, others = sight.owner == one.label, sight.owner == other.label
             sight.owner[mine], sight.owner[others] = other.label, one.label

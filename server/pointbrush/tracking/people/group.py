@@ -97,8 +97,8 @@ class Group:
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        flying = thing.painted.with_flying
-        person = Person(label, cells.middle, cells.colour, self.now, thing.worn, flying)
+        person = Person.met(label, cells.middle, cells.colour, self.now, thing.worn)
+        person.identity.with_flying = thing.painted.with_flying
         person.went = thing.motion.poses[-1][:3, 3]
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
@@ -107,7 +107,7 @@ class Group:
         """Look for somebody no more; nobody else is taken to be him either."""
         self.people = [f for f in self.people if f.label != label]
         for person in self.people:
-            person.doubts.discard(label)
+            person.identity.doubts.discard(label)
 
     def step(
         self, view: View, background: PictureBackground, free: Mask
@@ -148,22 +148,22 @@ class Group:
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
         """Doubt who is found again, or much larger, where another may be, and that other, until
         clothes or stature tell; and who is as tall as another, while he is."""
+        his = person.identity
         others = mistakable(sight, self.people, person, self.now)
-        most = GROWN * max(person.first, self.usual)
+        most = GROWN * max(his.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
-                person.doubts.add(other.label)
-                other.doubts.add(person.label)
+                person.doubt(other)
         top = person.top(sight)
-        here = [f for f in self.people if f.label in person.doubts and f not in others]
+        here = [f for f in self.people if f.label in his.doubts and f not in others]
         here = here if looks.like > -LIKE else []
         as_tall = [f for f in self.people if f.named and f is not person]
-        as_tall = [f for f in as_tall if ratio(top, f.stature, person.stature) >= DECISIVE]
+        as_tall = [f for f in as_tall if ratio(top, f.identity.stature, his.stature) >= DECISIVE]
         some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
-        person.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
-        person.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
-        if not person.doubts and looks.likelihood() > SURE:
-            person.sure = self.now
+        his.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
+        his.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
+        if not his.doubts and looks.likelihood() > SURE:
+            his.sure = self.now
             person.measure(top)
 
 
@@ -214,17 +214,17 @@ def outcome(
     sight: Observation, person: Person, looks: PersonEvidence | None
 ) -> tuple[TrackState, I64]:
     """How somebody fared, and his points."""
-    pose = np.eye(4)
+    his, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
     points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
-    if person.with_flying:
+    if his.with_flying:
         points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
     if person.missing or looks is None:  # what shows of him is his, but too little to follow
-        person.trust = max(0.0, person.trust - REGAIN)
+        his.trust = max(0.0, his.trust - REGAIN)
         lost = person.missing > PATIENCE
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
-    person.trust = min(looks.likelihood(), person.trust + REGAIN)
-    if person.doubts:
-        person.trust = min(person.trust, DOUBTED)
-    return TrackState(pose, 0.0, looks.shown, person.trust, len(points), "tracked"), points
+    his.trust = min(looks.likelihood(), his.trust + REGAIN)
+    if his.doubts:
+        his.trust = min(his.trust, DOUBTED)
+    return TrackState(pose, 0.0, looks.shown, his.trust, len(points), "tracked"), points

@@ -98,8 +98,8 @@ def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
     """(N, K) what the colours of each cell cost."""
     cost = np.zeros((len(sight.owner), len(people)))
     for k, person in enumerate(people):
-        if sight.tints is not None and person.worn is not None:
-            rare = person.worn.usual - LESS - person.worn.each(sight.tints)
+        if sight.tints is not None and person.identity.worn is not None:
+            rare = person.identity.worn.usual - LESS - person.identity.worn.each(sight.tints)
             cost[:, k] = WORN * sight.mean(np.clip(rare, 0.0, RARE))
     return cost
 

@@ -38,50 +38,73 @@ LATELY = 60
 
 
 @dataclass(eq=False)
-class Person:
-    """``label``, less than 0 for who has none; ``xyz`` (S, 3) and ``colour`` of his surface.
+class Identity:
+    """Who somebody is, wherever he is: what goes along with a ``label``, less than 0 for who has
+    none, when two have changed places.
 
-    ``step`` (3,) metres in the last frame, ``went`` (3,) since the start; ``first`` the cells he
-    came with, ``size`` the most he had, ``last`` in the last frame; ``area`` the most that showed
-    of him; ``spread`` how far along the ground he was where he was painted; ``missing`` frames
-    since he was seen; ``well`` the last in which more than scraps of him were, ``known`` (S, 3) his
-    surface then; ``since`` the frame he came in, ``back`` the one he came back in; ``with_flying``
-    whether the flying pixels at his outline are his; ``doubts`` whom he may be as well, by label;
-    ``mistaken`` frames in which he and another were dressed as each other; ``sure`` the last frame
-    in which he was surely himself; ``stature`` how tall he is; ``ways`` (2,) along the ground up to
-    each of the last frames, all of which show him.
+    ``worn`` his clothes, None where they were not seen; ``first`` the cells he came with;
+    ``with_flying`` whether the flying pixels at his outline are his; ``stature`` how tall he is;
+    ``trust`` his last confidence; ``doubts`` whom he may be as well, by label; ``sure`` the last
+    frame in which he was surely himself.
     """
 
     label: int
+    worn: ColourHistogram | None
+    first: float
+    sure: int
+    with_flying: bool = False
+    stature: Stature = field(default_factory=Stature)
+    trust: float = 1.0
+    doubts: set[int] = field(default_factory=set)
+
+
+@dataclass(eq=False)
+class Person:
+    """An ``identity``; ``xyz`` (S, 3) and ``colour`` of his surface.
+
+    ``since`` the frame he came in, ``back`` the one he came back in; ``step`` (3,) metres in the
+    last frame, ``went`` (3,) since the start; ``size`` the most cells he had, ``last`` in the last
+    frame; ``area`` the most that showed of him; ``spread`` how far along the ground he was where he
+    was painted; ``missing`` frames since he was seen; ``well`` the last in which more than scraps
+    of him were, ``known`` (S, 3) his surface then; ``mistaken`` frames in which he and another were
+    dressed as each other; ``ways`` (2,) along the ground up to each of the last frames, all of
+    which show him.
+    """
+
+    identity: Identity
     xyz: F64
     colour: F32
     since: int
-    worn: ColourHistogram | None = None
-    with_flying: bool = False
     step: F64 = field(default_factory=lambda: np.zeros(3))
     went: F64 = field(default_factory=lambda: np.zeros(3))
-    size: float = 0.0
+    size: float = field(init=False)
     area: float = 0.0
     spread: float = 0.0
-    last: int = 0
+    last: int = field(init=False)
     age: int = 0
     missing: int = 0
-    well: int = 0
+    well: int = field(init=False)
     known: F64 = field(init=False)
     back: int = -(2**20)
-    trust: float = 1.0
-    doubts: set[int] = field(default_factory=set)
     mistaken: int = 0
-    stature: Stature = field(default_factory=Stature)
     ways: deque[F64] = field(default_factory=lambda: deque(maxlen=LATELY))
-    first: float = field(init=False)
-    sure: int = field(init=False)
 
     def __post_init__(self) -> None:
         """What he starts with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
-        self.first, self.well, self.known = self.size, self.since, self.xyz
-        self.sure = self.since
+        self.well, self.known = self.since, self.xyz
+
+    @staticmethod
+    def met(
+        label: int, xyz: F64, colour: F32, now: int, worn: ColourHistogram | None = None
+    ) -> Person:
+        """Somebody whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
+        return Person(Identity(label, worn, float(len(xyz)), now), xyz, colour, now)
+
+    @property
+    def label(self) -> int:
+        """Whose points he has; less than 0 for who has no label."""
+        return self.identity.label
 
     @property
     def named(self) -> bool:
@@ -94,9 +117,10 @@ class Person:
 
     def likeness(self, colour: F32 | None) -> float:
         """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
-        if colour is None or self.worn is None or not len(colour):
+        worn = self.identity.worn
+        if colour is None or worn is None or not len(colour):
             return 0.0
-        return self.worn.likeness(colour) - self.worn.usual
+        return worn.likeness(colour) - worn.usual
 
     def top(self, sight: Observation) -> float | None:
         """Metres up to the top of what he has, where that is seen."""
@@ -105,17 +129,18 @@ class Person:
     def measure(self, top: float | None) -> None:
         """Take a top (m) that is surely his for how tall he is."""
         if top is not None:
-            self.stature.tops.append(top)
+            self.identity.stature.tops.append(top)
+
+    def doubt(self, other: Person) -> None:
+        """He may be the other, and the other he."""
+        self.identity.doubts.add(other.label)
+        other.identity.doubts.add(self.label)
 
     def become(self, other: Person) -> None:
         """Change places with another: each is himself, where the other was thought to be."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
-        one, two = self.went + apart, other.went - apart
-        for name in ("label", "worn", "with_flying", "first", "trust", "doubts", "stature", "sure"):
-            mine, others = getattr(self, name), getattr(other, name)
-            setattr(self, name, others)
-            setattr(other, name, mine)
-        self.went, other.went = two, one
+        self.went, other.went = other.went - apart, self.went + apart
+        self.identity, other.identity = other.identity, self.identity
         self.ways.clear()
         other.ways.clear()
         self.mistaken = other.mistaken = 0
