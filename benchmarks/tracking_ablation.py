@@ -87,7 +87,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
     ),
     # What is learnt of it, and how far it is trusted
     "model over frames": ("objects.model.Model.gather", _no),
-    "bending": ("update.learn.strained", lambda *_: 0.0),
+    "bending": ("update.bending.strained", lambda *_: 0.0),
     "hidden by other colours": ("update.settle.hides", lambda *_: False),
     "slow-only keeping": ("update.withheld.withheld", lambda *_: np.empty((0, 3))),
     "swaps": ("swaps.Swaps.meet", _no),

@@ -24,6 +24,7 @@ from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.learn import learn
+from pointbrush.tracking.update.sighting import Sighting
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +127,7 @@ def test_what_shows_many_of_its_points_is_there_though_most_of_it_is_hidden() ->
 def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
     thing, view, place, found, verdict = half_hidden()
     thing.bending = Bending(share=0.5)
-    learn(thing, view, place, found, np.empty(0, np.int64), verdict)
+    learn(thing, Sighting(view, place, found, np.empty(0, np.int64), verdict))
     assert thing.bends
     assert np.ptp(thing.model.xyz[:, 0]) > 7.5
 
@@ -152,7 +153,7 @@ def test_a_side_that_comes_into_view_beside_a_coarse_model_is_learnt() -> None:
     world = thing.model.xyz
     found = claim(view, old, world, thing.model.colour, 0.0, 3 * thing.unit)
     verdict = judge(thing, view, np.eye(4), world, found)
-    learn(thing, view, place, found, grown, verdict)
+    learn(thing, Sighting(view, place, found, grown, verdict))
     assert thing.model.xyz[:, 0].max() > 5.3
 
 

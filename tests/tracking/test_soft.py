@@ -17,7 +17,9 @@ from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, Thin
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update import learn
+from pointbrush.tracking.update import bending
+from pointbrush.tracking.update.learn import learn
+from pointbrush.tracking.update.sighting import Sighting
 
 
 def snake(frames: int, bend: float, every: int = 1) -> list[scenes.Frame]:
@@ -148,15 +150,17 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     xyz = thing.model.xyz
     box = (xyz.min(axis=0), xyz.max(axis=0))
     place = Place(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
+    found = claim(view, mine, xyz, thing.model.colour, 0.0, thing.reach)
     verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
-    monkeypatch.setattr(learn, "strained", lambda *_: 0.5)  # a wrong pose
-    learn.stretch(thing, view, place, verdict, mine)
+    sighting = Sighting(view, place, found, none, verdict)
+    monkeypatch.setattr(bending, "strained", lambda *_: 0.5)  # a wrong pose
+    bending.note_strain(thing, sighting)
     assert not thing.soft
     for _ in range(6):
-        learn.stretch(thing, view, place, verdict, mine)
+        bending.note_strain(thing, sighting)
     assert thing.soft
     thing.bending, thing.size = Bending(), 2.0 * DENSE  # many points are seldom posed wrongly
-    learn.stretch(thing, view, place, verdict, mine)
+    bending.note_strain(thing, sighting)
     assert thing.soft
 
 
@@ -193,7 +197,7 @@ def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
     thing, view, mine = rested(1.0)
     place, found, verdict = found_where_it_was(thing, view, mine)
     assert np.count_nonzero(~verdict.hidden) > 100
-    assert learn.strained(thing, view, place, verdict, found.indices) < SOFT
+    assert bending.strained(thing, Sighting(view, place, found, mine[:0], verdict)) < SOFT
 
 
 def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:
@@ -202,5 +206,5 @@ def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:
         for _ in range(6):
             place, found, verdict = found_where_it_was(thing, view, mine)
             poor = replace(verdict, inliers=0.5, visible=visible)
-            learn.learn(thing, view, place, found, mine[:0], poor)
+            learn(thing, Sighting(view, place, found, mine[:0], poor))
         assert thing.bends == bends

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pointbrush.tracking.fitting.judge import Verdict, judge
@@ -16,7 +18,10 @@ from pointbrush.tracking.objects.thing import HARDLY, Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
 from pointbrush.tracking.segmentation.belong import unexplained
 from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.learn import evidence, learn, stretch
+from pointbrush.tracking.update.bending import note_strain
+from pointbrush.tracking.update.evidence import evidence
+from pointbrush.tracking.update.learn import learn
+from pointbrush.tracking.update.sighting import Sighting
 
 PATIENCE = 45
 """Frames that a thing is looked for before it is lost."""
@@ -59,16 +64,17 @@ def settle(
     if thing.scanned and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
+    sighting = Sighting(view, place, found, grown, verdict)
     points = together(found.indices, grown)
-    _trust(thing, place, evidence(thing, view, place, found, points, verdict))
+    _trust(thing, place, evidence(thing, sighting))
     thing.last = len(points)
     _move(thing, place, verdict)
     if place.cost < DOUBTFUL:
-        stretch(thing, view, place, verdict, points)
+        note_strain(thing, sighting)
     # What bends fits badly as a whole, and well where it was bent.
     followed = thing.soft and place.cost < DOUBTFUL and verdict.inliers > REGAINED
     if place.cost < SOUND or thing.bends or thing.large or followed:
-        learn(thing, view, place, _lesson(thing, view, place, found), grown, verdict)
+        learn(thing, replace(sighting, found=_lesson(thing, sighting)))
     if place.cost < SOUND and not (thing.bends or thing.large):
         remember(thing.glimpses, view, place.pose, place.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
@@ -159,9 +165,10 @@ def hides(thing: Thing, view: View, place: Place, found: Claim) -> bool:
     return known.likeness(colour) < known.usual - LESS
 
 
-def _lesson(thing: Thing, view: View, place: Place, found: Claim) -> Claim:
-    """What the model may learn of ``found``: no new points that something unlabelled explains, or
-    of colours that the thing has not shown: what holds it may be where it bends."""
+def _lesson(thing: Thing, sighting: Sighting) -> Claim:
+    """What the model may learn of what was found: no new points that something unlabelled explains,
+    or of colours that the thing has not shown: what holds it may be where it bends."""
+    view, place, found = sighting.view, sighting.place, sighting.found
     if place.whole or thing.large:
         return found
     keep = found.gap < NEW_SURFACE * thing.model.spacing
