@@ -165,20 +165,53 @@ def test_a_car_that_is_gone_is_not_the_one_beside_it(
 
     Nor may a car have gone farther than its size while its motion is unknown.
     """
-    rng = np.random.default_rng(1)
-    side = rng.uniform((0, 5, -1), (4, 5.01, 0.5), (800, 3))
-    walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
-
-    def seen(shift: float) -> View:
-        xyz = np.concatenate([side + np.array([0.0, shift, 0.0]), walls]).astype(np.float32)
-        return View(1, scenes.Frame(xyz), None, np.eye(4))
-
-    view = seen(0.0)
-    thing = begin(view, 1, np.arange(800), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
-    for _ in range(frames):
-        thing.motion.add(np.eye(4))
-    nobody = PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
-    search = crop(thing, seen(beside), nobody, np.ones(5800, np.bool_))
+    view, nobody = beside_the_road(0.0), PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
+    thing = parked(view, frames)
+    later = beside_the_road(beside)
+    search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
     pose, _ = register(search)
     assert abs(pose[1, 3]) < most
+
+
+SIDE = 8000
+
+
+def beside_the_road(shift: float) -> View:
+    """The side of a car, ``SIDE`` points, 5 metres and ``shift`` from a lidar at rest."""
+    rng = np.random.default_rng(1)
+    side = rng.uniform((0, 5, -1), (4, 5.01, 0.5), (SIDE, 3))
+    walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
+    walls = walls[(walls[:, 0] < 0) | (walls[:, 0] > 16)]  # not behind the car
+    xyz = np.concatenate([side + np.array([0.0, shift, 0.0]), walls]).astype(np.float32)
+    return View(1, scenes.Frame(xyz), None, None, np.zeros(3))
+
+
+def parked(view: View, frames: int) -> Thing:
+    """The car of ``beside_the_road``, which has stood there for some ``frames``."""
+    thing = begin(view, 1, np.arange(SIDE), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
+    for _ in range(frames):
+        thing.motion.add(np.eye(4))
+    return thing
+
+
+@pytest.mark.parametrize(("beside", "gap"), [(-0.7, 1), (-3.0, 8), (2.6, 8)])
+def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) -> None:
+    """Not what drives by before it, nor what stands beside it, however long it was hidden."""
+    view, nobody = beside_the_road(0.0), PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
+    thing = parked(view, 3)
+    assert thing.stands
+    thing.motion.gap = gap
+    later = beside_the_road(beside)
+    search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
+    assert search is not None
+    pose, _ = register(search)
+    assert np.linalg.norm(pose[:3, 3]) < 0.3
+
+
+def test_what_was_hidden_and_stood_before_a_lidar_need_not_wait_for_the_others() -> None:
+    thing = parked(beside_the_road(0.0), 3)
+    thing.missing, thing.motion.gap = 5, 6
+    assert not thing.absent
+    thing.motion.poses[-1] = thing.motion.poses[-1] + np.eye(4, k=3)  # 1 metre on
+    assert thing.absent

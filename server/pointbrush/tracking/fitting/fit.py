@@ -58,10 +58,11 @@ ELSEWHERE = 0.5
 """Radii between two guesses from which they are at different places."""
 SURPRISE, TURNED = 0.6, 0.6
 """What a pose far from any prediction costs, and one turned half round against them."""
-LEASH, LEASH_FRESH, BEYOND = 0.5, 1.5, 2.0
-"""Share of its radius and of its speed by which what a lidar sees may be off its predictions in a
-frame, and of its radius while its motion is unknown, and what a pose costs that is farther: nothing
-of that weight changes its way so fast, and a car that goes farther than that is another."""
+LEASH, LEASH_FRESH, SLACK, BEYOND = 0.5, 1.5, 3.0, 2.0
+"""Share of its radius by which what a lidar sees may be off its predictions, more while its motion
+is unknown; with a share of its speed and units for each frame since it was seen; and what a pose
+costs that is farther: nothing of that weight changes its way so fast, and a car that goes farther
+than that is another."""
 
 
 def find(search: Search) -> Place:
@@ -141,6 +142,8 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     What half hides it would push it away bit by bit.
     """
     thing, last = search.thing, search.thing.motion.resting_pose
+    if thing.stands and search.view.shade is not None and _hidden(search, last):
+        return True  # what drives by before a parked car is not that car, however alike
     if thing.bends:
         return False
     if search.view.lens is None:
@@ -299,9 +302,9 @@ def _surprise(search: Search, poses: F64) -> F64:
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
     cost = SURPRISE * np.minimum(1.0, off)
     if search.thing.scanned:
-        speeds = LEASH * (model.radius + motion.speed)
-        leash = (LEASH_FRESH * model.radius if motion.fresh else speeds) + 3 * search.thing.unit
-        far = BEYOND * (off * reach > leash * motion.gap)
+        size = (LEASH_FRESH if motion.fresh else LEASH) * model.radius
+        change = LEASH * motion.speed + SLACK * search.thing.unit
+        far = BEYOND * (off * reach > size + change * motion.gap)
     else:
         far = np.zeros(len(off))
     if motion.fresh:

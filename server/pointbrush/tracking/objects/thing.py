@@ -243,8 +243,17 @@ class Thing:
 
     @property
     def absent(self) -> bool:
-        """Whether it is large and hardly anything of it was seen: the others come first then."""
-        return self.large and (self.missing > 0 or self.last < HARDLY * self.size)
+        """Whether it is large and hardly anything of it was seen: the others come first then.
+
+        But for what stands before a lidar: it comes out where it was, from behind who goes away.
+        """
+        hardly = self.missing > 0 or self.last < HARDLY * self.size
+        return self.large and hardly and not self.stands
+
+    @property
+    def stands(self) -> bool:
+        """Whether a lidar saw it stand still when it was last seen, as a parked car does."""
+        return self.scanned and self.motion.rests(self.unit)
 
     @property
     def reach(self) -> float:
