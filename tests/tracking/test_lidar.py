@@ -79,20 +79,33 @@ def test_poses_that_are_none_count_as_unknown(resting: list[scenes.Frame]) -> No
     assert find_trajectory(flat.__getitem__, range(2)) is None
 
 
-def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves() -> None:
-    """No viewpoint, no pose: what is far away all round is no depth camera's."""
+def in_the_world(told: bool) -> list[scenes.Frame]:
+    """A street in the world's coordinates, whether its viewpoints are told or not; no poses."""
     world = []
     for frame in scenes.street(seed=1, frames=3):
-        at = frame.xyz @ frame.pose[:3, :3].T + frame.pose[:3, 3]
-        at = at + [31.0, 4.0, -14.0]
-        world.append(scenes.Frame(at.astype(np.float32), truth=frame.truth))
+        away = np.array([31.0, 4.0, -14.0])
+        at = frame.xyz @ frame.pose[:3, :3].T + frame.pose[:3, 3] + away
+        eye = frame.pose[:3, 3] + away if told else None
+        world.append(scenes.Frame(at.astype(np.float32), viewpoint=eye, truth=frame.truth))
+    return world
+
+
+@pytest.mark.parametrize("told", [False, True])
+def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves(told: bool) -> None:
+    """No pose: what is far away all round is a lidar's, and one that is told elsewhere moves."""
+    world = in_the_world(told)
     scene = Scene(world.__getitem__, [0, 1, 2], lambda xyz: np.zeros(len(xyz)), ahead=False)
     for number in range(3):
         view = scene.view(number)
-        assert view.eye is None
+        assert (view.eye is None) != told
         assert view.scans
         assert view.roams
         assert 0.2 < view.low.mean() < 0.9
+
+
+def test_a_lidar_whose_viewpoint_stays_is_at_rest() -> None:
+    frame = in_the_world(told=True)[0]
+    assert find_trajectory([frame, frame].__getitem__, range(2)) is None
 
 
 def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:

@@ -226,7 +226,21 @@ def find_trajectory(
         at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens, painted)
         return None if at_rest else CameraTrajectory(frames, order, lens, painted)
     at_rest = not _of_one(frames(order[0])) or stands(frames, order)
-    return None if at_rest else ScanTrajectory(frames, order)
+    if not at_rest:
+        return ScanTrajectory(frames, order)
+    if not _goes_about(frames, order):
+        return None
+    still = np.eye(4) if back is None else back
+    return RecordedTrajectory(frames, np.asarray(still, np.float64))
+
+
+def _goes_about(frames: Frames, order: Sequence[int]) -> bool:
+    """Whether a lidar tells viewpoints along a way: then its frames lie in the world, at rest."""
+    first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
+    if first.viewpoint is None or reach_of(np.asarray(first.xyz)) <= FAR:
+        return False
+    ways = [eye - first.viewpoint for f in others if (eye := f.viewpoint) is not None]
+    return any(float(np.abs(way).max()) > AT_REST for way in ways)
 
 
 def _of_one(frame: TrackFrame) -> bool:
