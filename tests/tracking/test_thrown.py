@@ -17,7 +17,7 @@ from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.segmentation.belong import grow, own_points
+from pointbrush.tracking.segmentation.belong import KNOWN, grow, own_points
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
@@ -130,6 +130,15 @@ def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     assert place.whole
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
+
+
+def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
+    for seen_alone, whole in ((0, True), (KNOWN, False)):
+        flight = Flight(upper=True)
+        flight.thing.size = float((flight.view.frame.truth == 1).sum())
+        flight.thing.unit, flight.thing.alone = 0.006, seen_alone  # over 20 steps to its other end
+        flight.grown()
+        assert flight.place.whole == whole
 
 
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:

@@ -156,6 +156,8 @@ class Thing:
     """The last confidence."""
     usual: float = USUAL
     """Mean cost in place and colour, in reaches, of its points alone in the air."""
+    alone: int = 0
+    """Frames in which it was seen alone in the air, all round."""
     last: int = 0
     """Points in the last frame."""
     extent: float = 0.0

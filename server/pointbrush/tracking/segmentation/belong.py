@@ -19,7 +19,7 @@ from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim, claim, cut_off, together
-from pointbrush.tracking.segmentation.connectivity import blob, connected
+from pointbrush.tracking.segmentation.connectivity import Limits, blob, connected
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.segmentation.outline import outline
@@ -47,6 +47,9 @@ FEWEST = 5
 """Points of a claim beside which new surface is looked for."""
 STEP = 2.5
 """Units from point to point of what hangs together in the air, or was uncovered."""
+STEPS, STEPS_UNKNOWN, KNOWN = 20, 40, 4
+"""Such steps from what is known of a thing to its end at most; twice as many before it was seen
+alone in the air so many times: painted end on, most of its length is not known."""
 BY_COLOUR, BY_COLOUR_BENT = 2.0, 3.0
 """Units, in place and colour, from point to point of new surface beside something else."""
 PALE, STEPS_BENT = 0.2, 8
@@ -257,7 +260,9 @@ def _whole(
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
-    new = blob(view, core, near, STEP * thing.unit, len(near) if flies else most, (lo, hi))
+    steps = STEPS if thing.alone >= KNOWN else STEPS_UNKNOWN
+    limits = Limits(STEP * thing.unit, steps, len(near) if flies else most, (lo, hi))
+    new = blob(view, core, near, limits)
     if new is None or not len(new):
         return new
     if len(new) > most:  # Painted end on, it has many times the points that are known.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pointbrush.tracking.geometry.columns import NONE, any_near, columns
@@ -10,8 +12,18 @@ from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
-STEPS = 20
-"""Steps that are taken at most."""
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Where what hangs together with a thing has to end, to be all of it.
+
+    After ``steps`` of ``reach`` metres and with ``most`` points at most, inside a ``box``.
+    """
+
+    reach: float
+    steps: int
+    most: int
+    box: tuple[F64, F64]
 
 
 def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
@@ -28,29 +40,31 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
     return joined
 
 
-def blob(
-    view: View, core: I64, rest: I64, reach: float, most: int, box: tuple[F64, F64]
-) -> I64 | None:
-    """All of ``rest`` that hangs together with ``core``; None where that is over ``most`` points
-    or reaches the border of the ``box`` that was searched.
+def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
+    """All of ``rest`` that hangs together with ``core``; None where that does not end within the
+    ``limits``.
 
     What moves alone in the air is the object, new surface and all; what does not end within a
     few steps hangs together with something larger (a hand, a body).
     """
-    front = view.xyz[core].astype(np.float64)
+    front, reach = view.xyz[core].astype(np.float64), limits.reach
     lo, hi = bounds(front)
-    rest = rest[within(view.xyz.take(rest, axis=0), lo - STEPS * reach, hi + STEPS * reach)]
-    xyz = view.xyz[rest].astype(np.float64)
-    joined, ends = flood(front, xyz, reach, most, box[0] + reach, box[1] - reach)
+    far = limits.steps * reach
+    rest = rest[within(view.xyz.take(rest, axis=0), lo - far, hi + far)]
+    xyz, (low, high) = view.xyz[rest].astype(np.float64), limits.box
+    most = limits.most, limits.steps
+    joined, ends = flood(front, xyz, reach, most, low + reach, high - reach)
     return rest[joined] if ends else None
 
 
 @compiled
-def flood(core: F64, rest: F64, reach: float, most: int, low: F64, high: F64) -> tuple[Mask, bool]:
+def flood(
+    core: F64, rest: F64, reach: float, most: tuple[int, int], low: F64, high: F64
+) -> tuple[Mask, bool]:
     """Which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
 
-    And whether they end after ``STEPS`` at most, are ``most`` at most, and lie within a box; else
-    they are not all.
+    And whether they are no more than the ``most`` points, end after the most steps, and lie within
+    a box; else they are not all.
     """
     joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
     count = _beside(core, rest, reach, joined, order)
@@ -60,7 +74,7 @@ def flood(core: F64, rest: F64, reach: float, most: int, low: F64, high: F64) ->
     steps = int(reach / grid.size) + 1
     # Of each column those that have not joined, so that none is asked again.
     left, ends = np.arange(len(rest)), grid.start[1:].copy()
-    for _ in range(STEPS):
+    for _ in range(most[1]):
         last = count
         if first == last:
             return joined, True
@@ -68,7 +82,7 @@ def flood(core: F64, rest: F64, reach: float, most: int, low: F64, high: F64) ->
             for a in range(3):
                 if not low[a] <= rest[order[k], a] <= high[a]:
                     return joined, False
-        if count > most:
+        if count > most[0]:
             return joined, False
         for k in range(first, last):
             at = rest[order[k]]

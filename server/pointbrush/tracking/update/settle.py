@@ -98,6 +98,7 @@ def _trust(thing: Thing, place: Place, fit: Evidence) -> None:
     """Trust a thing as far as this fit and the frames before allow."""
     here = likelihood(fit, thing.body)
     if place.whole and place.cost < SOUND:
+        thing.alone += 1
         thing.usual += GRADUAL * (fit.cost - thing.usual)
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
     thing.strayed = not place.whole and (thing.strayed or _strays(thing, place))
