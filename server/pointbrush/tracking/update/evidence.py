@@ -10,7 +10,6 @@ from pointbrush.tracking.objects.confidence import Evidence
 from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.sighting import Sighting
 
@@ -20,10 +19,10 @@ SAMPLE = 1000
 """Points whose colours are compared with those worn."""
 
 
-def evidence(thing: Thing, sighting: Sighting) -> Evidence:
-    """What a fit says about itself, for the confidence of a thing."""
+def evidence(thing: Thing, sighting: Sighting, points: I64) -> Evidence:
+    """What a fit says about itself, for the confidence of a thing; ``points`` (M,) are assigned."""
     view, place, found = sighting.view, sighting.place, sighting.found
-    verdict, points = sighting.verdict, together(found.indices, sighting.grown)
+    verdict = sighting.verdict
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
     some = points[:: max(1, len(points) // SAMPLE)]

@@ -66,7 +66,7 @@ def settle(
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     sighting = Sighting(view, place, found, grown, verdict)
     points = together(found.indices, grown)
-    _trust(thing, place, evidence(thing, sighting))
+    _trust(thing, place, evidence(thing, sighting, points))
     thing.last = len(points)
     _move(thing, place, verdict)
     if place.cost < DOUBTFUL:
