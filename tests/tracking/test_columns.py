@@ -26,7 +26,7 @@ from pointbrush.tracking.geometry.grid import numbered, perhaps_near
 from pointbrush.tracking.geometry.near import RUN, close_to, in_box, runs_of
 from pointbrush.tracking.geometry.paths import paths_over, reach
 from pointbrush.tracking.geometry.registration import Target, excess
-from pointbrush.tracking.segmentation.connectivity import flood
+from pointbrush.tracking.segmentation.connectivity import Limits, flood
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
@@ -161,25 +161,27 @@ def test_all_that_is_near_is_perhaps_near(
     clouds(1),
     clouds(),
     st.sampled_from([0.3012, 1.0012]),
-    st.tuples(st.integers(0, 20), st.sampled_from([3, 20])),
+    st.sampled_from([3, 20]),
+    st.integers(0, 20),
     st.booleans(),
 )
 def test_what_hangs_together(
     core: NDArray[np.float64],
     rest: NDArray[np.float64],
     reach: float,
-    most: tuple[int, int],
+    steps: int,
+    most: int,
     in_the_open: bool,
 ) -> None:
     low, high = np.full(3, -9.0 if in_the_open else -1.0), np.full(3, 1e7)
-    joined, ends = flood(core, rest, reach, most, low, high)
+    joined, ends = flood(core, rest, Limits(reach, steps, most, low, high))
     expected = apart(rest, core).min(axis=1) < reach
     rounds = [expected]
-    for _ in range(most[1]):
+    for _ in range(steps):
         expected = expected | (apart(rest, rest[expected]) < reach).any(axis=1)
         rounds.append(expected)
     ended = not expected.any() or bool((rounds[-1] == rounds[-2]).all())
-    assert ends == (ended and expected.sum() <= most[0] and bool((rest[expected] >= low).all()))
+    assert ends == (ended and expected.sum() <= most and bool((rest[expected] >= low).all()))
     assert not ends or np.array_equal(joined, expected)
 
 

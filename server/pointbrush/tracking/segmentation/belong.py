@@ -261,7 +261,8 @@ def _whole(
     near = around[other[around]]
     flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
     steps = STEPS if thing.alone >= KNOWN else STEPS_UNKNOWN
-    limits = Limits(STEP * thing.unit, steps, len(near) if flies else most, (lo, hi))
+    reach = STEP * thing.unit
+    limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
     if new is None or not len(new):
         return new

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,17 +13,18 @@ from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(NamedTuple):
     """Where what hangs together with a thing has to end, to be all of it.
 
-    After ``steps`` of ``reach`` metres and with ``most`` points at most, inside a ``box``.
+    After ``steps`` of ``reach`` metres and with ``most`` points at most, all of them from ``low``
+    (3,) to ``high`` (3,).
     """
 
     reach: float
     steps: int
     most: int
-    box: tuple[F64, F64]
+    low: F64
+    high: F64
 
 
 def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
@@ -47,25 +48,21 @@ def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
     What moves alone in the air is the object, new surface and all; what does not end within a
     few steps hangs together with something larger (a hand, a body).
     """
-    front, reach = view.xyz[core].astype(np.float64), limits.reach
+    front = view.xyz[core].astype(np.float64)
     lo, hi = bounds(front)
-    far = limits.steps * reach
+    far = limits.steps * limits.reach
     rest = rest[within(view.xyz.take(rest, axis=0), lo - far, hi + far)]
-    xyz, (low, high) = view.xyz[rest].astype(np.float64), limits.box
-    most = limits.most, limits.steps
-    joined, ends = flood(front, xyz, reach, most, low + reach, high - reach)
+    joined, ends = flood(front, view.xyz[rest].astype(np.float64), limits)
     return rest[joined] if ends else None
 
 
 @compiled
-def flood(
-    core: F64, rest: F64, reach: float, most: tuple[int, int], low: F64, high: F64
-) -> tuple[Mask, bool]:
+def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
     """Which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
 
-    And whether they are no more than the ``most`` points, end after the most steps, and lie within
-    a box; else they are not all.
+    And whether they end within the ``limits``; else they are not all.
     """
+    reach, low, high = limits.reach, limits.low, limits.high
     joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
     count = _beside(core, rest, reach, joined, order)
     if count == 0:
@@ -74,7 +71,7 @@ def flood(
     steps = int(reach / grid.size) + 1
     # Of each column those that have not joined, so that none is asked again.
     left, ends = np.arange(len(rest)), grid.start[1:].copy()
-    for _ in range(most[1]):
+    for _ in range(limits.steps):
         last = count
         if first == last:
             return joined, True
@@ -82,7 +79,7 @@ def flood(
             for a in range(3):
                 if not low[a] <= rest[order[k], a] <= high[a]:
                     return joined, False
-        if count > most[0]:
+        if count > limits.most:
             return joined, False
         for k in range(first, last):
             at = rest[order[k]]
@@ -106,7 +103,7 @@ def flood(
                         ends[here] -= 1
                         left[i] = left[ends[here]]
         first = last
-    return joined, False
+    return joined, first == count
 
 
 @compiled
