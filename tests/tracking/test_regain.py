@@ -10,7 +10,7 @@ from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, begin
 from pointbrush.tracking.segmentation.assign import cut_off
 from pointbrush.tracking.segmentation.regain import LONG, SELDOM, lost_pieces
 from pointbrush.tracking.sensor.lens import find_lens
@@ -79,6 +79,34 @@ def test_a_piece_that_was_missed_is_taken_back(
     assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
     thing.size = len(core)  # nothing of it is missing
     assert not len(lost_pieces(thing, view, place, core, has, background))
+
+
+def piece_found(view: View, background: ImageBackground, *, pliant: bool) -> np.ndarray:
+    """What a colourless box takes back beside it."""
+    core = np.flatnonzero(view.frame.truth == 1)
+    thing = begin(view, 1, core, 0.004, Rivals.none())
+    thing.weight, thing.size = 0.0, 1.6 * len(core)
+    if pliant:
+        thing.bending, thing.size = Bending(strain=2 * SOFT), 2.0 * DENSE
+    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
+    box = (lo.astype(np.float64), hi.astype(np.float64))
+    around = view.box(*box)
+    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    has = np.zeros(len(view.xyz), np.bool_)
+    has[core] = True
+    return lost_pieces(thing, view, place, core, has, background)
+
+
+def test_a_piece_of_what_is_pliant_is_taken_back_without_colours() -> None:
+    view, background = shot(BLUE, 0.05)
+    beside = np.flatnonzero(view.frame.truth == 2)
+    found = piece_found(view, background, pliant=True)
+    assert len(np.intersect1d(found, beside)) > 0.8 * len(beside)
+    assert not len(piece_found(view, background, pliant=False))
+
+
+def test_an_arm_is_no_piece_of_what_is_pliant() -> None:
+    assert not len(piece_found(*shot(BLUE, 0.6), pliant=True))
 
 
 def beside_whole(

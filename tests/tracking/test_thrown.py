@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
@@ -15,7 +16,7 @@ from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.geometry.components import solid
 from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, begin
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import KNOWN, grow, own_points
 from pointbrush.tracking.segmentation.findings import Findings
@@ -130,6 +131,47 @@ def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     assert place.whole
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
+
+
+def rivals_of(flight: Flight, view: View, points: np.ndarray, *, beside: bool) -> Rivals:
+    """Points of a frame as known to be unlabelled, looked for there alone or everywhere."""
+    xyz = view.xyz[points].astype(np.float64)
+    box = (xyz.min(axis=0), xyz.max(axis=0)) if beside else None
+    return Rivals(xyz, view.colour(points), flight.thing.weight, box)
+
+
+@pytest.mark.parametrize(
+    ("dyed", "beside", "whole"),
+    [
+        (False, True, False),
+        (False, False, True),  # most of it was not there, though it was looked for
+        (True, True, True),  # its colours are known
+    ],
+)
+def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_has_no_colours(
+    dyed: bool, beside: bool, whole: bool
+) -> None:
+    flight = Flight(upper=True)
+    thing, view = flight.thing, flight.view
+    thing.size = float((view.frame.truth == 1).sum())
+    thing.weight *= dyed
+    rest = np.setdiff1d(np.flatnonzero(view.frame.truth == 1), flight.core.indices)
+    near = rest[view.xyz[rest, 1] > np.quantile(view.xyz[rest, 1], 0.6)]
+    thing.rivals = rivals_of(flight, view, near, beside=beside)
+    flight.grown()
+    assert flight.place.whole == whole
+
+
+@pytest.mark.parametrize("pliant", [True, False])
+def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> None:
+    flight = Flight(upper=True)
+    if pliant:
+        flight.thing.bending = Bending(strain=2 * SOFT)
+        flight.thing.size = 2.0 * DENSE
+    missed = np.setdiff1d(flight.mine, flight.painted)
+    flight.thing.rivals = rivals_of(flight, flight.first, missed, beside=False)
+    flight.grown()
+    assert flight.place.whole != pliant
 
 
 def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:

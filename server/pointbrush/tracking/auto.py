@@ -45,7 +45,7 @@ from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.ground_below import with_ground
-from pointbrush.tracking.segmentation.rivals import around, note_beside, set_rivals, tell_apart
+from pointbrush.tracking.segmentation.rivals import note_beside, set_rivals_around, tell_apart
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.smoothing import Held, Smoother
 from pointbrush.tracking.swaps import Swaps
@@ -256,7 +256,7 @@ class Run:
         if pose is None:
             return self._begin_anew(thing, view, points)
         world = transform(pose, thing.model.xyz)
-        set_rivals(thing, view, around(thing, view, world))
+        set_rivals_around(thing, view, world)
         return _painted(len(points), pose)
 
     def _begin_anew(self, thing: Thing, view: View, points: I64) -> TrackState:

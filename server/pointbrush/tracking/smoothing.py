@@ -147,7 +147,7 @@ def _found_again(
     track, points = settle(thing, view, place, claim, grown.get(label, _NONE), options)
     if place is not None:
         taken[place.neutral] = True
-        set_rivals(thing, view, place.moving[~taken[place.moving]])
+        set_rivals(thing, view, place.moving[~taken[place.moving]], place.box)
     return track, points
 
 

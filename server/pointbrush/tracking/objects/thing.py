@@ -6,9 +6,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.tracking.geometry.columns import NONE, columns, nearer_than, nearest
 from pointbrush.tracking.geometry.components import solid
+from pointbrush.tracking.geometry.near import within
 from pointbrush.tracking.geometry.registration import Target, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
@@ -63,6 +65,8 @@ class Rivals:
     colour: F32
     weight: float = 0.0
     """Metres per unit of colour."""
+    box: tuple[F64, F64] | None = None
+    """Corners (3,) of where they were looked for; None for anywhere."""
 
     @staticmethod
     def none() -> Rivals:
@@ -83,6 +87,10 @@ class Rivals:
         _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, 0.0, within)
         step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
         return Rivals(self.xyz + step, self.colour, self.weight)
+
+    def asked(self, xyz: NDArray[np.floating]) -> Mask:
+        """Which places (M, 3) they were looked for at: of the others nothing is known."""
+        return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
         """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
@@ -213,6 +221,11 @@ class Thing:
     def soft(self) -> bool:
         """Whether it is a small thing whose surface moves within itself, as a toy's does."""
         return self.bending.strain > SOFT and not self.large
+
+    @property
+    def pliant(self) -> bool:
+        """Whether it is soft beyond doubt: what very many points show is seldom posed wrongly."""
+        return self.soft and self.size > DENSE
 
     @property
     def large(self) -> bool:

@@ -270,7 +270,9 @@ def _whole(
         along = _was_there(thing, view, new, step_of(thing, place)).mean()
         if along < ALONG or taken[new].any():
             return None
-    before = _was_there(thing, view, new)
+    # What bends beyond doubt is held by somebody, who goes along with it.
+    step = step_of(thing, place) if thing.pliant else None
+    before = _was_there(thing, view, new, step)
     # A sensor that moves sees new sides all the time, and what it missed once it may see again.
     hand = not view.roams and _may_be_a_hand(thing, view, place, core, new, before)
     if hand or taken[new].any():
@@ -283,19 +285,26 @@ def _may_be_a_hand(
     thing: Thing, view: View, place: Place, core: I64, new: I64, before: Mask
 ) -> bool:
     """Whether new surface may be what throws or catches a thing: that was there, unlabelled, in the
-    last frame, as ``before`` (M,) of it was.
+    last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for; of
+    what has no colours to be known by, only what lies there tells.
 
     What goes on behind something nearer, and has not the colours that the thing was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
+    asked = thing.rivals.asked(view.xyz[new]) | thing.dyed
     if not cut_off(view, new, thing.unit):
-        return float(before.mean()) >= WAS_OPEN
+        return _part(before, asked) >= WAS_OPEN
     colour = view.colour(new)
     if len(new) > MUCH * len(core) and thing.strange(colour).mean() > STRANGE:
         return True
     if thing.worn.share(colour) < WORN or thing.worn.unlike(colour):
         before = _was_there(thing, view, new, step_of(thing, place))
-    return float(before.mean()) >= WAS_CUT
+    return _part(before, asked) >= WAS_CUT
+
+
+def _part(which: Mask, asked: Mask) -> float:
+    """Share of those ``asked`` (M,), 0 where none is."""
+    return float(which[asked].mean()) if asked.any() else 0.0
 
 
 def _was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -> Mask:

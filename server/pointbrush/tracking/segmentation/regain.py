@@ -3,7 +3,8 @@
 What is missed once lies unlabelled beside the thing ever after, and explains itself as unlabelled.
 But a hand goes on to an arm, and out of the picture; a piece that ends all round, touches nothing
 but the thing and what never moves, and has the colours that the thing was painted with, is its.  So
-is one of other colours that has come to rest with it: a side that it had not shown.
+is one of other colours that has come to rest with it: a side that it had not shown.  Without
+colours that holds of what bends beyond doubt, whose folds and rims are missed ever again.
 """
 
 from __future__ import annotations
@@ -48,11 +49,11 @@ def lost_pieces(
     """The points (M,), sorted, of the pieces of ``thing`` beside its points ``core``.
 
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
-    what never moves, or no colour.
+    what never moves, or no colour, and the thing is not ``pliant``.
     """
     asked = (view.number + thing.label) % SELDOM == 0 or not thing.motion.slow(thing.unit)
-    tells = view.lens is not None and thing.weight > 0.0 and not thing.bends
-    if not (tells and asked):
+    tells = view.lens is not None and (thing.weight > 0.0 or thing.pliant)
+    if not (tells and asked) or thing.bends:
         return _NONE
     rest, least = _apart(view, place.around[~taken[place.around]], background), _least(thing)
     if len(rest) < least:

@@ -21,20 +21,29 @@ MOST = 1000
 """Rivals kept of those beside a thing."""
 
 
-def around(thing: Thing, view: View, world: F64) -> I64:
-    """The unlabelled points beside a thing whose surface is at ``world`` (M, 3)."""
-    return _unlabelled(view, world, BESIDE * thing.model.radius + SPARE * thing.unit)
+def set_rivals_around(thing: Thing, view: View, world: F64) -> None:
+    """Let what is unlabelled beside a thing, whose surface is at ``world`` (M, 3), be known."""
+    box = _beside(thing, world)
+    set_rivals(thing, view, _unlabelled(view, box), box)
 
 
-def _unlabelled(view: View, world: F64, margin: float) -> I64:
-    """The unlabelled points in a box around ``world`` (M, 3) and ``margin`` metres beside."""
+def _beside(thing: Thing, world: F64) -> tuple[F64, F64]:
+    return _box_around(world, BESIDE * thing.model.radius + SPARE * thing.unit)
+
+
+def _box_around(world: F64, margin: float) -> tuple[F64, F64]:
     lo, hi = bounds(world)
-    near = view.box(lo - margin, hi + margin)
+    return lo - margin, hi + margin
+
+
+def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
+    near = view.box(*box)
     return near[~view.labelled()[near]]
 
 
-def set_rivals(thing: Thing, view: View, indices: I64) -> None:
-    """Let the points (M,) be known as unlabelled beside a thing; what it missed of itself is not.
+def set_rivals(thing: Thing, view: View, indices: I64, box: tuple[F64, F64]) -> None:
+    """Let the points (M,) be known as all that is unlabelled in a ``box`` about a thing; what it
+    missed of itself is not.
 
     What has colours that it alone has, or that are far commoner in it than among them, is that.
     """
@@ -43,7 +52,7 @@ def set_rivals(thing: Thing, view: View, indices: I64) -> None:
     if thing.dyed and len(some):
         others = ~(thing.worn.rather(colour) | thing.distinct(colour))
         some, colour = some[others], colour[others]
-    thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight)
+    thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight, box)
 
 
 def note_beside(things: Mapping[int, Thing], view: View, places: Mapping[int, Place]) -> None:
@@ -53,7 +62,7 @@ def note_beside(things: Mapping[int, Thing], view: View, places: Mapping[int, Pl
         before = taken[place.neutral]
         taken[place.neutral] = True
         beside = place.moving if place.beside is None else place.beside
-        set_rivals(things[label], view, beside[~taken[beside]])
+        set_rivals(things[label], view, beside[~taken[beside]], place.box)
         taken[place.neutral] = before
 
 
@@ -64,8 +73,8 @@ def tell_apart(things: Mapping[int, Thing], view: View, labels: Iterable[int]) -
     """
     for label in labels:
         thing = things[label]
-        beside = view.colour(around(thing, view, thing.model.xyz))
+        beside = view.colour(_unlabelled(view, _beside(thing, thing.model.xyz)))
         others = [other.worn for other in things.values() if other is not thing]
-        about = view.colour(_unlabelled(view, thing.model.xyz, REACH))
+        about = view.colour(_unlabelled(view, _box_around(thing.model.xyz, REACH)))
         thing.worn = thing.worn.apart_from([ColourHistogram.of(beside), *others])
         thing.worn = thing.worn.commoner_than(about, thing.size)

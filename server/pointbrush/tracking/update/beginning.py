@@ -11,7 +11,7 @@ from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.objects.thing import Rivals, Thing, begin
 from pointbrush.tracking.segmentation.flying_pixels import painted_with_flying
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground
-from pointbrush.tracking.segmentation.rivals import around, set_rivals, tell_apart
+from pointbrush.tracking.segmentation.rivals import set_rivals_around, tell_apart
 from pointbrush.tracking.sensor.view import View
 
 
@@ -29,7 +29,7 @@ def begin_label(
         with_flying=painted_with_flying(view, points, thing.unit),
     )
     things[label] = thing
-    set_rivals(thing, view, around(thing, view, thing.model.xyz))
+    set_rivals_around(thing, view, thing.model.xyz)
 
 
 def begin_anew(things: dict[int, Thing], view: View, label: int, points: I64, noise: float) -> F64:
