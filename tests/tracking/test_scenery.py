@@ -187,6 +187,20 @@ def test_a_hand_that_passed_before_a_thing_leaves_no_scenery_there() -> None:
     assert scene.static(again, np.flatnonzero(~thing.ravel()))[0].all()
 
 
+def test_what_has_left_the_picture_teaches_no_pixel() -> None:
+    """The picture of a cut-out figure ends where its first frames do."""
+    thing = np.mgrid[0:48, 0:64][1] > 40
+    depth = np.full(thing.shape, 2.0)
+    scene = unknown_scene()
+    scene.learn(filmed(0, depth, thing), first=True)
+    left = filmed(1, depth, thing)
+    left.xyz[left.labels[1], 0] += 5.0
+    left.frame.xyz[left.labels[1], 0] += 5.0
+    scene.learn(left)
+    assert (left.cells[0][left.labels[1]] == -1).all()
+    assert scene.static(left, np.flatnonzero(~thing.ravel()))[0].all()
+
+
 def test_slanting_surfaces_are_as_deep_as_they_are_and_at_edges_the_nearest_counts() -> None:
     scene = room_corner()
     scene[60:, 100:] -= 0.3  # a box on the floor

@@ -303,7 +303,7 @@ class ImageBackground:
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.hiding, self.previous = self.previous, view.depth
         keep_up(self.anchor, self.age, seen, limit, self.scale)
-        if not first and labelled.any():
+        if not first and labelled[:-1].any():  # the last entry is what lies outside the picture
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(height, width)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
