@@ -59,6 +59,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "revealed": ("background.depth_background.ImageBackground.revealed", _of_none),
     "growing": ("segmentation.belong.grow", _claimed_only),
     "whole in the air": ("segmentation.belong._whole", _no),
+    "painted end on": ("segmentation.belong._ends_all_round", _no),
     "uncovered by others": ("segmentation.belong._shown", lambda *a: a[3][:0]),
     "missed pieces": ("segmentation.regain.lost_pieces", _none),
     "outline": (

@@ -177,6 +177,6 @@ def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:
 def test_what_comes_out_from_behind_the_thing_is_cut_off_by_it_alone() -> None:
     view, _ = shot(BLUE, 0.06, behind=0.13)
     core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
-    assert cut_off(view, beside, 0.01, by=core)
-    assert not cut_off(view, beside, 0.01, by=np.empty(0, np.int64))
-    assert not cut_off(view, core, 0.01, by=beside)
+    assert cut_off(view, beside, 0.01, by=view.marked(core))
+    assert not cut_off(view, beside, 0.01, by=view.marked(core[:0]))
+    assert not cut_off(view, core, 0.01, by=view.marked(beside))

@@ -183,6 +183,27 @@ def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> Non
         assert flight.place.whole == whole
 
 
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("seen_alone", [0, KNOWN])
+def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
+    flight = Flight(upper=True)
+    thing, view, place = flight.thing, flight.view, flight.place
+    truth = view.frame.truth == 1
+    own = flight.core.indices
+    flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
+    thing.size, thing.alone = 0.2 * float(truth.sum()), seen_alone
+    if held:  # a hand hardly turns: it was there in the last frame too
+        missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
+        xyz = view.xyz[missed].astype(np.float64)
+        thing.rivals = Rivals(xyz, view.colour(missed), thing.weight)
+    flight.grown()
+    assert not place.whole
+    assert place.cut_short == (seen_alone == 0 and not held)
+    thing.cut_short = place.cut_short
+    flight.grown()
+    assert place.whole == place.cut_short
+
+
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
     at = np.array([0.3, 1.2, 1.87])
     beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]

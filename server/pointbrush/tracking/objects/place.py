@@ -26,6 +26,8 @@ class Place:
     cost: float
     whole: bool = False
     """The moving points that hang together there are the thing and nothing else."""
+    cut_short: bool = False
+    """What makes it much longer ends all round with it, and may be what holds it."""
     vain: bool = False
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
     anew: bool = False

@@ -166,6 +166,8 @@ class Thing:
     """Mean cost in place and colour, in reaches, of its points alone in the air."""
     alone: int = 0
     """Frames in which it was seen alone in the air, all round."""
+    cut_short: bool = False
+    """In the last frame it ended all round with what makes it much longer, which it did not get."""
     last: int = 0
     """Points in the last frame."""
     extent: float = 0.0

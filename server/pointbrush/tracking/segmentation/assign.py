@@ -107,11 +107,11 @@ def without(free: Mask, claims: Iterable[Claim]) -> Mask:
     return left
 
 
-def cut_off(view: View, rest: I64, unit: float, by: I64 | None = None) -> bool:
+def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
     """Whether something nearer to the sensor hides how the points ``rest`` go on.
 
     What ends where the outline of something before it begins may go on behind that.  ``unit``
-    metres of tolerance; ``by``: only the points (M,) of the frame that count as nearer.
+    metres of tolerance; ``by`` (cells + 1,): only pixels that count as nearer.
     """
     if view.lens is None or not len(rest):
         return False
@@ -122,5 +122,5 @@ def cut_off(view: View, rest: I64, unit: float, by: I64 | None = None) -> bool:
     with np.errstate(invalid="ignore"):
         nearer = view.depth[around] < depth[rest][:, None] - NEARER * unit
     if by is not None:
-        nearer &= view.marked(by)[around]
+        nearer &= by[around]
     return float(nearer.any(axis=1).mean()) > BY_CHANCE

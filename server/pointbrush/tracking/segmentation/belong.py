@@ -82,6 +82,10 @@ ALONG = 0.75
 WAS_CUT, WAS_OPEN = 0.2, 0.7
 """Share of new surface that may have been there, unlabelled, in the last frame: where something
 nearer cuts it off, and where it stands free."""
+MISSED = 0.6
+"""The same, of a part that was missed: it turns, and a hand that holds it hardly does."""
+END_ON = 2.0
+"""Times its known length that a thing has at least which was painted end on."""
 WORN = 0.7
 """Share of its colours from which new surface has those that the thing was painted with."""
 STRANGE, MUCH = 0.5, 0.05
@@ -266,19 +270,43 @@ def _whole(
     new = blob(view, core, near, limits)
     if new is None or not len(new):
         return new
-    if len(new) > most:  # Painted end on, it has many times the points that are known.
-        along = _was_there(thing, view, new, step_of(thing, place)).mean()
-        if along < ALONG or taken[new].any():
-            return None
+    step = step_of(thing, place)
     # What bends beyond doubt is held by somebody, who goes along with it.
-    step = step_of(thing, place) if thing.pliant else None
-    before = _was_there(thing, view, new, step)
-    # A sensor that moves sees new sides all the time, and what it missed once it may see again.
-    hand = not view.roams and _may_be_a_hand(thing, view, place, core, new, before)
-    if hand or taken[new].any():
+    before = _was_there(thing, view, new, step if thing.pliant else None)
+    # Painted end on, it has many times the points that are known.
+    along = len(new) <= most or _was_there(thing, view, new, step).mean() >= ALONG
+    others = taken[new].any()
+    its = along and not (others or _may_be_a_hand(thing, view, place, core, new, before))
+    if not (its or others):
+        place.cut_short = _ends_all_round(thing, view, core, new, before)
+        its = place.cut_short and thing.cut_short
+    if its:
+        return new
+    if along:
         place.neutral = np.concatenate([place.neutral, new[~before]])
-        return None
-    return new
+    return None
+
+
+def _ends_all_round(thing: Thing, view: View, core: I64, new: I64, before: Mask) -> bool:
+    """Whether new surface that makes a thing on the move much longer ends all round, while the
+    thing was not yet seen alone: then it may have been painted end on.
+
+    A part that was missed was there, unlabelled, in the last frame (``before`` (M,)), and would
+    be taken for a hand from then on.  A hand was there for the most part, or goes on behind
+    something else than the thing.
+    """
+    may = thing.alone < KNOWN and view.lens is not None and not thing.motion.slow(thing.unit)
+    if not may or _share_there(thing, view, new, before) >= MISSED:
+        return False
+    own = np.concatenate([core, new])
+    if _length(view, own) <= END_ON * _length(view, core):
+        return False
+    return not cut_off(view, new, thing.unit, ~view.marked(own))
+
+
+def _length(view: View, points: I64) -> float:
+    """Standard deviation (m) of ``points`` (M,) along the way in which they are longest."""
+    return float(np.sqrt(np.linalg.norm(np.cov(view.xyz[points].T), 2)))
 
 
 def _may_be_a_hand(
@@ -288,23 +316,27 @@ def _may_be_a_hand(
     last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for; of
     what has no colours to be known by, only what lies there tells.
 
+    A sensor that moves sees new sides all the time, and what it missed once it may see again.
+
     What goes on behind something nearer, and has not the colours that the thing was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
-    asked = thing.rivals.asked(view.xyz[new]) | thing.dyed
+    if view.roams:
+        return False
     if not cut_off(view, new, thing.unit):
-        return _part(before, asked) >= WAS_OPEN
+        return _share_there(thing, view, new, before) >= WAS_OPEN
     colour = view.colour(new)
     if len(new) > MUCH * len(core) and thing.strange(colour).mean() > STRANGE:
         return True
     if thing.worn.share(colour) < WORN or thing.worn.unlike(colour):
         before = _was_there(thing, view, new, step_of(thing, place))
-    return _part(before, asked) >= WAS_CUT
+    return _share_there(thing, view, new, before) >= WAS_CUT
 
 
-def _part(which: Mask, asked: Mask) -> float:
-    """Share of those ``asked`` (M,), 0 where none is."""
-    return float(which[asked].mean()) if asked.any() else 0.0
+def _share_there(thing: Thing, view: View, new: I64, before: Mask) -> float:
+    """Share of points ``new`` (M,) that were there ``before`` (M,); 0 where nothing is known."""
+    asked = thing.rivals.asked(view.xyz[new]) | thing.dyed
+    return float(before[asked].mean()) if asked.any() else 0.0
 
 
 def _was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -> Mask:

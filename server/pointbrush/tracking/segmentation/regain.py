@@ -110,7 +110,7 @@ def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, othe
         if far and len(points) > END * len(core):
             return False
         # What goes on behind the thing itself is what holds it.
-        if cut_off(view, points, thing.unit, by=core):
+        if cut_off(view, points, thing.unit, by=view.marked(core)):
             return False
     if thing.soft or len(thing.glimpses) < ENOUGH:
         return True

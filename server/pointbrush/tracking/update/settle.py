@@ -60,7 +60,7 @@ def settle(
     seen = place is not None and _seen(thing, view, place, verdict)
     if place is None or found is None or not seen or hides(thing, view, place, found):
         return _unseen(thing, pose, verdict, options), np.empty(0, np.int64)
-    thing.missing, thing.vain = 0, place.vain
+    thing.missing, thing.vain, thing.cut_short = 0, place.vain, place.cut_short
     if thing.scanned and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
