@@ -48,6 +48,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "staying": ("fitting.fit._rests", lambda *_: False),
     "what others left": ("disputes.KEPT", 0.0),
     "whole frame searched": ("fitting.relocation._is_astray", lambda *_: False),
+    "much shows elsewhere": ("fitting.relocation._scrap", _no),
     "alone in its place": ("fitting.relocation._alone", _no),
     "looking back": ("smoothing.Smoother._go_back", _no),
     # Which points it has

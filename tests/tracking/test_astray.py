@@ -137,3 +137,33 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
             assert (findings.places[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
             assert vars(thing) == before
+
+
+def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing() -> None:
+    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+    rng, frames = np.random.default_rng(3), []
+    for i in range(2):
+        at = np.array([0.05 * i, 1.2, 1.4])
+        bat = [
+            scenes.Part(1, BLUE, at, at + [0, 0.14, 0], 0.04, 0.03),
+            scenes.Part(1, GREEN, at - [0, 0.14, 0], at, 0.02, 0.035),
+        ]
+        frames.append(camera.shoot(bat, rng))
+    truth = frames[1].truth == 1
+    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
+    with Workers(None) as workers:
+        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
+        run.start(seeds)
+        view, thing, background = run.scene.view(1), run.things[1], run.background
+        free = np.ones(len(view.xyz), np.bool_)
+        search = crop(thing, view, background, free)
+        assert search is not None
+        place, claim = placed(thing, view, search)
+        place.pose[0, 3] += 0.6
+        for share in (0.6, 0.2):
+            some = claim.pick(np.arange(len(claim.indices)) < share * thing.size)
+            findings = Findings(view, background, free, {1: place}, {1: some})
+            relocation.find_astray([thing], {}, findings)
+            assert (findings.places[1] is place) == (share > 0.5)
+        assert truth[findings.claims[1].indices].mean() > 0.9
+        assert len(findings.claims[1].indices) > 0.8 * np.count_nonzero(truth)

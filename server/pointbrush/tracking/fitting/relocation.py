@@ -35,6 +35,9 @@ CLEAR, BETTER, MATCHED, WORN = 0.3, 0.7, 0.6, 0.4
 that has to be matched, and share of its colours that it has to have shown where it was painted."""
 LEAST, MOST = 0.25, 3.0
 """Shares of its size that a cluster may have."""
+SHOWS = 0.4
+"""Share of its size that shows at least of what is farther than its radius from all predictions: an
+arm, or the rim of a body, fits a part of it."""
 LOOSE, AROUND, ONCE, ALIKE = 0.5, 2.2, 1.2, 0.7
 """What is alone where the thing should be: cost up to which the thing fits there, radii around the
 predictions in which it ends, share of the thing's size that it has at most, and of its colours
@@ -54,8 +57,8 @@ def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findi
 
     ``astray`` label → frames for which a thing was nowhere near where it should be; kept up.
     """
-    view, background, places = findings.view, findings.background, findings.places
-    some = [thing for thing in things if _is_astray(thing, astray, view, places.get(thing.label))]
+    view, background = findings.view, findings.background
+    some = [thing for thing in things if _is_astray(thing, astray, findings)]
     if not some:
         return
     left = findings.unclaimed(but={thing.label for thing in some})
@@ -63,7 +66,7 @@ def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findi
     far, still = background.static(view, points)
     points = points[~(far | still)]
     for thing in some:
-        before = _own(places.get(thing.label))
+        before = _own(thing, findings)
         found = _alone(thing, background, view, findings.unclaimed(), before)
         if found is None:
             found = _best(thing, background, view, left, points[left[points]], before)
@@ -73,11 +76,11 @@ def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findi
             astray.pop(thing.label, None)
 
 
-def _is_astray(thing: Thing, astray: dict[int, int], view: View, place: Place | None) -> bool:
+def _is_astray(thing: Thing, astray: dict[int, int], findings: Findings) -> bool:
     """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
+    view, place = findings.view, _own(thing, findings)
     if view.lens is None or thing.large or thing.bends or thing.stopped:
         return False
-    place = _own(place)
     if place is not None and place.cost < DOUBT:
         astray.pop(thing.label, None)
         return False
@@ -85,9 +88,19 @@ def _is_astray(thing: Thing, astray: dict[int, int], view: View, place: Place | 
     return count <= PATIENT or (view.number + thing.label) % SELDOM == 0
 
 
-def _own(place: Place | None) -> Place | None:
-    """The place of a thing, None where it is another's."""
-    return None if place is None or place.undisputed < ANOTHERS else place
+def _own(thing: Thing, findings: Findings) -> Place | None:
+    """The place of a thing, None where it is another's, or hardly anything of it elsewhere."""
+    place, claim = findings.places.get(thing.label), findings.claims.get(thing.label)
+    if place is None or claim is None or place.undisputed < ANOTHERS:
+        return None
+    return None if _scrap(thing, place, claim) else place
+
+
+def _scrap(thing: Thing, place: Place, claim: Claim) -> bool:
+    """Whether hardly anything of a thing shows at a place where no motion led."""
+    at = transform(place.pose, thing.motion.centre[None])
+    away = np.linalg.norm(_expected(thing) - at, axis=1).min()
+    return bool(away > thing.model.radius and len(claim.indices) < SHOWS * thing.size)
 
 
 def _alone(
@@ -108,12 +121,18 @@ def _alone(
     place = find(search)
     claim = own_points(thing, view, place)
     seen = judge(thing, view, place.pose, place.world, claim).found
+    seen = seen and not _scrap(thing, place, claim)
     return (place, claim) if seen and place.cost < most else None
+
+
+def _expected(thing: Thing) -> F64:
+    """(K, 3) where the middle of a thing is predicted."""
+    return transform_each(thing.motion.predictions(), thing.motion.centre[None])[:, 0]
 
 
 def _lone_piece(thing: Thing, background: Background, view: View, nobodys: Mask) -> F64 | None:
     """Middle (3,) of what is alone, of the thing's size and colours, nearest to a prediction."""
-    at = transform_each(thing.motion.predictions(), thing.motion.centre[None])[:, 0]
+    at = _expected(thing)
     margin = AROUND * thing.model.radius
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
@@ -152,6 +171,8 @@ def _best(
         if cost >= most:
             continue
         claim = own_points(thing, view, place)
+        if _scrap(thing, place, claim):
+            continue
         verdict = judge(thing, view, place.pose, place.world, claim)
         if verdict.found and verdict.inliers > MATCHED and _looks_like(thing, view, claim):
             place.anew = _is_elsewhere(thing, place, before)
