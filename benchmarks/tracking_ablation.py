@@ -59,8 +59,8 @@ IDEAS: dict[str, tuple[str, Any]] = {
     "hardly before the scene": ("background.depth_background.ImageBackground.faint", _of_none),
     "revealed": ("background.depth_background.ImageBackground.revealed", _of_none),
     "growing": ("segmentation.belong.grow", _claimed_only),
-    "whole in the air": ("segmentation.belong._whole", _no),
-    "painted end on": ("segmentation.belong._ends_all_round", _no),
+    "whole in the air": ("segmentation.alone.whole", _no),
+    "painted end on": ("segmentation.alone._ends_all_round", _no),
     "uncovered by others": ("segmentation.belong._shown", lambda *a: a[3][:0]),
     "missed pieces": ("segmentation.regain.lost_pieces", _none),
     "outline": (

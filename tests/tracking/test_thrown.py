@@ -17,8 +17,9 @@ from pointbrush.tracking.geometry.components import solid
 from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, begin
+from pointbrush.tracking.segmentation.alone import KNOWN
 from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.segmentation.belong import KNOWN, grow, own_points
+from pointbrush.tracking.segmentation.belong import grow, own_points
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View

@@ -21,7 +21,7 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing
 from pointbrush.tracking.people.foreground import FAR, OTHER, Foreground
 from pointbrush.tracking.segmentation.assign import Claim
-from pointbrush.tracking.segmentation.belong import step_of
+from pointbrush.tracking.segmentation.explained import step_of
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 

@@ -16,7 +16,7 @@ from pointbrush.tracking.objects.model import NEW_SURFACE, SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import HARDLY, Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
-from pointbrush.tracking.segmentation.belong import unexplained
+from pointbrush.tracking.segmentation.explained import unexplained
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.bending import note_strain
 from pointbrush.tracking.update.evidence import evidence
