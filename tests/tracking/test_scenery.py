@@ -66,6 +66,16 @@ def test_what_was_not_measured_is_drawn_on_too_and_nothing_is_made_of_nothing() 
     assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing)).all()
 
 
+def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
+    """Two people before nothing: between them there is no wall as far away as they are."""
+    across = np.mgrid[0 : SHAPE[0], 0 : SHAPE[1]][1]
+    people = (across < 10) | (across >= 116)
+    thing = (across >= 60) & (across < 66)
+    seen = np.where(people | thing, 3.0, np.nan).astype(np.float32)
+    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel()).reshape(SHAPE)
+    assert (depth[thing] > 6.0).all()
+
+
 def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
     rng = np.random.default_rng(0)
     deviation = np.full(SHAPE, 0.01, np.float32)

@@ -24,6 +24,9 @@ NEAR = 3.0
 """Deviations within which a depth is the same depth."""
 STEP = 4
 """Pixels of a cell in which the hidden scene is drawn."""
+EMPTY = 4
+"""Such cells around one in which nothing was measured, nor hidden, from which no scene is there: a
+shadow beside a thing, or a dark spot, is smaller."""
 BLOCK = 16
 """Pixels of a block that shares one deviation."""
 USUAL = 1.15
@@ -39,7 +42,8 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
     """The scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
 
     Surfaces are drawn on by Laplace's equation in the inverse of the depth, in which a plane is
-    linear over the image, so that floors and walls go on exactly.
+    linear over the image, so that floors and walls go on exactly.  Where nothing is measured for
+    many pixels around there is no scene, as far as the sensor sees: that is endlessly far.
     """
     height, width = shape
     hidden = widened(hidden.reshape(shape), 2).ravel()
@@ -49,6 +53,9 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
     known = np.isfinite(cells).sum(axis=1) > STEP
     coarse = np.full(len(cells), np.nan)
     coarse[known] = np.nanmean(cells[known], axis=1)
+    scene = np.isfinite(cells).any(axis=1)
+    scene |= np.nanmax(blocks(hidden.astype(np.float32), shape, STEP), axis=1) > 0
+    coarse[~widened(scene.reshape(rows, columns), EMPTY).ravel()] = 0.0
     filled = _laplace(coarse, (rows, columns))
     if filled is None:
         return np.full(len(depth), np.nan, np.float32)
