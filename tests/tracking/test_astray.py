@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from pointbrush.tracking.fitting.fit import find
 from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.segmentation.findings import Findings
 
@@ -45,6 +47,21 @@ def shot(count: int, bat: Callable[[int], np.ndarray | None]) -> list[scenes.Fra
             parts.append(scenes.Part(1, GREEN, at - along, at, 0.02, 0.035))
         frames.append(camera.shoot(parts, rng))
     return frames
+
+
+@contextmanager
+def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Thing, Findings]]:
+    """Thing 1 of the first of two frames, and where it was found in the second."""
+    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
+    with Workers(None) as workers:
+        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
+        run.start(seeds)
+        view, thing = run.scene.view(1), run.things[1]
+        findings = Findings(view, run.background, np.ones(len(view.xyz), np.bool_))
+        search = crop(thing, view, findings.background, findings.free)
+        assert search is not None
+        findings.put(1, *placed(thing, view, search))
+        yield thing, findings
 
 
 def ious(frames: list[scenes.Frame]) -> list[float]:
@@ -118,21 +135,13 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
     rng = np.random.default_rng(3)
     frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
-    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
-    with Workers(None) as workers:
-        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
-        run.start(seeds)
-        view, thing, background = run.scene.view(1), run.things[1], run.background
-        free = np.ones(len(view.xyz), np.bool_)
-        search = crop(thing, view, background, free)
-        assert search is not None
-        place, claim = placed(thing, view, search)
+    with found_again(frames) as (thing, findings):
+        place = findings.places[1]
         astray: dict[int, int] = {}
         # A second process has the thing as it was, until it is judged.
         before = dict(vars(thing))
         for cost in (0.3, 0.6):
             place.cost = cost
-            findings = Findings(view, background, free, {1: place}, {1: claim})
             relocation.find_astray([thing], astray, findings)
             assert (findings.places[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
@@ -150,19 +159,12 @@ def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing
         ]
         frames.append(camera.shoot(bat, rng))
     truth = frames[1].truth == 1
-    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
-    with Workers(None) as workers:
-        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
-        run.start(seeds)
-        view, thing, background = run.scene.view(1), run.things[1], run.background
-        free = np.ones(len(view.xyz), np.bool_)
-        search = crop(thing, view, background, free)
-        assert search is not None
-        place, claim = placed(thing, view, search)
+    with found_again(frames) as (thing, findings):
+        place, claim = findings.places[1], findings.claims[1]
         place.pose[0, 3] += 0.6
         for share in (0.6, 0.2):
             some = claim.pick(np.arange(len(claim.indices)) < share * thing.size)
-            findings = Findings(view, background, free, {1: place}, {1: some})
+            findings.put(1, place, some)
             relocation.find_astray([thing], {}, findings)
             assert (findings.places[1] is place) == (share > 0.5)
         assert truth[findings.claims[1].indices].mean() > 0.9

@@ -10,7 +10,7 @@ from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, Thing, begin
 from pointbrush.tracking.segmentation.assign import cut_off
 from pointbrush.tracking.segmentation.regain import LONG, SELDOM, lost_pieces
 from pointbrush.tracking.sensor.lens import find_lens
@@ -47,6 +47,14 @@ def shot(
     return View(SELDOM - 1, camera.shoot([box, block], rng), lens), background
 
 
+def place_of(view: View, thing: Thing, core: np.ndarray) -> Place:
+    """Where a thing was found that shows its points ``core`` (M,)."""
+    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
+    box = (lo.astype(np.float64), hi.astype(np.float64))
+    around = view.box(*box)
+    return Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+
+
 @pytest.mark.parametrize(
     ("colour", "reach", "somebodys", "taken"),
     [
@@ -66,10 +74,7 @@ def test_a_piece_that_was_missed_is_taken_back(
     none = Rivals.none()
     thing = begin(view, 1, core, 0.004, none)
     thing.size = 1.6 * len(core)  # it was larger before
-    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
-    box = (lo.astype(np.float64), hi.astype(np.float64))
-    around = view.box(*box)
-    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    place = place_of(view, thing, core)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
     if somebodys:
@@ -88,10 +93,7 @@ def piece_found(view: View, background: ImageBackground, *, pliant: bool) -> np.
     thing.weight, thing.size = 0.0, 1.6 * len(core)
     if pliant:
         thing.bending, thing.size = Bending(strain=2 * SOFT), 2.0 * DENSE
-    lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
-    box = (lo.astype(np.float64), hi.astype(np.float64))
-    around = view.box(*box)
-    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    place = place_of(view, thing, core)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
     return lost_pieces(thing, view, place, core, has, background)
