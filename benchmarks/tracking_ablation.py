@@ -103,6 +103,7 @@ IDEAS: dict[str, tuple[str, Any]] = {
         "people.ownership._clothes",
         lambda sight, people: np.zeros((len(sight.owner), len(people))),
     ),
+    "clothes seen later": ("people.group.dress", _no),
     "those without a label": ("people.arrivals.newcomers", lambda *_: []),
     "the missing come back": ("people.arrivals.come_back", lambda *_: set()),
     "parts of who came back": ("people.arrivals.merge", lambda *_: set()),

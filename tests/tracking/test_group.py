@@ -25,7 +25,7 @@ from pointbrush.tracking.people.exchanges import FRAMES, exchange, exchanged
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import SPREAD, Group, astray, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
-from pointbrush.tracking.people.person import Person
+from pointbrush.tracking.people.person import UNLIKE, Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.people.vertical import across, upright
 from pointbrush.tracking.sensor.lens import find_lens
@@ -303,6 +303,26 @@ def test_doubts_end_when_clothes_tell() -> None:
     group.doubt(sight, one, SURE)
     group.doubt(sight, two, replace(SURE, like=-2.0))
     assert (one.identity.doubts, two.identity.doubts) == (set(), {1})
+
+
+@pytest.mark.parametrize(
+    ("touching", "doubted", "told"), [(0.0, False, True), (0.2, False, False), (0.0, True, False)]
+)
+def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is_alone(
+    touching: float, doubted: bool, told: bool
+) -> None:
+    legs, shirt = body(0.0, BLUE), body(0.0, RED, tall=1.0)
+    person = somebody(1, 0.0, BLUE, well=10)
+    person.identity.colours, person.identity.shown = legs[1], 30 * 5 * 9.0
+    if doubted:
+        person.doubt(somebody(2, 1.0, RED, well=5))
+    sight = staged(legs, shirt)
+    sight.owner[:] = 1
+    assert person.likeness(shirt[1]) < -UNLIKE
+    group = Group([person], 0.1, 0.01, sight.flat, UP, 30.0, 10)
+    group.doubt(sight, person, replace(SURE, touching=touching))
+    assert (person.likeness(shirt[1]) > -0.3) == told
+    assert person.likeness(legs[1]) > -0.3
 
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:

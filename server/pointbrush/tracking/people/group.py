@@ -22,7 +22,7 @@ from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import SAMPLE, Observation
 from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
@@ -44,7 +44,10 @@ SPREAD = 0.2
 NEAREST = (0.1, 1.0)
 """Metres under which somebody is where he was expected, and beyond which he is not another."""
 SURE = 0.75
-"""Likelihood of a frame from which it tells how tall somebody is."""
+"""Likelihood of a frame from which it tells how tall somebody is, and what he wears."""
+MORE, FREE = 1.5, 0.02
+"""Times as much of somebody as his clothes are told by that tells them anew, and share of it that
+touches others at most."""
 DOUBTED = 0.4
 """Confidence of what may be another's at most."""
 
@@ -100,6 +103,10 @@ class Group:
         person = Person.met(label, cells.middle, cells.colour, self.now, thing.worn)
         person.identity.with_flying = thing.painted.with_flying
         person.went = thing.motion.poses[-1][:3, 3]
+        if view.frame.rgb is not None:
+            points = view.labels[label]
+            person.identity.colours = view.colour(points[:: max(1, len(points) // SAMPLE)])
+            person.identity.shown = float((view.cells[1][points] ** 2).sum())
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
 
@@ -165,6 +172,17 @@ class Group:
         if not his.doubts and looks.likelihood() > SURE:
             his.sure = self.now
             person.measure(top)
+            dress(sight, person, looks)
+
+
+def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
+    """Tell somebody's clothes anew where he shows much that was hidden when they were told last, as
+    who was painted behind another does, and nobody is there whose it may be."""
+    cells = sight.cells_of(person.label)
+    some, area = sight.some(cells), sight.area(cells)
+    his = person.identity
+    if some is not None and looks.touching < FREE and area > MORE * his.shown > 0.0:
+        his.show(some, area)
 
 
 def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:

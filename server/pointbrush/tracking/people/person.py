@@ -45,7 +45,8 @@ class Identity:
     ``worn`` his clothes, None where they were not seen; ``first`` the cells he came with;
     ``with_flying`` whether the flying pixels at his outline are his; ``stature`` how tall he is;
     ``trust`` his last confidence; ``doubts`` whom he may be as well, by label; ``sure`` the last
-    frame in which he was surely himself.
+    frame in which he was surely himself; ``colours`` (M, 3) those by which his clothes are told,
+    and ``shown`` how much of him they are of, as ``Observation.area`` says it.
     """
 
     label: int
@@ -56,6 +57,13 @@ class Identity:
     stature: Stature = field(default_factory=Stature)
     trust: float = 1.0
     doubts: set[int] = field(default_factory=set)
+    colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
+    shown: float = 0.0
+
+    def show(self, colours: F32, area: float) -> None:
+        """So much of him shows as never before: what he wears has also these ``colours`` (M, 3)."""
+        self.colours, self.shown = np.vstack([self.colours, colours]), area
+        self.worn = ColourHistogram.of(self.colours)
 
 
 @dataclass(eq=False)
