@@ -49,7 +49,7 @@ def test_each_is_asked_as_far_as_its_own_reach(
     wanted: NDArray[np.float64], points: NDArray[np.float64], most: float
 ) -> None:
     each = np.where(np.arange(len(wanted)) % 2, most, 0.3012)
-    found = nearer_than(columns(points, NONE, 0.0), wanted, NONE, 0.0, each)
+    found = nearer_than(columns(points, NONE, 0.0), wanted, NONE, each)
     assert np.array_equal(found, apart(wanted, points).min(axis=1) < each)
 
 
@@ -59,7 +59,7 @@ def test_the_nearest_is_that_of_all_with_all(
 ) -> None:
     tint, tone = (np.float32([0.5, 2.0, 1.0]) * np.float32(p) for p in (wanted, points))
     weight = 0.7 if coloured else 0.0
-    distance, index = nearest(columns(points, tone, weight), wanted, tint, weight, most)
+    distance, index = nearest(columns(points, tone, weight), wanted, tint, most)
     away = np.hypot(apart(wanted, points), weight * apart(tint, tone))
     found = index >= 0
     assert np.array_equal(found, away.min(axis=1) < most)
@@ -200,7 +200,7 @@ def test_what_is_no_number_is_near_to_nothing_and_harms_nothing(wrong: float) ->
     wanted[::3, 1] = wrong
     spoilt = points.copy()
     spoilt[1::3, 2] = wrong
-    index = nearest(columns(spoilt, NONE, 0.0), wanted, NONE, 0.0, 0.01)[1]
+    index = nearest(columns(spoilt, NONE, 0.0), wanted, NONE, 0.01)[1]
     assert (index[::3] == -1).all()
     assert (index[1::3] == -1).all()
     assert np.array_equal(index[2::3], np.arange(2, 300, 3))

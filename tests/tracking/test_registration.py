@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.geometry.registration import (
+    Source,
     Target,
     best_rigid_motion,
     icp,
@@ -54,7 +55,7 @@ def test_robust_fit_leaves_what_is_not_the_object_alone() -> None:
     target = Target(np.vstack([transform(T, thing), clutter]), both, 0.5)
     seen = np.ones((1, 400), bool)
     scales = [0.05, 0.05, 0.03, 0.02, 0.02]
-    fits = robust_fits(thing, colour, seen, target, np.eye(4)[None], scales)
+    fits = robust_fits(Source(thing, colour), seen, target, np.eye(4)[None], scales)
     off = np.linalg.norm(transform(fits.T[0], thing) - transform(T, thing), axis=1)
     assert off.mean() < 0.01
     assert fits.cost[0] < 0.5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,7 @@ NEUTRAL, LEAN = 0.6, 0.1
 """What a pose costs that shows nothing of the model, and the weight of that, in models."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class Look(NamedTuple):
     """Sample points (M,) of the model at each of K poses.
 
     ``world`` (K, M, 3); ``seen`` (K, M) those that face the sensor with nothing before them;
@@ -62,9 +61,7 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
     A side that was never seen must at least not stand before what was measured.
     """
     colour = thing.model.colour[sample]
-    total, count = _distances(
-        at.world, at.seen, at.through, colour, target.columns, target.weight, 3.0 * scale
-    )
+    total, count = _distances(at, colour, target.columns, 3.0 * scale)
     lean = LEAN * len(sample)
     return np.asarray((total + lean * NEUTRAL) / (count + lean))
 
@@ -89,23 +86,19 @@ def _held_against(
 
 
 @compiled
-def _distances(
-    world: F64, seen: Mask, through: Mask, colour: F32, grid: Columns, weight: float, most: float
-) -> tuple[F64, F64]:
+def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, F64]:
     """Sum of squares of the distances from what is ``seen``, in ``most`` metres, and how many.
 
     What is not to be seen, but was looked through, is as far off as it can be.
     """
-    total, count = np.zeros(len(world)), np.zeros(len(world))
-    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
+    world, seen, through, _ = at
+    total, count, room = np.zeros(len(world)), np.zeros(len(world)), spans(grid)
     for k in range(len(world)):
         for i in range(world.shape[1]):
             if seen[k, i]:
-                if coloured:
-                    tint = toned(colour, i, weight)
                 place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
-                square, at = nearest_one(grid, place, tint, most, room)
-                total[k] += square / (most * most) if at >= 0 else 1.0
+                square, near = nearest_one(grid, place, toned(grid, colour, i), most, room)
+                total[k] += square / (most * most) if near >= 0 else 1.0
                 count[k] += 1.0
             elif through[k, i]:
                 total[k] += 1.0

@@ -13,6 +13,7 @@ from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.deformation import warp
 from pointbrush.tracking.geometry.registration import (
     Fits,
+    Source,
     Target,
     excess,
     robust_fits,
@@ -289,9 +290,8 @@ def _fits(
         seen = look(search.thing, search.view, sample, poses, search.own).seen
     seen = seen | (np.count_nonzero(seen, axis=1) < LEAST)[:, None]
     steps = [s * search.thing.unit for s in scales]
-    return robust_fits(
-        model.xyz[sample], model.colour[sample], seen, target or search.target, poses, steps
-    )
+    source = Source(model.xyz[sample], model.colour[sample])
+    return robust_fits(source, seen, target or search.target, poses, steps)
 
 
 def _surprise(search: Search, poses: F64) -> F64:

@@ -53,10 +53,9 @@ def _limit(thing: Thing) -> float:
 
 
 class _Surface(NamedTuple):
-    """Sorted points in a box, ``weight`` metres per unit of their colour."""
+    """Sorted points, and the corners (3,) of the box that they lie in."""
 
     columns: Columns
-    weight: float
     lo: F64
     hi: F64
 
@@ -80,7 +79,7 @@ def _ghost(search: Search) -> _Ghost:
     world = transform(search.best, model.xyz[many])
     columns = Target(world, model.colour[many], weight).columns
     centre = transform(search.best, search.thing.motion.centre[None])[0]
-    return _Ghost(_Surface(columns, weight, *bounds(world)), centre, model.radius)
+    return _Ghost(_Surface(columns, *bounds(world)), centre, model.radius)
 
 
 @compiled
@@ -95,8 +94,8 @@ def _drop_theirs(
         away = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
         if drop[i] or max(away, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
             continue
-        tint = toned(colour, i, theirs.weight)
+        tint = toned(others, colour, i)
         square, at = nearest_one(others, (x, y, z), tint, reach, other_room)
         if at >= 0:
-            tint = toned(colour, i, own.weight)
+            tint = toned(mine, colour, i)
             drop[i] = square < CLEARLY**2 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]

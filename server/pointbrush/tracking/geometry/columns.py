@@ -25,14 +25,18 @@ NONE: F32 = np.empty((0, 3), np.float32)
 
 
 class Columns(NamedTuple):
-    """Points (N, 3) sorted by column: ``tint`` (N, 3) of each in metres, or (0, 3) for none.
+    """Points (N, 3), in metres, sorted by column, for searches in place and colour.
 
-    ``order`` (N,) numbers them as they were given; column (i, j) has ``start[i * across + j]`` up
-    to the next; ``axes`` are the two directions, ``low`` (2,) the least there, ``size`` metres.
+    ``tint`` (N, 3) their colours times ``weight``, metres per unit of colour; (0, 3), and 0.0,
+    where colour does not count.  ``order`` (N,) the points' numbers as they were given.  There are
+    ``along`` x ``across`` square columns, ``size`` metres wide: column (i, j) has the points sorted
+    from ``start[i * across + j]`` up to the next entry.  ``axes`` are the two axes that they lie
+    over, ``low`` (2,) the least coordinate on each.
     """
 
     xyz: F64
     tint: F64
+    weight: float
     order: I64
     start: I64
     axes: tuple[int, int]
@@ -66,13 +70,13 @@ def columns(xyz: F64, tint: F32, weight: float) -> Columns:
         if extent[a] <= extent[thin]:
             thin = a
     one, other = (1 if thin == 0 else 0), (1 if thin == 2 else 2)
-    wide, high_ = extent[one], extent[other]
+    wide, tall = extent[one], extent[other]
     size = max(
-        np.sqrt(wide * high_ * PER_COLUMN / max(count, 1)),
-        max(wide, high_) * PER_COLUMN / max(count, 1),
+        np.sqrt(wide * tall * PER_COLUMN / max(count, 1)),
+        max(wide, tall) * PER_COLUMN / max(count, 1),
         1e-9,
     )
-    along, across = int(wide / size) + 1, int(high_ / size) + 1
+    along, across = int(wide / size) + 1, int(tall / size) + 1
     cell = np.empty(count, np.int64)
     start = np.zeros(along * across + 1, np.int64)
     for i in range(count):
@@ -94,7 +98,8 @@ def columns(xyz: F64, tint: F32, weight: float) -> Columns:
             if coloured:
                 tinted[at, a] = weight * tint[i, a]
     lows = (low[one], low[other])
-    return Columns(placed, tinted, order, start, (one, other), lows, size, along, across)
+    axes = (one, other)
+    return Columns(placed, tinted, weight, order, start, axes, lows, size, along, across)
 
 
 @compiled
@@ -190,26 +195,26 @@ def nearest_one(
 
 
 @innermost
-def toned(colour: F32, i: int, weight: float) -> Triple:
-    """One of the colours (M, 3), in metres."""
+def toned(grid: Columns, colour: F32, i: int) -> Triple:
+    """One of the colours (M, 3), in metres as the grid's; zeros where it has none."""
+    if not len(grid.tint):
+        return 0.0, 0.0, 0.0
+    weight = grid.weight
     return weight * colour[i, 0], weight * colour[i, 1], weight * colour[i, 2]
 
 
 @compiled
-def nearest(grid: Columns, xyz: F64, tint: F32, weight: float, most: float) -> tuple[F64, I64]:
+def nearest(grid: Columns, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
     """Distances (M,) below ``most`` metres, and indices (M,), of the nearest to points (M, 3).
 
-    ``tint`` (M, 3), times ``weight``, counts where the grid has any.  Where nothing is so near the
-    distance is ``most`` and the index -1.
+    ``colour`` (M, 3) counts where the grid has any.  Where nothing is so near the distance is
+    ``most`` and the index -1.
     """
-    count = len(xyz)
+    count, room = len(xyz), spans(grid)
     distance, index = np.full(count, most), np.full(count, -1)
-    colour, room = (0.0, 0.0, 0.0), spans(grid)
     for i in range(count):
-        if len(grid.tint):
-            colour = toned(tint, i, weight)
         place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
-        square, at = nearest_one(grid, place, colour, most, room)
+        square, at = nearest_one(grid, place, toned(grid, colour, i), most, room)
         if at >= 0:
             distance[i], index[i] = np.sqrt(square), grid.order[at]
     return distance, index
@@ -236,24 +241,22 @@ def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
 
 
 @compiled
-def any_near_each(grid: Columns, xyz: F64, tint: F32, most: float) -> Mask:
+def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
     """Which of the points (M, 3) have one less than ``most`` metres away; see ``nearest``."""
-    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
-        if len(grid.tint):
-            colour = toned(tint, i, 1.0)
-        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most)
+        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        found[i] = any_near(grid, place, toned(grid, colour, i), most)
     return found
 
 
 @compiled
-def nearer_than(grid: Columns, xyz: F64, tint: F32, weight: float, most: F64) -> Mask:
+def nearer_than(grid: Columns, xyz: F64, colour: F32, most: F64) -> Mask:
     """Which of the points (M, 3) have one less than ``most`` (M,) metres away; see ``nearest``."""
-    found, colour = np.empty(len(xyz), np.bool_), (0.0, 0.0, 0.0)
+    found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
-        if len(grid.tint):
-            colour = toned(tint, i, weight)
-        found[i] = any_near(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), colour, most[i])
+        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        found[i] = any_near(grid, place, toned(grid, colour, i), most[i])
     return found
 
 
@@ -320,21 +323,20 @@ def pairs(xyz: F64, most: float) -> I64:
                         more = np.empty((2 * len(found) + end - first, 2), np.int64)
                         more[:count] = found[:count]
                         found = more
-                    count = _pairs_of(grid, one, first, end, most, found, count)
+                    count += _pairs_of(grid, one, (first, end), most, found[count:])
     return found[:count]
 
 
 @innermost
-def _pairs_of(
-    grid: Columns, one: int, first: int, end: int, most: float, found: I64, count: int
-) -> int:
-    """Put behind the ``count`` pairs ``found`` those of a point and the ones sorted up to ``end``;
-    how many there are then."""
+def _pairs_of(grid: Columns, one: int, others: tuple[int, int], most: float, free: I64) -> int:
+    """Write to ``free`` (F, 2) the pairs of a point and those of a stretch of sorted ones; how many
+    there are."""
+    count = 0
     x, y, z = grid.xyz[one, 0], grid.xyz[one, 1], grid.xyz[one, 2]
-    for other in range(first, end):
+    for other in range(*others):
         dx, dy, dz = x - grid.xyz[other, 0], y - grid.xyz[other, 1], z - grid.xyz[other, 2]
         if dx * dx + dy * dy + dz * dz <= most * most:
             i, j = grid.order[one], grid.order[other]
-            found[count, 0], found[count, 1] = min(i, j), max(i, j)
+            free[count, 0], free[count, 1] = min(i, j), max(i, j)
             count += 1
     return count

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
 from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.grid import cells_of, means_of
-from pointbrush.tracking.geometry.registration import Target
+from pointbrush.tracking.geometry.registration import Source, Target
 from pointbrush.tracking.interface import F32, F64, I64
 
-LINKS = 4
-ROUNDS = 3
+LINKS, AROUND = 4, 6
+"""Nearest nodes that move a point, and that smooth a node's own motion, itself among them."""
+ROUNDS, SHRINKS = 3, 0.5
+"""Rounds of pairing; round n, from 0, has the scale divided by ``1 + SHRINKS * n``."""
+PAIRED = 3.0
+"""Scales of a round within which points are paired."""
+SMOOTH = 0.5
+"""Weight of the mean over the nodes around in a node's motion."""
 LEAN = 0.5
 """Weight with which a node stays where the round before left it."""
 
@@ -21,20 +29,37 @@ def nodes_of(xyz: F64, apart: float) -> F64:
     return means_of(xyz, cells_of(xyz, apart))
 
 
+class DeformationGraph(NamedTuple):
+    """Nodes (K,) that carry the points (M,) around them (Sumner, Schmid and Pauly 2007).
+
+    ``link`` (M, LINKS) the numbers of the nodes that move each point, and ``share`` (M, LINKS) how
+    much each does, 1 in all; ``around`` (K, AROUND) the nodes that smooth each node's motion.  With
+    fewer nodes than that each has all of them.
+    """
+
+    link: I64
+    share: F64
+    around: I64
+
+
 def warp(place: F64, colour: F32, target: Target, apart: float, scale: float) -> F64:
     """Bend ``place`` (M, 3) onto the target: displacements (M, 3), smooth over the node graph.
 
     Nodes lie ``apart`` metres from each other; ``scale`` metres is the distance at which a pair
-    counts half.  Each round pairs the points in place and colour, averages the displacements at
-    the nodes, and smooths them over each node's neighbours.
+    weighs a quarter.  Each round pairs the points in place and colour, averages the displacements
+    at the nodes, and smooths them over each node's neighbours.
     """
+    return _pulled(Source(place, colour), target.columns, _graph_of(place, apart), scale)
+
+
+def _graph_of(place: F64, apart: float) -> DeformationGraph:
+    """Nodes ``apart`` metres from each other over the points (M, 3)."""
     nodes = nodes_of(place, apart)
     link, square = _nearest_nodes(place, nodes, min(LINKS, len(nodes)))
     share = np.exp(-square / apart**2) + 1e-9
     share /= share.sum(axis=1, keepdims=True)
-    around, _ = _nearest_nodes(nodes, nodes, min(6, len(nodes)))
-    grid, weight = target.columns, target.weight
-    return _pulled(place, colour, grid, weight, link, share, around, scale)
+    around, _ = _nearest_nodes(nodes, nodes, min(AROUND, len(nodes)))
+    return DeformationGraph(link, share, around)
 
 
 @compiled
@@ -58,30 +83,21 @@ def _nearest_nodes(place: F64, nodes: F64, count: int) -> tuple[I64, F64]:
 
 
 @compiled
-def _pulled(
-    place: F64,
-    colour: F32,
-    grid: Columns,
-    weight: float,
-    link: I64,
-    share: F64,
-    around: I64,
-    scale: float,
-) -> F64:
-    """Displacements (M, 3) of points that are ``link``ed (M, LINKS) to nodes by a ``share``."""
+def _pulled(source: Source, grid: Columns, graph: DeformationGraph, scale: float) -> F64:
+    """See ``warp``: displacements (M, 3) of the points that the graph carries."""
+    place, colour = source
+    link, share, around = graph
     moved, offset = np.zeros((len(around), 3)), np.zeros_like(place)
     pulls, total = np.empty_like(moved), np.empty(len(around))
-    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
-    last = np.full(len(place), -1)
+    room, last = spans(grid), np.full(len(place), -1)
     for turn in range(ROUNDS):
-        s = scale / (1 + 0.5 * turn)
+        s = scale / (1 + SHRINKS * turn)
         pulls[:], total[:] = LEAN * moved, LEAN
         for i in range(len(place)):
-            if coloured:
-                tint = toned(colour, i, weight)
             x, y, z = place[i, 0], place[i, 1], place[i, 2]
             at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
-            square, near = nearest_one(grid, at, tint, 3.0 * s, room, last[i])
+            tint = toned(grid, colour, i)
+            square, near = nearest_one(grid, at, tint, PAIRED * s, room, last[i])
             last[i] = near
             if near < 0:
                 continue
@@ -100,7 +116,7 @@ def _pulled(
                 mean = 0.0
                 for other in around[node]:
                     mean += pulls[other, a]
-                moved[node, a] = 0.5 * pulls[node, a] + 0.5 * mean / around.shape[1]
+                moved[node, a] = (1 - SMOOTH) * pulls[node, a] + SMOOTH * mean / around.shape[1]
         for i in range(len(place)):
             for a in range(3):
                 offset[i, a] = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,7 +128,14 @@ class Target:
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
         """Distances (M,), at most ``most``, and indices; -1 where nothing is nearer."""
-        return nearest(self.columns, xyz, colour, self.weight, most)
+        return nearest(self.columns, xyz, colour, most)
+
+
+class Source(NamedTuple):
+    """Points to register: ``xyz`` (M, 3) metres; ``colour`` (M, 3) in the unit of the target's."""
+
+    xyz: F64
+    colour: F32
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,16 +148,15 @@ class Fits:
 
 
 def robust_fits(
-    source: F64, colour: F32, seen: Mask, target: Target, T: F64, scales: Sequence[float]
+    source: Source, seen: Mask, target: Target, T: F64, scales: Sequence[float]
 ) -> Fits:
     """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
 
-    ``source`` (M, 3) model points, those ``seen`` (K, M) moved onto the target by each motion;
-    ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the scale,
-    which shrinks (Geman and McClure 1985).
+    Of the M points of the ``source`` those ``seen`` (K, M) from each motion are moved onto the
+    target; ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the
+    scale, which shrinks (Geman and McClure 1985).
     """
-    steps = np.array(scales, np.float64)
-    return Fits(*_robust_fits(source, colour, seen, target.columns, target.weight, T, steps))
+    return Fits(*_robust_fits(source, seen, target.columns, T, np.array(scales, np.float64)))
 
 
 @innermost
@@ -164,12 +171,12 @@ def carried(T: F64, x: float, y: float, z: float) -> Triple:
 
 @compiled
 def _robust_fits(
-    source: F64, colour: F32, seen: Mask, grid: Columns, weight: float, start: F64, scales: F64
+    source: Source, seen: Mask, grid: Columns, start: F64, scales: F64
 ) -> tuple[F64, F64]:
     motions, costs = start.copy(), np.ones(len(start))
-    count = len(source)
+    xyz, colour = source
+    count, room = len(xyz), spans(grid)
     moved, near, share = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
-    tint, room, coloured = (0.0, 0.0, 0.0), spans(grid), len(grid.tint) > 0
     last = np.empty(count, np.int64)
     for k in range(len(start)):
         T = motions[k]
@@ -179,10 +186,9 @@ def _robust_fits(
             for i in range(count):
                 if not seen[k, i]:
                     continue
-                place = carried(T, source[i, 0], source[i, 1], source[i, 2])
+                place = carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2])
                 moved[pairs] = place
-                if coloured:
-                    tint = toned(colour, i, weight)
+                tint = toned(grid, colour, i)
                 # What was the nearest before is so again, or nearly.
                 square, at = nearest_one(grid, place, tint, PAIRED * scale, room, last[i])
                 last[i] = at

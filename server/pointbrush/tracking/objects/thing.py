@@ -84,7 +84,7 @@ class Rivals:
         That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
         metres from it stays.
         """
-        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, 0.0, within)
+        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, within)
         step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
         return Rivals(self.xyz + step, self.colour, self.weight)
 
@@ -105,8 +105,7 @@ class Rivals:
             if not len(rest):
                 break
             at = xyz[rest] if back is None else transform(back, xyz[rest])
-            grid, weight = self.target.columns, self.target.weight
-            explained[rest] = nearer_than(grid, at, colour[rest], weight, within[rest])
+            explained[rest] = nearer_than(self.target.columns, at, colour[rest], within[rest])
         return explained
 
 

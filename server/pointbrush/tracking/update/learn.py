@@ -120,7 +120,7 @@ def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F6
     if not len(points):
         return
     xyz = transform(back, view.xyz[points].astype(np.float64))
-    gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, 0.0, np.inf)
+    gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, np.inf)
     sure = thing.motion.slow(thing.unit)
     thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)
 
