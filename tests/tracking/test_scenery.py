@@ -130,7 +130,7 @@ def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:
         image[at] = 1.0
         image[7] = np.nan
     images[1][6] = 3.5
-    depth, count = farthest(images, lambda depth: np.full_like(depth, 0.01))
+    depth, count = farthest(images, DepthNoise(0.01, 0.0))
     np.testing.assert_allclose(depth[:6], 3.0)
     np.testing.assert_array_equal(count[:6], [3, 3, 3, 3, 4, 4])
     assert count[6] == 1
@@ -215,7 +215,7 @@ def test_slanting_surfaces_are_as_deep_as_they_are_and_at_edges_the_nearest_coun
     scene = room_corner()
     scene[60:, 100:] -= 0.3  # a box on the floor
     known = np.append(scene.ravel(), np.float32(np.nan))
-    found = least(known, SHAPE, 0.001, 0.001)[:-1].reshape(SHAPE)
+    found = least(known, SHAPE, DepthNoise(0.001, 0.001))[:-1].reshape(SHAPE)
     np.testing.assert_array_equal(found[85:95, 5:90], scene[85:95, 5:90])
     np.testing.assert_array_equal(found[80:95, 99], scene[79:94, 100].clip(max=scene[81:96, 100]))
 

@@ -153,33 +153,28 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        return stood(*view.cells, indices, self.depth, self.last, *self._waver)
+        return stood(view.cells, indices, self.depth, self.last, self.waver)
 
     def faint(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         before = (self.depth[cell] - depth) / self.waver(depth)
         return np.asarray((before > FAINT) & (before <= NEAR))
 
-    @property
-    def _waver(self) -> tuple[float, float]:
-        return self.waver.still, self.waver.growing
-
     def stayed(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         as_deep = np.abs(depth - self.anchor[cell]) < NEAR * self.waver(depth)
         return np.asarray(as_deep & (self.age[cell] >= frames))
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         return np.asarray(depth > self.depth[cell] + NEAR * self.waver(depth))
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        nearest = self._before(view)
-        return scenery(*view.cells, indices, frames, nearest, *self._waver, self._images)
+        return scenery(view.cells, indices, frames, self._before(view), self._images)
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
@@ -187,7 +182,7 @@ class ImageBackground:
             return
         start = first.depth.copy()
         for points in first.labels.values():
-            start[first.cells[0][points]] = np.nan
+            start[first.cells.cell[points]] = np.nan
         images = [start[:-1], *(view.depth[:-1] for view in others)]
         self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.lens.shape)
 
@@ -208,10 +203,10 @@ class ImageBackground:
         shape = first.lens.shape if first.lens else (1, len(scene))
         known = np.isfinite(scene)
         for points in first.labels.values():
-            known[first.cells[0][points]] = False
+            known[first.cells.cell[points]] = False
         joined = continued(scene, known, shape)
         for points in first.labels.values():
-            cell, depth = first.cells[0][points], first.cells[1][points]
+            cell, depth = first.cells.pick(points)
             apart = ROOM * float(np.ptp(first.xyz[points], axis=0).max())
             behind = scene[cell] > depth + NEAR * self.waver(depth)
             behind &= scene[cell] > ROUGHLY * self.hidden[cell]
@@ -225,12 +220,11 @@ class ImageBackground:
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        nearest = self._before(view)
-        return before(*view.cells, indices, nearest, self.scale, *self._waver)
+        return before(view.cells, indices, self._before(view), self.scale, self.waver)
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """See ``PictureBackground``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         limit, stood = NEAR * self.waver(depth), self.depth[cell]
         return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
 
@@ -252,35 +246,44 @@ class ImageBackground:
         if view.lens is None:
             return np.full_like(self.depth, np.nan)
         if self.nearest is None:
-            self.nearest = least(self._known, view.lens.shape, *self._waver)
+            self.nearest = least(self._known, view.lens.shape, self.waver)
         return self.nearest
 
     @property
     def _images(self) -> Images:
         return Images(
-            self.scene, self.depth, self.hidden, self.previous, self.anchor, self.age, self.scale
+            noise=self.waver,
+            scale=self.scale,
+            scene=self.scene,
+            depth=self.depth,
+            hidden=self.hidden,
+            previous=self.previous,
+            anchor=self.anchor,
+            age=self.age,
+            hider=self.hider,
+            hiding=self.hiding,
         )
 
     def drawn_on(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         return np.asarray(depth > HIDDEN * self.hidden[cell] - NEAR * self.waver(depth))
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
-        points = uncovered(*view.cells, self.hider, self.hiding, *self._waver, self._images)
-        return points, self.hider[view.cells[0][points]].astype(np.int64)
+        points = uncovered(view.cells, self._images)
+        return points, self.hider[view.cells.cell[points]].astype(np.int64)
 
     def again(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         return self.held.again(cell, depth, NEAR * self.waver(depth))
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
         height, width = view.lens.shape if view.lens else (0, 0)
-        cell = view.cells[0]
+        cell = view.cells.cell
         self.owner, self.hider = self.hider, self.owner
         self.hider[~self.covered] = 0
         self.owner[:] = 0
@@ -296,7 +299,7 @@ class ImageBackground:
             self.covered &= labelled | ~(seen > self.previous - limit)
         labelled |= self.held.learn(seen, self.owner, limit, self._known)
         if keep is not None and len(keep):
-            labelled[view.project(keep)[0]] = True
+            labelled[view.project(keep).cell] = True
             labelled[-1] = False
         if first and view.lens is not None:
             beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])

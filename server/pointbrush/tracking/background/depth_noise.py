@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,9 +19,12 @@ LEAST = 5e-4
 """Metres of noise that there is at least: no depth camera measures more finely."""
 
 
-@dataclass(frozen=True, slots=True)
-class DepthNoise:
-    """Depth noise: standard deviation ``still + growing * depth**2`` metres."""
+class DepthNoise(NamedTuple):
+    """Depth noise: standard deviation ``still + growing * depth**2`` metres.
+
+    It grows with the square of the distance, as that of triangulated depth does (Khoshelham and
+    Elberink 2012).
+    """
 
     still: float
     growing: float

@@ -6,10 +6,9 @@ before it.  But what was his, and shows again as deep as it was, is he: no scene
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
@@ -19,15 +18,15 @@ STAYS = 0.5
 """Share of what is seen of a thing that has to be where it was, for it to have stayed."""
 
 
-@dataclass(eq=False)
-class LastSeen:
-    """The farthest label of each cell, 0 for none, and its depth when it was last seen.
+class LastSeen(NamedTuple):
+    """The farthest ``label`` of each cell, 0 for none, and its ``depth`` when it was last seen.
 
-    A cell keeps it while something nearer hides it, and gives it up when it shows what lies behind,
-    or the thing is seen elsewhere.
+    Arrays (cells + 1,), changed in place as frames are learnt.  A cell keeps its label while
+    something nearer hides it, and gives it up when it shows what lies behind, or the thing is seen
+    elsewhere.
     """
 
-    label: NDArray[np.int32]
+    label: I32
     depth: F32
 
     @staticmethod
@@ -35,13 +34,13 @@ class LastSeen:
         """No label in any of so many cells."""
         return LastSeen(np.zeros(count, np.int32), np.full(count, np.nan, np.float32))
 
-    def learn(self, seen: F32, owner: NDArray[np.int32], limit: F32, known: F32) -> Mask:
+    def learn(self, seen: F32, owner: I32, limit: F32, known: F32) -> Mask:
         """Take in a frame; which cells show without a label what was labelled there.
 
         ``seen`` depths and ``owner`` labels of the cells, ``limit`` metres within which a depth is
         the same, ``known`` depths of the scene, NaN where it was never seen.
         """
-        return _learnt(self.label, self.depth, seen, owner, limit, known)
+        return _learnt(self, seen, owner, limit, known)
 
     def again(self, cell: I32, depth: F32, limit: F32) -> I64:
         """(M,) label that was as deep as that in the cells (M,), 0 for none."""
@@ -50,15 +49,9 @@ class LastSeen:
 
 
 @compiled
-def _learnt(
-    label: NDArray[np.int32],
-    depth: F32,
-    seen: F32,
-    owner: NDArray[np.int32],
-    limit: F32,
-    known: F32,
-) -> Mask:
-    gone = _gone(label, depth, seen, owner, limit)
+def _learnt(last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32) -> Mask:
+    label, depth = last
+    gone = _gone(last, seen, owner, limit)
     missed = np.zeros(len(seen), np.bool_)
     for c in range(len(seen)):
         if label[c] != 0 and gone[label[c]]:
@@ -78,10 +71,9 @@ def _learnt(
 
 
 @compiled
-def _gone(
-    label: NDArray[np.int32], depth: F32, seen: F32, owner: NDArray[np.int32], limit: F32
-) -> Mask:
+def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32) -> Mask:
     """(labels,) which are seen, and mostly elsewhere than before."""
+    label, depth = last
     most = 0
     for c in range(len(seen)):
         most = max(most, label[c], owner[c])

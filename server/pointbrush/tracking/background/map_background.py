@@ -38,7 +38,7 @@ class MapBackground(PointBackground):
         if self._drawn is None or self._drawn[0] != view.number:
             assert view.lens is not None  # noqa: S101  (only then there is a chart)
             depth = self._chart.drawn(view)
-            limit = least(depth, view.lens.shape, self.waver.still, self.waver.growing)
+            limit = least(depth, view.lens.shape, self.waver)
             limit -= NEAR * self.waver(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(view.lens.shape)).ravel()
             if hole.any():
@@ -49,7 +49,7 @@ class MapBackground(PointBackground):
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         scene = self._scene(view)[0][cell]
         far = depth - scene > -NEAR * self.waver(depth)
         rest = np.flatnonzero(~far & ~self.certain(view, indices))
@@ -60,7 +60,7 @@ class MapBackground(PointBackground):
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
         """See ``Background``; what has stood still for some ``frames`` is charted."""
-        known = np.isfinite(self._scene(view)[0][view.cells[0][indices]])
+        known = np.isfinite(self._scene(view)[0][view.cells.cell[indices]])
         return known & ~self.certain(view, indices)
 
     def furniture(self, view: View, indices: I64) -> Mask:
@@ -79,7 +79,7 @@ class MapBackground(PointBackground):
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        cell, depth = view.cells[0][indices], view.cells[1][indices]
+        cell, depth = view.cells.pick(indices)
         return np.asarray(depth < self._scene(view)[1][cell])
 
 

@@ -6,12 +6,13 @@ that is labelled may be another side of it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.geometry.near import close_to
@@ -19,8 +20,6 @@ from pointbrush.tracking.geometry.windows import least_around, widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
-Deviation = Callable[[F32], F32]
-"""Depths → standard deviations, metres."""
 SHOWN, THROUGH = 2, 0.1
 """Frames that have to show a piece, and for each of them those that may see through it."""
 RARELY = 0.25
@@ -35,21 +34,21 @@ RIM = 2
 """Pixels about a thing that are its outline."""
 
 
-def chart_of(views: Sequence[View], deviation: Deviation) -> SurfaceMap:
+def chart_of(views: Sequence[View], noise: DepthNoise) -> SurfaceMap:
     """The scene of some frames with depth images; the first has labels."""
     chart = SurfaceMap(np.empty((0, 3)), np.empty((0, 3)))
     around = [_around(view) for view in views]
     for view in views:
         depth = view.depth.copy()
         for points in view.labels.values():
-            depth[view.cells[0][points]] = np.nan
-        depth[np.abs(depth - chart.drawn(view)) < NEAR * deviation(depth)] = np.nan
+            depth[view.cells.cell[points]] = np.nan
+        depth[np.abs(depth - chart.drawn(view)) < NEAR * noise(depth)] = np.nan
         new = SurfaceMap.of(view, depth)
-        asked = [_asked(v, a, new.at, deviation) for v, a in zip(views, around, strict=True)]
+        asked = [_asked(v, a, new.at, noise) for v, a in zip(views, around, strict=True)]
         inside, shown, through = np.sum(asked, axis=0)
         enough = np.maximum(min(SHOWN, len(views)), RARELY * inside)
         keep = (shown >= enough) & (through <= THROUGH * shown)
-        keep &= ~_about(new.at, views[0], deviation)
+        keep &= ~_about(new.at, views[0], noise)
         chart += new.pick(keep)
     return chart
 
@@ -75,16 +74,16 @@ def _least(view: View, image: F32) -> F32:
     return result
 
 
-def _asked(view: View, seen: _Around, at: F64, deviation: Deviation) -> NDArray[np.int64]:
+def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
     """(3, M) whether the places (M, 3) lie in a picture, show a surface there, are seen through."""
     cell, depth = view.project(at)
-    limit = NEAR * deviation(depth)
+    limit = NEAR * noise(depth)
     through = seen.least[cell] > depth + limit
     shown = ~through & (seen.most[cell] > depth - limit)
     return np.stack([cell >= 0, shown, through]).astype(np.int64)
 
 
-def _about(at: F64, first: View, deviation: Deviation) -> Mask:
+def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     """Which of the places (M, 3) may be of the things that are labelled in the first frame.
 
     They lie there or close behind; not far behind one of them; or beside, where that frame does
@@ -104,7 +103,7 @@ def _about(at: F64, first: View, deviation: Deviation) -> Mask:
     some = some[:: max(1, len(some) // SAMPLE)]
     objects = first.xyz[some].astype(np.float64)
     hidden = labelled[cell] & (depth > first.depth[cell]) & close_to(at, objects, BODY * longest)
-    others = ~labelled[cell] & (np.abs(first.depth[cell] - depth) < NEAR * deviation(depth))
+    others = ~labelled[cell] & (np.abs(first.depth[cell] - depth) < NEAR * noise(depth))
     return np.asarray(there | hidden | (close_to(at, objects, ROOM * longest) & ~others))
 
 
@@ -112,6 +111,6 @@ def _extent(view: View, points: I64) -> tuple[Mask, F32]:
     """The cells (cells + 1,) of some points and a rim about them, and the greatest depth there."""
     assert view.lens is not None  # noqa: S101
     front = np.full(len(view.depth), np.nan, np.float32)
-    front[view.cells[0][points]] = view.cells[1][points]
+    front[view.cells.cell[points]] = view.cells.depth[points]
     rim = widened(np.isfinite(front[:-1]).reshape(view.lens.shape), RIM)
     return np.append(rim, False), -_least(view, -front)

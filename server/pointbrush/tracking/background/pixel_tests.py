@@ -1,7 +1,8 @@
-"""What stood still, point by point: compiled loops over what is known of each cell.
+"""What stood still, point by point: compiled loops over what is known of each pixel.
 
-``cells`` and ``depths`` (N,) of all points of a frame; ``still`` and ``growing`` are those of the
-``DepthNoise``.  Comparing with NaN is false: nothing holds where nothing is known.
+``points`` are all points of a frame in its depth image, ``indices`` (M,) those that are asked.
+Images are flat, (cells + 1,): the last entry, -1, stands for what lies outside.  Depths are metres,
+NaN where unknown; comparing with NaN is false, so that nothing holds where nothing is known.
 """
 
 from __future__ import annotations
@@ -9,12 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.scenery import NEAR
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.sensor.lens import I32
+from pointbrush.tracking.sensor.lens import I32, Projection
 
 HIDDEN = 0.985
 """Share of its depth at which the scene drawn on behind an object begins."""
@@ -23,64 +24,64 @@ LEARNT = 0.2
 
 
 class Images(NamedTuple):
-    """What ``ImageBackground`` knows of each cell, for compiled loops."""
+    """What ``ImageBackground`` knows of each cell (cells + 1,), for compiled loops; see there."""
 
+    noise: DepthNoise
+    scale: F32
     scene: F32
     depth: F32
     hidden: F32
     previous: F32
     anchor: F32
-    age: NDArray[np.int32]
-    scale: F32
+    age: I32
+    hider: I32
+    hiding: F32
+
+
+@innermost
+def _limit(noise: DepthNoise, depth: float) -> float:
+    """Metres within which a depth is the same depth."""
+    return NEAR * (noise.still + noise.growing * depth * depth)
 
 
 @compiled
 def stood(
-    cells: I32, depths: F32, indices: I64, known: F32, last: F32, still: float, growing: float
+    points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise
 ) -> tuple[Mask, Mask]:
-    """See ``Background.static``."""
+    """See ``Background.static``: ``known`` depths of the background, and those of the ``last``
+    frame where nothing was labelled."""
+    cells, depths = points
     count = len(indices)
     far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth)
-        # Comparing with NaN is false: neither holds where nothing is known.
+        limit = _limit(noise, depth)
         far[i] = depth - known[cell] > -limit
         rest[i] = abs(depth - last[cell]) < limit
     return far, rest
 
 
 @compiled
-def before(
-    cells: I32, depths: F32, indices: I64, least: F32, scale: F32, still: float, growing: float
-) -> Mask:
-    """See ``Background.certain``."""
+def before(points: Projection, indices: I64, nearest: F32, scale: F32, noise: DepthNoise) -> Mask:
+    """See ``Background.certain``: ``nearest`` as of ``least``, ``scale`` as of ``Images``."""
+    cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth) * scale[cell]
-        result[i] = depth < least[cell] - limit
+        result[i] = depth < nearest[cell] - _limit(noise, depth) * scale[cell]
     return result
 
 
 @compiled
-def scenery(
-    cells: I32,
-    depths: F32,
-    indices: I64,
-    frames: int,
-    least: F32,
-    still: float,
-    growing: float,
-    images: Images,
-) -> Mask:
-    """See ``Background.scenery``."""
+def scenery(points: Projection, indices: I64, frames: int, nearest: F32, images: Images) -> Mask:
+    """See ``Background.scenery``: ``nearest`` as of ``least``."""
+    cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = NEAR * (still + growing * depth * depth) * images.scale[cell]
+        limit = _limit(images.noise, depth) * images.scale[cell]
         if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
-            result[i] = not depth < least[cell] - limit
+            result[i] = not depth < nearest[cell] - limit
             continue
         # Uncovered just now, where the scene around goes on: no object came there.
         new = not abs(depth - images.previous[cell]) < limit
@@ -91,24 +92,18 @@ def scenery(
 
 
 @compiled
-def uncovered(
-    cells: I32,
-    depths: F32,
-    hider: NDArray[np.int32],
-    hiding: F32,
-    still: float,
-    growing: float,
-    images: Images,
-) -> I64:
+def uncovered(points: Projection, images: Images) -> I64:
     """See ``Background.uncovered``: the points (M,)."""
+    cells, depths = points
     found = np.empty(len(cells), np.int64)
     count = 0
     for i in range(len(cells)):
         cell, depth = cells[i], depths[i]
-        if hider[cell] == 0:
+        if images.hider[cell] == 0:
             continue
-        limit = NEAR * (still + growing * depth * depth)
-        shown = abs(depth - images.previous[cell]) < limit and depth > hiding[cell] + limit
+        limit = _limit(images.noise, depth)
+        there = abs(depth - images.previous[cell]) < limit
+        shown = there and depth > images.hiding[cell] + limit
         goes_on = depth > HIDDEN * images.hidden[cell] - limit
         if shown and not goes_on and not depth - images.depth[cell] > -limit:
             found[count] = i
@@ -117,7 +112,7 @@ def uncovered(
 
 
 @compiled
-def keep_up(anchor: F32, age: NDArray[np.int32], seen: F32, limit: F32, scale: F32) -> None:
+def keep_up(anchor: F32, age: I32, seen: F32, limit: F32, scale: F32) -> None:
     """Count the frames for which each cell has been as deep as it is ``seen``, within a ``limit``;
     one that shows nothing may still be."""
     for c in range(len(seen)):
@@ -140,7 +135,7 @@ def take_in(known: F32, seen: F32, limit: F32) -> None:
 
 
 @compiled
-def least(known: F32, shape: tuple[int, int], still: float, growing: float) -> F32:
+def least(known: F32, shape: tuple[int, int], noise: DepthNoise) -> F32:
     """(cells + 1,) the least depth that the scene may show in each cell.
 
     ``known`` (cells + 1,) its depth, NaN where unknown.  At an edge the cells beside it are seen
@@ -154,7 +149,7 @@ def least(known: F32, shape: tuple[int, int], still: float, growing: float) -> F
             depth = known[cell]
             if np.isnan(depth):
                 continue
-            same = still + growing * depth * depth
+            same = noise.still + noise.growing * depth * depth
             for down, along in ((0, 1), (1, 0), (1, 1), (1, -1)):
                 one = other = np.float32(np.nan)
                 if row >= down and 0 <= column - along < width:

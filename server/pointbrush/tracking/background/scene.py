@@ -97,7 +97,7 @@ class Scene:
         way = self._way.over(some)
         poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
         seen = len(way.lost) <= COVERED * len(some)
-        still = steadied(self.lens, self.first.cells[1], poses) if seen else None
+        still = steadied(self.lens, self.first.cells.depth, poses) if seen else None
         if still is not None:
             self.lens, self._steady = still, True
             self.first = self._look(self._order[0])
@@ -106,7 +106,7 @@ class Scene:
         """The first depth image without what is ``painted`` (M,), unless that is nearly all."""
         depth = self.first.depth.copy()
         if painted is not None:
-            depth[self.first.cells[0][painted]] = np.nan
+            depth[self.first.cells.cell[painted]] = np.nan
         enough = np.isfinite(depth).sum() > LEAST * np.isfinite(self.first.depth).sum()
         return depth if enough else self.first.depth
 
@@ -159,7 +159,7 @@ class Scene:
         """Median depth noise at some points, metres."""
         if self.lens is None or not len(indices):
             return 0.0
-        return float(np.median(self._waver(view.cells[1][indices])))
+        return float(np.median(self._waver(view.cells.depth[indices])))
 
     def learn_first(self, *, survey: bool) -> None:
         """Take in the first frame, whose labels are a person's.

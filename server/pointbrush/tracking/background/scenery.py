@@ -7,7 +7,7 @@ object by being where the scene's surfaces, drawn on behind the object, have to 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +16,7 @@ from scipy.ndimage import map_coordinates
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-from pointbrush.tracking.background.depth_noise import DEVIATION
+from pointbrush.tracking.background.depth_noise import DEVIATION, DepthNoise
 from pointbrush.tracking.geometry.windows import blocks, widened
 from pointbrush.tracking.interface import F32, Mask
 
@@ -98,18 +98,18 @@ def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.
     return result
 
 
-def farthest(images: Iterable[F32], deviation: Callable[[F32], F32]) -> tuple[F32, F32]:
+def farthest(images: Iterable[F32], noise: DepthNoise) -> tuple[F32, F32]:
     """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
 
-    ``images`` depths (H * W,) of frames of a whole recording; ``deviation`` depth → metres.
-    What is passed by now and then is known from the first frame on.
+    ``images`` depths (H * W,) of frames of a whole recording: so the scene behind what is passed by
+    now and then is known from the first frame on.
     """
     best = count = None
     for image in images:
         if best is None or count is None:
             best, count = image.copy(), np.isfinite(image).astype(np.float32)
             continue
-        limit = NEAR * deviation(image)
+        limit = NEAR * noise(image)
         change = image - best
         farther = np.isfinite(image) & ~(change <= limit)
         same = np.flatnonzero(np.abs(change) <= limit)

@@ -69,7 +69,7 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
     """What ``view`` shows around a thing whose surface is at ``world`` (M, 3)."""
     if view.lens is None:
         return None
-    cell = view.project(world)[0]
+    cell = view.project(world).cell
     cell = cell[cell >= 0]
     if not len(cell):
         return None

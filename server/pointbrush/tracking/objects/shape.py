@@ -31,7 +31,7 @@ def cut_off_by_edge(view: View, indices: I64) -> bool:
     if view.lens is None:
         return False
     others, away = ~view.labelled(), np.inf
-    for at in np.divmod(view.cells[0], view.lens.shape[1]):
+    for at in np.divmod(view.cells.cell, view.lens.shape[1]):
         for side in (at, -at):
             if others.any() and side[others].min() < side.min() + RIM:
                 away = np.minimum(away, side[indices] - side.min())

@@ -38,13 +38,13 @@ OWN = 1.5
 
 def strides(sight: Observation, people: Sequence[Person]) -> F64:
     """(K, 3) metres that each person has gone."""
-    at = sight.view.cells[0]
+    at = sight.view.cells.cell
     moving = sight.view.marked(sight.cells.indices)
     taken = np.zeros_like(moving)
     tints = np.zeros((len(sight.view.depth), 3), np.float32)
     if sight.tints is not None:
         tints[at[sight.cells.indices]] = sight.tints
-    away = [float(np.median(sight.view.project(f.xyz)[1])) for f in people]
+    away = [float(np.median(sight.view.project(f.xyz).depth)) for f in people]
     found = np.zeros((len(people), 3))
     for k in sorted(range(len(people)), key=lambda k: (people[k].missing > 0, away[k])):
         found[k] = _stride(sight, people[k], moving & ~taken, tints)

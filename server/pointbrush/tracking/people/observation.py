@@ -62,7 +62,7 @@ class Observation:
 
     def take_flying(self, points: I64) -> I64:
         """The flying pixels (B,) at the outline of the ``points`` (M,): nobody else's."""
-        beside = self.view.around(points)[self.view.cells[0][self.flying]]
+        beside = self.view.around(points)[self.view.cells.cell[self.flying]]
         taken, self.flying = self.flying[beside], self.flying[~beside]
         return taken
 
@@ -114,7 +114,8 @@ class Observation:
     @cached_property
     def areas(self) -> F64:
         """(N,) the same of each cell."""
-        return np.asarray(self.cells.count * self.view.project(self.cells.middle)[1] ** 2)
+        _, depth = self.view.project(self.cells.middle)
+        return np.asarray(self.cells.count * depth**2)
 
     def unlike(self, worn: ColourHistogram) -> F64:
         """(N,) how much rarer the colours of each cell are than usual ones among those worn."""

@@ -14,6 +14,8 @@ import numpy as np
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.people.observation import Observation
 
+SAMPLE = 50
+"""Points that tell how far away somebody is."""
 TOP = 0.01
 """Share of the most that ever showed of somebody that lies above what is taken for his top."""
 ABOVE, BEHIND = (0.12, 0.25), 0.15
@@ -66,8 +68,8 @@ def top_of(sight: Observation, cells: I64, area: float) -> float | None:
         return None
     world = sight.view.xyz[points].astype(np.float64)
     height = world @ sight.up
-    depth = float(np.median(sight.view.project(world[:: max(1, len(points) // 50)])[1]))
-    above = max(1, round(TOP * max(area, sight.area(cells)) / depth**2))
+    _, depth = sight.view.project(world[:: max(1, len(points) // SAMPLE)])
+    above = max(1, round(TOP * max(area, sight.area(cells)) / float(np.median(depth)) ** 2))
     if above >= len(points):
         return None
     order = np.argpartition(height, len(points) - above)

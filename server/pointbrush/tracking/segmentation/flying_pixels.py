@@ -52,7 +52,7 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
     """
     if view.lens is None or not view.lens.lattice:
         return False
-    cell = view.cells[0]
+    cell = view.cells.cell
     near = np.flatnonzero(view.around(points)[cell])
     loose = near[_loose(view, near, np.isfinite(view.depth), unit)]
     return len(loose) >= FEWEST and float(view.marked(points)[cell[loose]].mean()) > MOSTLY
@@ -60,7 +60,7 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
     assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
-    cell, depth = view.cells[0][points], view.cells[1][points]
+    cell, depth = view.cells.pick(points)
     rule = FlyingRule(BEHIND * unit, BESIDE * unit, reach=1, few=0, margin=0)
     return lies_behind(cell, depth, view.depth, own, view.lens.shape[1], rule)
 

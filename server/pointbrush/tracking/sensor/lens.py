@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.geometry.compiled import compiled, innermost
-from pointbrush.tracking.interface import F32, F64, TrackFrame
+from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
 from pointbrush.tracking.sensor.range_image import FAR, reach_of
 
 I32 = NDArray[np.int32]
@@ -42,6 +42,20 @@ WIDEST = 1.6
 MOST_CELLS = 4_000_000
 
 
+class Projection(NamedTuple):
+    """Where points (N,) lie in a depth image.
+
+    ``cell`` row * width + column, -1 outside; ``depth`` metres along the image's axis.
+    """
+
+    cell: I32
+    depth: F32
+
+    def pick(self, indices: I64) -> Projection:
+        """Some of the points (M,)."""
+        return Projection(self.cell[indices], self.depth[indices])
+
+
 @dataclass(frozen=True, eq=False)
 class Lens:
     """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
@@ -59,9 +73,9 @@ class Lens:
     shape: tuple[int, int]
     lattice: bool = True
 
-    def cells(self, xyz: F32) -> tuple[I32, F32]:
-        """Flat cell (-1 outside) and depth (metres along the axis) of points (N, 3)."""
-        return _cells(self.pixels, np.asarray(xyz, np.float32))
+    def cells(self, xyz: F32) -> Projection:
+        """Where points (N, 3) lie in the image."""
+        return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32)))
 
     @cached_property
     def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)

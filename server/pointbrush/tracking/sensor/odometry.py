@@ -196,7 +196,7 @@ def framed(frame: TrackFrame, lens: Lens) -> bool:
     """
     height, width = lens.shape
     seen = np.zeros(height * width + 1, np.bool_)
-    seen[lens.cells(np.asarray(frame.xyz, np.float32))[0]] = True
+    seen[lens.cells(np.asarray(frame.xyz, np.float32)).cell] = True
     image = seen[:-1].reshape(height, width)[MARGIN:-MARGIN, MARGIN:-MARGIN]
     band = max(1, int(BAND * min(image.shape)))
     sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])

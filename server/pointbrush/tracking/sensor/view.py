@@ -19,7 +19,7 @@ from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
 from pointbrush.tracking.sensor.ground import on_ground
-from pointbrush.tracking.sensor.lens import I32, Lens
+from pointbrush.tracking.sensor.lens import Lens, Projection
 from pointbrush.tracking.sensor.range_image import (
     FAR,
     RangeImage,
@@ -127,8 +127,8 @@ class View:
         return mask
 
     @cached_property
-    def cells(self) -> tuple[I32, F32]:
-        """Flat image cell and depth of every point; needs a lens."""
+    def cells(self) -> Projection:
+        """Where every point (N,) lies in the depth image; needs a lens."""
         assert self.lens is not None  # noqa: S101  (callers ask only where there is one)
         return self.lens.cells(self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32))
 
@@ -146,7 +146,7 @@ class View:
     def marked(self, points: I64) -> Mask:
         """(cells + 1,) the pixels that show some of the ``points`` (M,)."""
         mask = np.zeros(len(self.depth), np.bool_)
-        mask[self.cells[0][points]] = True
+        mask[self.cells.cell[points]] = True
         return mask
 
     def around(self, points: I64) -> Mask:
@@ -206,7 +206,7 @@ class View:
         """
         if self.lens is None:
             return np.ones(len(indices), np.bool_)
-        cell, depth = self.cells[0][indices], self.cells[1][indices]
+        cell, depth = self.cells.pick(indices)
         firm = np.ones(len(indices), np.bool_)
         width = self.lens.shape[1]
         for beside in (-width, -1, 1, width):
@@ -215,8 +215,8 @@ class View:
                 firm &= ~(np.abs(other - depth) > step)
         return firm
 
-    def project(self, world: F64) -> tuple[I32, F32]:
-        """Cell (-1 outside) and depth of any points of the world; needs a lens."""
+    def project(self, world: F64) -> Projection:
+        """Where any points (M, 3) of the world lie in the depth image; needs a lens."""
         assert self.lens is not None  # noqa: S101
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
         return self.lens.cells(local.astype(np.float32))
