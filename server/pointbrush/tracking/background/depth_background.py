@@ -178,13 +178,13 @@ class ImageBackground:
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
-        if first.lens is None or not others:
+        if not others:
             return
         start = first.depth.copy()
         for points in first.labels.values():
             start[first.cells.cell[points]] = np.nan
         images = [start[:-1], *(view.depth[:-1] for view in others)]
-        self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.lens.shape)
+        self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.camera.shape)
 
     @property
     def _known(self) -> F32:
@@ -200,7 +200,7 @@ class ImageBackground:
         """
         scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
         scene[count < max(ONCE_MORE, RARELY * (1 + len(others)))] = np.nan
-        shape = first.lens.shape if first.lens else (1, len(scene))
+        shape = first.camera.shape
         known = np.isfinite(scene)
         for points in first.labels.values():
             known[first.cells.cell[points]] = False
@@ -243,10 +243,8 @@ class ImageBackground:
 
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""
-        if view.lens is None:
-            return np.full_like(self.depth, np.nan)
         if self.nearest is None:
-            self.nearest = least(self._known, view.lens.shape, self.waver)
+            self.nearest = least(self._known, view.camera.shape, self.waver)
         return self.nearest
 
     @property
@@ -282,7 +280,6 @@ class ImageBackground:
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
         seen = view.depth.copy()
-        height, width = view.lens.shape if view.lens else (0, 0)
         cell = view.cells.cell
         self.owner, self.hider = self.hider, self.owner
         self.hider[~self.covered] = 0
@@ -301,14 +298,14 @@ class ImageBackground:
         if keep is not None and len(keep):
             labelled[view.project(keep).cell] = True
             labelled[-1] = False
-        if first and view.lens is not None:
-            beyond = drawn_on(seen[:-1], view.lens.shape, labelled[:-1])
+        if first:
+            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1])
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.hiding, self.previous = self.previous, view.depth
         keep_up(self.anchor, self.age, seen, limit, self.scale)
         if not first and labelled[:-1].any():  # the last entry is what lies outside the picture
             # What a run missed at an object's rim must not become background.
-            image = labelled[:-1].reshape(height, width)
+            image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
             top, left = max(rows[0] - 3, 0), max(columns[0] - 3, 0)
             part = image[top : rows[-1] + 4, left : columns[-1] + 4]

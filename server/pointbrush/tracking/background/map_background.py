@@ -36,13 +36,12 @@ class MapBackground(PointBackground):
         What lies behind somebody who never goes away is taken to go on as it does around.
         """
         if self._drawn is None or self._drawn[0] != view.number:
-            assert view.lens is not None  # noqa: S101  (only then there is a chart)
-            depth = self._chart.drawn(view)
-            limit = least(depth, view.lens.shape, self.waver)
+            depth, shape = self._chart.drawn(view), view.camera.shape
+            limit = least(depth, shape, self.waver)
             limit -= NEAR * self.waver(limit)
-            hole = _holes(np.isnan(depth[:-1]).reshape(view.lens.shape)).ravel()
+            hole = _holes(np.isnan(depth[:-1]).reshape(shape)).ravel()
             if hole.any():
-                beyond = drawn_on(depth[:-1], view.lens.shape, np.zeros_like(hole))
+                beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole))
                 limit[:-1][hole] = ROUGHLY * beyond[hole]
             self._drawn = view.number, depth, limit
         return self._drawn[1], self._drawn[2]

@@ -67,10 +67,9 @@ def _around(view: View) -> _Around:
 
 def _least(view: View, image: F32) -> F32:
     """The least of each cell and those around it, inf where there is none."""
-    assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
     result = np.full_like(image, np.inf)
     filled = np.where(np.isnan(image[:-1]), np.float32(np.inf), image[:-1])
-    result[:-1] = least_around(filled.reshape(view.lens.shape)).ravel()
+    result[:-1] = least_around(filled.reshape(view.camera.shape)).ravel()
     return result
 
 
@@ -109,8 +108,7 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
 
 def _extent(view: View, points: I64) -> tuple[Mask, F32]:
     """The cells (cells + 1,) of some points and a rim about them, and the greatest depth there."""
-    assert view.lens is not None  # noqa: S101
     front = np.full(len(view.depth), np.nan, np.float32)
     front[view.cells.cell[points]] = view.cells.depth[points]
-    rim = widened(np.isfinite(front[:-1]).reshape(view.lens.shape), RIM)
+    rim = widened(np.isfinite(front[:-1]).reshape(view.camera.shape), RIM)
     return np.append(rim, False), -_least(view, -front)

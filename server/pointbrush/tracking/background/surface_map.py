@@ -33,16 +33,14 @@ class SurfaceMap:
     @staticmethod
     def of(view: View, depth: F32) -> SurfaceMap:
         """All that a depth image (cells + 1,) shows of what a frame's sensor sees."""
-        assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
-        at, normal = _pieces(depth, np.flatnonzero(np.isfinite(depth)), view.lens.pixels)
+        at, normal = _pieces(depth, np.flatnonzero(np.isfinite(depth)), view.camera.pixels)
         T = view.T_picture_world
         return SurfaceMap(transform(np.linalg.inv(T), at), normal @ T[:3, :3])
 
     def drawn(self, view: View) -> F32:
         """(cells + 1,) the scene's depth as a frame's sensor would see it, NaN where unknown."""
-        assert view.lens is not None  # noqa: S101
-        image = _drawn(view.T_picture_world, self.at, self.normal, view.lens.pixels)
-        _fill(image, *view.lens.shape)
+        image = _drawn(view.T_picture_world, self.at, self.normal, view.camera.pixels)
+        _fill(image, *view.camera.shape)
         return image
 
     def pick(self, keep: Mask) -> SurfaceMap:

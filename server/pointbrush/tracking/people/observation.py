@@ -118,8 +118,12 @@ class Observation:
         return np.asarray(self.cells.count * depth**2)
 
     def unlike(self, worn: ColourHistogram) -> F64:
-        """(N,) how much rarer the colours of each cell are than usual ones among those worn."""
-        assert self.tints is not None  # noqa: S101
+        """(N,) how much rarer the colours of each cell are than usual ones among those worn.
+
+        0 where the recording has no colours.
+        """
+        if self.tints is None:
+            return np.zeros(len(self.owner))
         return self.mean(worn.usual - worn.each(self.tints))
 
     def mean(self, each: F32 | F64) -> F64:

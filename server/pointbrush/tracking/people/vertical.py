@@ -30,7 +30,6 @@ def across(view: View, people: Iterable[F64]) -> F64:
 
     People (M, 3) each are longest upright; where they are not, the image's rows tell.
     """
-    assert view.lens is not None  # noqa: S101
     spread = np.zeros((3, 3))
     for xyz in people:
         away = xyz - xyz.mean(axis=0)

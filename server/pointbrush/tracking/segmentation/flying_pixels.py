@@ -59,10 +59,9 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
 
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
-    assert view.lens is not None  # noqa: S101  (callers ask only where there is one)
     cell, depth = view.cells.pick(points)
     rule = FlyingRule(BEHIND * unit, BESIDE * unit, reach=1, few=0, margin=0)
-    return lies_behind(cell, depth, view.depth, own, view.lens.shape[1], rule)
+    return lies_behind(cell, depth, view.depth, own, view.camera.shape[1], rule)
 
 
 @compiled

@@ -25,11 +25,10 @@ FEW = 2
 def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     """Which of a thing's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,) its rim.
 
-    ``unit`` metres of tolerance; needs a lens.
+    ``unit`` metres of tolerance; needs a camera.
     """
-    assert view.lens is not None  # noqa: S101
     cell, depth = view.cells
-    image, width = view.depth, view.lens.shape[1]
+    image, width = view.depth, view.camera.shape[1]
     mine = view.marked(own)
     rule = FlyingRule(BEHIND * unit, LEVEL * unit, reach=2, few=FEW, margin=2)
     flying = lies_behind(cell[own], depth[own], image, mine, width, rule)

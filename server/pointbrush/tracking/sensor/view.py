@@ -104,6 +104,16 @@ class View:
         return np.array(self.frame.rgb)
 
     @property
+    def camera(self) -> Lens:
+        """The lens of a frame that has a depth image; nobody else may be asked about one.
+
+        Raises RuntimeError where there is none.
+        """
+        if self.lens is None:
+            raise RuntimeError(f"frame {self.number}: expected a depth image, its sensor has none")
+        return self.lens
+
+    @property
     def T_world_lens(self) -> F64 | None:  # noqa: N802  (named for its direction)
         """(4, 4) from the coordinates of the lens, the frame's as a rule; None where the same."""
         return None if self.steady else self.T_world_frame
@@ -115,9 +125,8 @@ class View:
 
     @cached_property
     def T_picture_world(self) -> F64:  # noqa: N802
-        """(4, 4) from the world to what is across, down and along the image; needs a lens."""
-        assert self.lens is not None  # noqa: S101
-        return self.lens.T_picture_frame @ self.T_lens_world
+        """(4, 4) from the world to what is across, down and along the image; needs a camera."""
+        return self.camera.T_picture_frame @ self.T_lens_world
 
     def labelled(self) -> Mask:
         """(N,) points of any of the labels, a new array."""
@@ -128,15 +137,15 @@ class View:
 
     @cached_property
     def cells(self) -> Projection:
-        """Where every point (N,) lies in the depth image; needs a lens."""
-        assert self.lens is not None  # noqa: S101  (callers ask only where there is one)
-        return self.lens.cells(self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32))
+        """Where every point (N,) lies in the depth image; needs a camera."""
+        return self.camera.cells(
+            self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32)
+        )
 
     @cached_property
     def depth(self) -> F32:
         """(cells + 1,) depth image, NaN where nothing was measured and in the last entry."""
-        assert self.lens is not None  # noqa: S101
-        height, width = self.lens.shape
+        height, width = self.camera.shape
         image = np.full(height * width + 1, np.nan, np.float32)
         cell, depth = self.cells
         image[cell] = depth
@@ -151,8 +160,7 @@ class View:
 
     def around(self, points: I64) -> Mask:
         """(cells,) the same pixels, and those that touch them."""
-        assert self.lens is not None  # noqa: S101
-        return widened(self.marked(points)[:-1].reshape(self.lens.shape), 1).ravel()
+        return widened(self.marked(points)[:-1].reshape(self.camera.shape), 1).ravel()
 
     @cached_property
     def shade(self) -> RangeImage | None:
@@ -216,14 +224,13 @@ class View:
         return firm
 
     def project(self, world: F64) -> Projection:
-        """Where any points (M, 3) of the world lie in the depth image; needs a lens."""
-        assert self.lens is not None  # noqa: S101
+        """Where any points (M, 3) of the world lie in the depth image; needs a camera."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
-        return self.lens.cells(local.astype(np.float32))
+        return self.camera.cells(local.astype(np.float32))
 
     def hides(self, world: F64, margin: float) -> Mask:
         """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what
-        it shows; needs a lens."""
+        it shows; needs a camera."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
