@@ -13,11 +13,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.companions import Companions
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
@@ -85,14 +87,10 @@ class AutoTracker:
                 else:
                     first = run.start(seeds)
                 back = {n: inverse(track.pose) for n, track in first.tracks.items()}
-                yield run.scene.since(replace(first, assignments={}), back, order[0])
-                smoother = Smoother(options)
-                for number in order[1:]:
-                    held = run.step(number)
-                    for result in smoother.take(held, run.things, run.background):
-                        yield run.scene.since(result, back, order[0])
-                for result in smoother.rest():
-                    yield run.scene.since(result, back, order[0])
+                first = replace(first, assignments={})
+                for result in chain([first], run.through(order[1:])):
+                    asked = run.companions.without(result)
+                    yield run.scene.since(asked, back, order[0])
 
 
 class Run:
@@ -113,7 +111,11 @@ class Run:
         self.things: dict[int, Thing] = {}
         self.astray: dict[int, int] = {}
         self.people = JointTracking(self.things, continue_lost=options.continue_lost)
-        painted = np.concatenate([_EMPTY, *(seed.indices for seed in seeds)])
+        first = frames(order[0]).xyz
+        rules = FrameRules(len(first), known(order[0]), options)
+        self.companions = Companions(seeds, rules, first)
+        labelled = [*seeds, *self.companions.beginning]
+        painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
         self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
 
     @property
@@ -126,8 +128,10 @@ class Run:
         return np.full(len(world), STATIC * float(np.median(units)), np.float32)
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
-        """Begin with a person's points."""
+        """Begin with a person's points, and those of who goes along."""
         view = self.scene.first
+        # Whoever is asked for, all are found in the same order.
+        seeds = sorted([*seeds, *self.companions.beginning], key=lambda seed: seed.label)
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
@@ -147,12 +151,20 @@ class Run:
         for number in self.options.before[1:]:
             self.step(number)
 
+    def through(self, order: Sequence[int]) -> Iterator[FrameResult]:
+        """Find everything in the frames that follow, and what was in doubt once it is known."""
+        smoother = Smoother(self.options)
+        for number in order:
+            yield from smoother.take(self.step(number), self.things, self.background)
+        yield from smoother.rest()
+
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
         """Find everything in the next frame; ``given`` labels' points are known."""
         view, things = self.scene.view(number), self.things
         self.workers.show(view, self.background)
         rules = FrameRules(len(view.xyz), self.known(number), self.options)
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
+        fixed |= self.companions.known(rules, view.xyz, things)
         fixed |= given or {}
         free = rules.free(self.labels)
         for points in fixed.values():

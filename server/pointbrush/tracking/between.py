@@ -6,7 +6,7 @@ from both sides, and change over from the forward to the backward run where the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.tracking.interface import (
     I64,
+    FrameKnowledge,
     FrameResult,
     Frames,
     Known,
@@ -40,6 +41,25 @@ class _Task:
         """The rules of the frame at a position in the order."""
         number = self.order[at]
         return FrameRules(len(self.frames(number).xyz), self.known(number), self.options)
+
+    def known_with(self, at: int, found: Mapping[int, Found]) -> Known:
+        """What is known, and in the frame at a position also what the run ``found`` there."""
+        number = self.order[at]
+
+        def known(asked: int) -> FrameKnowledge | None:
+            know = self.known(asked)
+            if asked != number:
+                return know
+            count = len(self.frames(number).xyz)
+            label = np.zeros(count, np.uint16) if know is None else know.label.copy()
+            for n, (points, _) in found.items():
+                if points is not None:
+                    label[points] = n
+            if know is None:
+                return FrameKnowledge(label, np.zeros(count, np.uint8), np.zeros(count, np.bool_))
+            return replace(know, label=label)
+
+        return known
 
 
 @dataclass(frozen=True)
@@ -99,7 +119,8 @@ class BothSides:
             return
         backward = list(task.order[start + 1 : stop + 1])[::-1]
         options = replace(task.options, until_painted=False, before=())
-        run = self.method.track(task.frames, backward, seeds, task.known, options)
+        known = task.known_with(stop, buffer[stop])
+        run = self.method.track(task.frames, backward, seeds, known, options)
         results = list(run)[::-1]
         for label in labels:
             ahead = [buffer[p].get(label, (None, None)) for p in range(start + 1, stop + 1)]

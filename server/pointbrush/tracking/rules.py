@@ -54,6 +54,19 @@ class FrameRules:
             return None
         return np.flatnonzero((self._knowledge.label == label) & ~self._knowledge.deleted)
 
+    def labelled(self) -> dict[int, I64]:
+        """Label → its points, of labels that have enough of them."""
+        if self._knowledge is None or self._empty:
+            return {}
+        label = np.where(self._knowledge.deleted, 0, self._knowledge.label)
+        counts = np.bincount(label)
+        counts[0] = 0
+        return {n: np.flatnonzero(label == n) for n in np.flatnonzero(counts >= FEWEST).tolist()}
+
+    def untouched(self, label: int) -> bool:
+        """Whether nothing of ``label`` may be taken by those that have others."""
+        return self._options.overwrite == "never" or label in self._options.locked
+
     def take(self, indices: I64) -> None:
         """No other label may have these points."""
         self._taken[indices] = True
