@@ -46,37 +46,41 @@ ROOM = 0.15
 
 
 class Background(Protocol):
-    """Knows the past; ``learn`` a frame after its labels are decided."""
+    """What stood still in the frames that it has learnt, each after its labels were decided.
 
-    def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
+    Asked of the points ``indices`` (M,), in stored order, of the frame after those.  A kind of
+    background that cannot know what is asked says of no point that it is so.
+    """
+
+    def static(self, view: View, indices: I64, /) -> tuple[Mask, Mask]:
         """Which of the points (M,) are background, and which an unlabelled thing at rest."""
 
-    def faint(self, view: View, indices: I64) -> Mask:
+    def faint(self, view: View, indices: I64, /) -> Mask:
         """Which of the background's points (M,) may be of something that touches it there."""
 
-    def stayed(self, view: View, indices: I64, frames: int) -> Mask:
+    def stayed(self, view: View, indices: I64, frames: int, /) -> Mask:
         """Which of the points (M,), labelled or not, have been as deep for so many ``frames``."""
 
-    def revealed(self, view: View, indices: I64) -> Mask:
+    def revealed(self, view: View, indices: I64, /) -> Mask:
         """Which of the points (M,) lie behind all that was ever seen there.
 
         They are the scene behind something that has moved on, or what that had hidden.
         """
 
-    def scenery(self, view: View, indices: I64, frames: int) -> Mask:
+    def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
         """Which of the points (M,) are background, by what is known of each place's noise.
 
         Also what has just been uncovered where the scene goes on, and what, where no background
         has been seen, has stood still for so many ``frames``, labelled or not.
         """
 
-    def certain(self, view: View, indices: I64) -> Mask:
+    def certain(self, view: View, indices: I64, /) -> Mask:
         """Which of the points (M,) lie before a background that has been seen."""
 
-    def drawn_on(self, view: View, indices: I64) -> Mask:
+    def drawn_on(self, view: View, indices: I64, /) -> Mask:
         """Which of the points (M,) lie where the scene goes on behind the first objects."""
 
-    def uncovered(self, view: View) -> tuple[I64, I64]:
+    def uncovered(self, view: View, /) -> tuple[I64, I64]:
         """The points (M,) that something labelled hid until two frames ago, and its label (M,).
 
         From the first frame on: what only passed there hid nothing that had not been seen before.
@@ -84,7 +88,7 @@ class Background(Protocol):
         Without background, and what lies where the scene goes on behind the first objects.
         """
 
-    def again(self, view: View, indices: I64) -> I64:
+    def again(self, view: View, indices: I64, /) -> I64:
         """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
 
         0 for none, and where the scene behind is known.

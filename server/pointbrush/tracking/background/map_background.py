@@ -57,7 +57,7 @@ class MapBackground(PointBackground):
         known = np.isfinite(scene)
         return far | (there & ~known), there & known
 
-    def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
+    def scenery(self, view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; what has stood still for some ``frames`` is charted."""
         known = np.isfinite(self._scene(view)[0][view.cells.cell[indices]])
         return known & ~self.certain(view, indices)

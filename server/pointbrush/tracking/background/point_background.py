@@ -56,35 +56,35 @@ class PointBackground:
         rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
         labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
 
-    def stayed(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
+    def stayed(self, _view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; what a sensor on the move sees does not stay."""
         return np.zeros(len(indices), np.bool_)
 
-    def revealed(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+    def revealed(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
 
-    def scenery(self, view: View, indices: I64, frames: int) -> Mask:  # noqa: ARG002
+    def scenery(self, _view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; without a depth image there is no more to know."""
         return np.zeros(len(indices), np.bool_)
 
-    def certain(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+    def certain(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
 
-    def faint(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+    def faint(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; what is known here is no depth."""
         return np.zeros(len(indices), np.bool_)
 
-    def drawn_on(self, view: View, indices: I64) -> Mask:  # noqa: ARG002
+    def drawn_on(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image no scene is drawn on."""
         return np.zeros(len(indices), np.bool_)
 
-    def uncovered(self, view: View) -> tuple[I64, I64]:  # noqa: ARG002
+    def uncovered(self, _view: View) -> tuple[I64, I64]:
         """See ``Background``; without a depth image nothing is known to have hidden a point."""
         return np.empty(0, np.int64), np.empty(0, np.int64)
 
-    def again(self, view: View, indices: I64) -> I64:  # noqa: ARG002
+    def again(self, _view: View, indices: I64) -> I64:
         """See ``Background``; without a depth image no place is held."""
         return np.zeros(len(indices), np.int64)
 

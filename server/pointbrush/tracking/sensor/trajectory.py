@@ -26,8 +26,8 @@ class Trajectory(ABC):
     def pose(self, number: int) -> F64:
         """The pose (4, 4) of frame ``number``."""
 
-    def over(self, some: Sequence[int]) -> Trajectory:  # noqa: ARG002
-        """The way over ``some`` frames, the first of them that of the run, at their cost alone."""
+    def over(self, _some: Sequence[int]) -> Trajectory:
+        """The way over some frames, the first of them that of the run, at their cost alone."""
         return self
 
 
