@@ -29,6 +29,10 @@ from pointbrush.tracking.interface import (
 )
 from pointbrush.tracking.rules import FrameRules
 
+LONE, FINEST = 0.01, 1e-4
+"""Metres between points where there is but one, and at least, where all are one point."""
+SAMPLE = 500
+"""Points whose nearest are asked how far they are."""
 REACH = 1.2
 """A next-frame point is near the moved object within this many times the object's spacing."""
 
@@ -69,10 +73,10 @@ def most_similar_colour(frame: TrackFrame, colour: F64, k: int) -> Pair:
 def spacing(xyz: F64, frame: TrackFrame) -> float:
     """Median distance (metres) from points of a frame to their nearest other point there."""
     if len(frame.xyz) < 2:
-        return 0.01
-    sample = xyz[:: max(1, len(xyz) // 500)]
+        return LONE
+    sample = xyz[:: max(1, len(xyz) // SAMPLE)]
     distance, _ = nearest(frame.kdtree, sample, 2)
-    return max(float(np.median(distance[:, 1])), 1e-4)
+    return max(float(np.median(distance[:, 1])), FINEST)
 
 
 @dataclass(slots=True)

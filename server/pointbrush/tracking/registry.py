@@ -15,7 +15,9 @@ from pointbrush.tracking.between import BothSides
 from pointbrush.tracking.interface import Method
 
 GROUP = "pointbrush.tracking"
+"""Entry points that add a method."""
 COLOUR_NEIGHBOURS = 12
+"""Nearest points among which the paper's colour ICP takes the one of most similar colour."""
 
 
 # Imported when they are wanted: the server's own process tracks nothing, and starts without what

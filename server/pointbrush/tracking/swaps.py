@@ -17,6 +17,8 @@ from pointbrush.tracking.interface import F64
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 
+MEET = 6.0
+"""Units between two from which each may be where the other was going."""
 ROUGHLY = 2.0
 """Units by which a prediction is off at the best."""
 UNEVEN, EVEN = 0.35, 0.7
@@ -131,7 +133,7 @@ def _may_be_changed(things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pa
     if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
         return False
     off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
-    return off > CLEARLY * apart or apart < 3 * ROUGHLY * max(one.unit, other.unit)
+    return off > CLEARLY * apart or apart < MEET * max(one.unit, other.unit)
 
 
 def _off(ahead: F64, at: F64) -> float:

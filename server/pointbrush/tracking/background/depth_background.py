@@ -41,6 +41,8 @@ FAINT = 0.5
 FARTHER, LARGE = 2.0, 0.1
 """Times that a depth wavers that who had a place has to have gone for what stands there not to be
 his, and the share of what he has from which it is not a foot."""
+MISSED = 3
+"""Pixels beside what is labelled that a run may have missed of it: they are no background."""
 ROOM = 0.15
 """Share of a thing's length behind which nothing is a side of it."""
 
@@ -311,9 +313,9 @@ class ImageBackground:
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
-            top, left = max(rows[0] - 3, 0), max(columns[0] - 3, 0)
-            part = image[top : rows[-1] + 4, left : columns[-1] + 4]
-            part[...] = widened(part, 3)
+            top, left = max(rows[0] - MISSED, 0), max(columns[0] - MISSED, 0)
+            part = image[top : rows[-1] + MISSED + 1, left : columns[-1] + MISSED + 1]
+            part[...] = widened(part, MISSED)
         seen[labelled] = np.nan
         self.last = seen
         take_in(self.depth, seen, limit)

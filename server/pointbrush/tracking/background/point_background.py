@@ -15,6 +15,8 @@ from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
+KEPT = 3
+"""Frames that are kept: the first, whose labels a person made, and two later ones."""
 RIM = 2.0
 """Reaches beside what is labelled that are not taken for background."""
 
@@ -99,7 +101,7 @@ class PointBackground:
         entry = (view, labelled)
         if first or not self.past:
             self.past = [entry]
-        elif len(self.past) < 3:
+        elif len(self.past) < KEPT:
             self.past.append(entry)
         else:
-            self.past = [self.past[0], self.past[2], entry]
+            self.past = [self.past[0], self.past[-1], entry]

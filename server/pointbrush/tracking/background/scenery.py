@@ -27,8 +27,11 @@ STEP = 4
 EMPTY = 4
 """Such cells around one in which nothing was measured, nor hidden, from which no scene is there: a
 shadow beside a thing, or a dark spot, is smaller."""
-BLOCK = 16
-"""Pixels of a block that shares one deviation."""
+BLOCK, TELL = 16, 64
+"""Pixels along a block that shares one deviation, and measured ones in it above which they tell it:
+a quarter."""
+ENDLESS = 1000.0
+"""Metres as which what is endlessly far is drawn."""
 USUAL = 1.15
 """Deviation over that of the calmest pair of frames."""
 JUMP, ENOUGH = 0.01, 3
@@ -63,7 +66,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask) -> F32:
     at = [(v + 0.5) / STEP - 0.5, (u + 0.5) / STEP - 0.5]
     result = np.full(len(depth), np.nan, np.float32)
     inverse = map_coordinates(filled.reshape(rows, columns), at, order=1, mode="nearest")
-    result[v * width + u] = 1.0 / np.maximum(inverse, 1e-3)
+    result[v * width + u] = 1.0 / np.maximum(inverse, 1 / ENDLESS)
     return result
 
 
@@ -150,7 +153,7 @@ def wavering(images: Sequence[F32], deviation: F32, shape: tuple[int, int]) -> F
     for one, other in pairwise(images):
         with np.errstate(invalid="ignore"):
             change = blocks(np.abs(one - other) * DEVIATION / deviation, shape, BLOCK)
-        enough = np.isfinite(change).sum(axis=1) > BLOCK**2 // 4
+        enough = np.isfinite(change).sum(axis=1) > TELL
         median = np.full(rows * columns, np.inf)
         median[enough] = np.nanmedian(change[enough], axis=1)
         found.append(median)

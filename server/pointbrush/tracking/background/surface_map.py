@@ -19,6 +19,8 @@ JUMP = 0.03
 """Share of its distance by which a surface changes from pixel to pixel at an outline."""
 STEEP = 0.05
 """Share of its distance by which a piece may differ within a pixel."""
+CLOSEST = 0.05
+"""Metres before the sensor from which a piece is drawn: none of them sees as near."""
 BESIDE = 3
 """Drawn pixels beside one that is not, from which it is filled."""
 
@@ -84,7 +86,7 @@ def _drawn(T: F64, at: F64, normal: F64, lens: Pixels) -> F32:
     for i in range(len(at)):
         a, n = at[i], normal[i]
         z = T[2, 0] * a[0] + T[2, 1] * a[1] + T[2, 2] * a[2] + T[2, 3]
-        if not z > 0.05:
+        if not z > CLOSEST:
             continue
         x = T[0, 0] * a[0] + T[0, 1] * a[1] + T[0, 2] * a[2] + T[0, 3]
         y = T[1, 0] * a[0] + T[1, 1] * a[1] + T[1, 2] * a[2] + T[1, 3]

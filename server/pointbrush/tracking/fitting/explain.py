@@ -16,6 +16,11 @@ from pointbrush.tracking.sensor.view import View
 
 SIZE = 1.0
 """Radii by which a thing may have come nearer; what is nearer still and hides it is another."""
+OFF = 4.0
+"""Units nearer or farther than a model point from which what is measured hides it, or shows that it
+was seen through."""
+CAPPED = 3.0
+"""Scales beyond which a distance costs no more."""
 NEUTRAL, LEAN = 0.6, 0.1
 """What a pose costs that shows nothing of the model, and the weight of that, in models."""
 
@@ -45,11 +50,11 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
         seen, through = _held_against(
-            view.lens.pixels, view.T_lens_world, view.depth, world, facing, 4 * thing.unit
+            view.lens.pixels, view.T_lens_world, view.depth, world, facing, OFF * thing.unit
         )
     elif view.shade is not None:
         size = SIZE * thing.model.radius
-        hidden = view.shade.hides(world.reshape(-1, 3), 4 * thing.unit, own, size)
+        hidden = view.shade.hides(world.reshape(-1, 3), OFF * thing.unit, own, size)
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
     return Look(world, seen, through, share)
@@ -61,7 +66,7 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
     A side that was never seen must at least not stand before what was measured.
     """
     colour = thing.model.colour[sample]
-    total, count = _distances(at, colour, target.columns, 3.0 * scale)
+    total, count = _distances(at, colour, target.columns, CAPPED * scale)
     lean = LEAN * len(sample)
     return np.asarray((total + lean * NEUTRAL) / (count + lean))
 

@@ -29,6 +29,9 @@ LEAST = 20
 NARROW, WIDE = (3.0, 3.0, 3.0, 2.5), (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
 LAST = (2.5, 2.0, 2.0)
 """Scales of the fits, in units, from a prediction and from anywhere, and of the best of them."""
+AROUND = 4.0
+"""Times the first of the last scales around the best pose that is left of a target: no points are
+paired that are farther apart."""
 TRIES, TRIES_FRESH = 6, 18
 """Guesses that are fitted beside the predictions, and while the motion is unknown."""
 STILL, STILL_FIRST, STILL_ROAMING, AS_WELL = 1.0, 3.0, 1.5, 0.03
@@ -57,8 +60,9 @@ SELDOM = 4
 """Frames in one of which other places are tried again where they were no better before."""
 ELSEWHERE = 0.5
 """Radii between two guesses from which they are at different places."""
-SURPRISE, TURNED = 0.6, 0.6
-"""What a pose far from any prediction costs, and one turned half round against them."""
+SURPRISE, TURNED, FARTHEST = 0.6, 0.6, 3.0
+"""What a pose far from any prediction costs, and one turned half round against them; and the radii,
+for each frame since the thing was seen, from which it is far."""
 LEASH, LEASH_FRESH, SLACK, BEYOND = 0.5, 1.5, 3.0, 2.0
 """Share of its radius by which what a lidar sees may be off its predictions, more while its motion
 is unknown; with a share of its speed and units for each frame since it was seen; and what a pose
@@ -112,7 +116,7 @@ def register(search: Search) -> tuple[F64, float]:
         return best, float(_fits(search, search.many, best[None], (STAYED,)).cost[0])
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
-    near = search.target.around(world, 4 * LAST[0] * search.thing.unit)
+    near = search.target.around(world, AROUND * LAST[0] * search.thing.unit)
     fit = _fits(search, search.many, best[None], LAST, target=near)
     return fit.T[0], float(fit.cost[0])
 
@@ -298,7 +302,7 @@ def _surprise(search: Search, poses: F64) -> F64:
     """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
     motion, model, guesses = search.thing.motion, search.thing.model, search.guesses
     at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
-    reach = 3 * max(model.radius, search.thing.unit) * motion.gap
+    reach = FARTHEST * max(model.radius, search.thing.unit) * motion.gap
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
     cost = SURPRISE * np.minimum(1.0, off)
     if search.thing.scanned:
@@ -310,5 +314,6 @@ def _surprise(search: Search, poses: F64) -> F64:
     if motion.fresh:
         return np.asarray(0.5 * cost + far)
     turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
+    # The trace of a rotation is 3 for none, and -1 for half a turn.
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
     return np.asarray(cost + TURNED * turned + far)

@@ -22,6 +22,7 @@ CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
 """Clusters that are looked at, points of one at least, and radii of the model that one that ends
 all round has at most."""
 TURN = np.radians(40.0)
+"""What an object may turn between frames beyond its prediction, radians."""
 TURNS = np.stack(
     [
         Rotation.from_rotvec(sign * TURN * axis).as_matrix()
@@ -31,6 +32,7 @@ TURNS = np.stack(
 )
 """Rotations (6, 3, 3) by TURN about each axis, either way."""
 AS_IT_WAS = np.eye(3)[None]
+"""No rotation (1, 3, 3)."""
 ALL_WAYS = Rotation.create_group("O").as_matrix()
 """Rotations (24, 3, 3) of which one is within 63 degrees of any."""
 SLIDES = (-0.6, -0.3, 0.3, 0.6)
@@ -40,8 +42,14 @@ GRAIN, SHIFTS, APART = 4.0, 8, 2
 up to which two are one, since a fit from either finds both."""
 MOST_VOTED, FINEST = 300, 1000
 """Steps, most voted for, among which such shifts are looked for; and across all that is seen."""
-LIKE = 0.12
-"""Colour difference, in the units of ``View.colour``, up to which colours are alike."""
+LIKE, PALETTE = 0.12, 200
+"""Colour difference, in the units of ``View.colour``, up to which colours are alike, and points of
+a model that tell what colours it has."""
+THIN = 1e-3
+"""Metres of radius at least that clusters are looked for with."""
+OPPOSITE, ALONG = -0.9999, 1e-3
+"""Cosine under which two directions are opposite, and sine under which they are the same: the axis
+from one to the other is not told by their product."""
 
 
 def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
@@ -104,7 +112,7 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 def alike(model: Model, colour: F32) -> Mask:
     """Which of the colours (M, 3) the model has about."""
-    palette = model.colour[:: max(1, len(model.colour) // 200)]
+    palette = model.colour[:: max(1, len(model.colour) // PALETTE)]
     return close_to(colour, palette, LIKE)
 
 
@@ -117,7 +125,7 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
     if target.weight > 0:
         points = points[alike(model, target.colour)]
     found = _alone(model, points, thing.unit) if thing.handy else []
-    radius = max(model.radius, 1e-3)
+    radius = max(model.radius, THIN)
     while len(points) >= FEWEST and len(found) < CLUSTERS:
         some = points[:: max(1, len(points) // SEEDS)]
         near = cKDTree(points).query_ball_point(some, CROWD * radius, return_length=True)
@@ -164,9 +172,9 @@ def _axis(xyz: F64) -> tuple[F64, float]:
 def _turn(a: F64, b: F64) -> F64:
     """The least rotation (3, 3) that brings unit vector ``a`` to ``b``."""
     v, c = np.cross(a, b), float(a @ b)
-    if c < -0.9999:
+    if c < OPPOSITE:
         side = np.cross(a, [1.0, 0.0, 0.0])
-        if np.linalg.norm(side) < 1e-3:
+        if np.linalg.norm(side) < ALONG:
             side = np.cross(a, [0.0, 1.0, 0.0])
         side /= np.linalg.norm(side)
         return np.asarray(2 * np.outer(side, side) - np.eye(3))

@@ -23,13 +23,15 @@ TARGET = 1200
 """Points of the frame at most that a model is fitted to."""
 FEWEST = 5
 """Moving points under which nothing is there."""
-WIDE, NEW, FAST, PATIENCE = 1.5, 0.6, 0.4, 8
-"""Radii around the predictions that are cut out, and more while no motion is known; share of its
-speed that it may change by in a frame; and frames without it for which that adds up."""
+WIDE, NEW, BESIDE = 1.5, 0.6, 4.0
+"""Radii around the predictions that are cut out, more while no motion is known; units beside."""
+FAST, WAVERS, PATIENCE = 0.4, 2.0, 8
+"""Share of its speed by which a thing may be off its predictions, units more, and frames without it
+for which both add up."""
 JUDGED = 4.0
 """Units that the distances of guesses are judged by."""
-HALF = 0.5
-"""Radii by which a large thing goes on until what stayed is no part of it."""
+HALF, AT_LEAST = 0.5, 2
+"""Radii by which a large thing goes on until what stayed is no part of it, and frames more."""
 ONE = 0.25
 """Units by which no point of the model moves between two guesses that are one."""
 
@@ -110,8 +112,8 @@ def crop(
         guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, PATIENCE)
-    margin = WIDE * radius + 4 * unit + (NEW * radius if thing.motion.fresh else 0.0)
-    margin += (FAST * thing.motion.speed + 2 * unit) * gap
+    margin = WIDE * radius + BESIDE * unit + (NEW * radius if thing.motion.fresh else 0.0)
+    margin += (FAST * thing.motion.speed + WAVERS * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]
@@ -121,7 +123,7 @@ def crop(
         far, still = background.static(view, around)
         if thing.large:
             speed = thing.motion.speed
-            stay = int(HALF * radius / speed) + 2 if speed > unit else PATIENT
+            stay = int(HALF * radius / speed) + AT_LEAST if speed > unit else PATIENT
             rest = np.flatnonzero(~far)
             far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not

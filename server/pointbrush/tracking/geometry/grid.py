@@ -11,6 +11,8 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 MOST_ACROSS = 2**20
 """Cells along an axis; what lies beyond shares the last."""
+SPARE = 0.8
+"""Share of those cells that the rest of a cloud is spread over where a point flew far off."""
 MOST_NEAR = 200_000
 """Cells, about, of the grid in which points near some others are looked for."""
 
@@ -20,7 +22,7 @@ def cells_of(xyz: F64, size: float) -> I64:
     lo, hi = bounds(xyz)
     if float((hi - lo).max()) > MOST_ACROSS * size:
         # A point that flew off must not make the numbers of cells overflow.
-        middle, half = np.median(xyz, axis=0), 0.4 * MOST_ACROSS * size
+        middle, half = np.median(xyz, axis=0), SPARE / 2 * MOST_ACROSS * size
         xyz = np.clip(xyz, middle - half, middle + half)
         lo, hi = bounds(xyz)
     return numbered(_keys(xyz, lo, (np.floor((hi - lo) / size) + 1).astype(np.int64), size))
@@ -40,7 +42,7 @@ def _keys(xyz: F64, low: F64, extent: I64, size: float) -> I64:
 @compiled
 def numbered(key: I64) -> I64:
     """(N,) rank of each of the keys among those that occur, from 0."""
-    size = 16
+    size = 16  # of the hash table: a power of two, at most half full
     while size < 2 * len(key):
         size *= 2
     slot, distinct, first = np.full(size, -1), np.empty(len(key), np.int64), np.empty_like(key)

@@ -12,8 +12,11 @@ from pointbrush.tracking.geometry.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
 
 BIN = 0.028
-"""Width of a bin, in the units of ``View.colour``; a colour has its like three bins wide."""
+"""Width of a bin, in the units of ``View.colour``."""
+LIKE = 3
+"""Bins, each way, over which colours are alike."""
 LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+"""Least of each channel of ``View.colour``, and bins along each, the last of them brightness."""
 RATHER = 10.0
 """How many times as common among those worn a colour is that is rather theirs."""
 COARSE = 3
@@ -45,8 +48,8 @@ class ColourHistogram:
         """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
-        common = 27 * uniform_filter(share, 3, mode="constant").ravel()
-        hues = 9 * uniform_filter(share.sum(axis=2), 3, mode="constant").ravel()
+        common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
+        hues = LIKE**2 * uniform_filter(share.sum(axis=2), LIKE, mode="constant").ravel()
         usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
         return ColourHistogram(common, hues, usual, np.zeros(len(common), np.bool_))
 

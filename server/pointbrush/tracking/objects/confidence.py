@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-WEIGHTS = np.array([2.64, 2.5, -3.5, -1.5, -1.0, -1.07, 0.21, -4.0, 1.79, -0.51])
-OFFSET = 3.22
+WEIGHTS, OFFSET = np.array([2.64, 2.5, -3.5, -1.5, -1.0, -1.07, 0.21, -4.0, 1.79, -0.51]), 3.22
+"""Of the log odds: a weight for each feature, in the order of ``likelihood``, and what is added."""
 STRETCH, MIDDLE = 1.5, 1.1
 """The log odds ``MIDDLE`` are confidence 0.5; they are stretched about it."""
 BODY_WEIGHTS = np.array([1.38, 0, -3.28, -0.75, 0, -1.73, -1.0, 0, 0, 3.03, 1.76])
@@ -43,6 +43,8 @@ colours hardly vary beside each other shows all shading as a difference."""
 SIZE_MOST, CHANGE_MOST, LEFT_MOST, COARSE_MOST, POINTS_MOST = 2.0, 1.0, 4.0, 6.0, 7.0
 """Logarithms at most of the size and height, of a sudden change of size, of what is left beside a
 thing over its own, of how coarse it is, and of how few points it has: beyond, they say no more."""
+RATIO_LEAST, ODDS_MOST = 1e-3, 30.0
+"""Ratio of which the logarithm is taken at least, and log odds at most: beyond, nothing changes."""
 WORN_LEAST = -3.0
 """Mean logarithm under which clothes are another's, however much."""
 REGAIN, REGAIN_SCANNED = 0.15, 0.03
@@ -97,7 +99,7 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
     if evidence.coarse >= POINTLIKE:
         return 0.0
     if evidence.scans:
-        return _squashed(_scanned(evidence) - SCAN_MIDDLE, SCAN_STRETCH)
+        return squashed(_scanned(evidence) - SCAN_MIDDLE, SCAN_STRETCH)
     features = np.array(
         [
             evidence.inliers,
@@ -105,8 +107,8 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
             evidence.gap,
             evidence.cost * min(1.0, USUAL / evidence.usual),
             min(evidence.fit, 1.0),
-            abs(_log(evidence.size, SIZE_MOST)),
-            abs(_log(evidence.change, CHANGE_MOST)),
+            abs(log_ratio(evidence.size, SIZE_MOST)),
+            abs(log_ratio(evidence.change, CHANGE_MOST)),
             evidence.grown,
             float(evidence.whole),
             evidence.share,
@@ -118,29 +120,31 @@ def likelihood(evidence: Evidence, body: bool = False) -> float:
     else:
         odds = float(WEIGHTS @ features[:-1]) + OFFSET - MIDDLE
         odds -= BORDER * evidence.border
-        odds -= SHRUNK * abs(_log(evidence.size, SIZE_MOST)) if evidence.soft else 0.0
+        odds -= SHRUNK * abs(log_ratio(evidence.size, SIZE_MOST)) if evidence.soft else 0.0
         if evidence.pixels:
-            odds += FEW * min(0.0, _log(evidence.points / MANY, POINTS_MOST))
-    return _squashed(odds)
+            odds += FEW * min(0.0, log_ratio(evidence.points / MANY, POINTS_MOST))
+    return squashed(odds)
 
 
 def _scanned(evidence: Evidence) -> float:
     """Log odds of what a lidar saw."""
     features = [
-        _log(evidence.left, LEFT_MOST),
-        _log(evidence.others, LEFT_MOST),
-        abs(_log(evidence.tall, SIZE_MOST)),
+        log_ratio(evidence.left, LEFT_MOST),
+        log_ratio(evidence.others, LEFT_MOST),
+        abs(log_ratio(evidence.tall, SIZE_MOST)),
         evidence.bend,
-        _log(evidence.coarse, COARSE_MOST),
-        abs(_log(evidence.change, CHANGE_MOST)),
+        log_ratio(evidence.coarse, COARSE_MOST),
+        abs(log_ratio(evidence.change, CHANGE_MOST)),
         evidence.grown,
     ]
     return float(SCAN_WEIGHTS @ features) + SCAN_OFFSET
 
 
-def _squashed(odds: float, stretch: float = STRETCH) -> float:
-    return 1.0 / (1.0 + float(np.exp(np.clip(-stretch * odds, -30, 30))))
+def squashed(odds: float, stretch: float = STRETCH) -> float:
+    """The probability 0..1 of log odds that are stretched first: the logistic function."""
+    return 1.0 / (1.0 + float(np.exp(np.clip(-stretch * odds, -ODDS_MOST, ODDS_MOST))))
 
 
-def _log(ratio: float, most: float) -> float:
-    return float(np.clip(np.log(max(ratio, 1e-3)), -most, most))
+def log_ratio(ratio: float, most: float) -> float:
+    """The logarithm of a ratio, ``most`` either way."""
+    return float(np.clip(np.log(max(ratio, RATIO_LEAST)), -most, most))

@@ -10,6 +10,7 @@ from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64
 
 MEMORY = 4
+"""Poses that are remembered."""
 PRIOR = 0.2
 """How firmly the pivot leans on the centre."""
 

@@ -15,8 +15,8 @@ RIM, EDGE = 2, 0.15
 """Pixels from the edge of the picture, and the share of what is painted that lies there."""
 SAMPLE = 400
 """Points whose neighbours are looked at."""
-LONE = 0.02
-"""Metres between points where there are too few to tell."""
+LONE, FINEST = 0.02, 1e-4
+"""Metres between points where there are too few to tell, and at least, where all are one point."""
 BLACK = 0.1
 """Share of exactly black points from which many were seen by no camera."""
 LEAST_NOISE = 0.03
@@ -58,7 +58,7 @@ def texture(xyz: F64, colour: F32) -> tuple[float, float]:
     distance, near = cKDTree(xyz).query(xyz[sample], k=2)
     gaps = np.asarray(distance)[:, 1]
     unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
-    return max(float(np.median(gaps)), 1e-4), float(np.median(unlike))
+    return max(float(np.median(gaps)), FINEST), float(np.median(unlike))
 
 
 def across_rings(xyz: F64) -> float:

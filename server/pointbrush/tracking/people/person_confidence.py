@@ -6,8 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-WEIGHTS = np.array([-0.5, -3.0, -1.2, -0.3, 1.0, -0.5, -5.0, -20.0, -1.4])
-OFFSET = 3.0
+from pointbrush.tracking.objects.confidence import log_ratio, squashed
+
+WEIGHTS, OFFSET = np.array([-0.5, -3.0, -1.2, -0.3, 1.0, -0.5, -5.0, -20.0, -1.4]), 3.0
+"""Of the log odds: a weight for each of the ``features``, set by hand, and what is added."""
+SIZE_MOST, CHANGE_MOST, LIKE_LEAST = 4.0, 1.0, -3.0
+"""Logarithms at most of the size and of a sudden change of it, and at least of how like the clothes
+are: beyond, they say no more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +42,9 @@ class PersonEvidence:
         return [
             self.fit,
             self.disputed,
-            abs(_log(self.size, 4.0)),
-            abs(_log(self.change, 1.0)),
-            max(min(self.like, 0.0), -3.0),
+            abs(log_ratio(self.size, SIZE_MOST)),
+            abs(log_ratio(self.change, CHANGE_MOST)),
+            max(min(self.like, 0.0), LIKE_LEAST),
             float(self.back),
             self.touching,
             self.wider,
@@ -48,9 +53,4 @@ class PersonEvidence:
 
     def likelihood(self) -> float:
         """0..1, of this frame by itself."""
-        odds = float(WEIGHTS @ self.features()) + OFFSET
-        return 1.0 / (1.0 + float(np.exp(np.clip(-odds, -30, 30))))
-
-
-def _log(ratio: float, most: float) -> float:
-    return float(np.clip(np.log(max(ratio, 1e-3)), -most, most))
+        return squashed(float(WEIGHTS @ self.features()) + OFFSET, stretch=1.0)

@@ -22,6 +22,8 @@ MOSTLY = 0.5
 """Share of the ground within its outline that a thing was painted with, to have it ever after."""
 FEWEST = 3
 """Points of that ground that tell it."""
+CORNERS = 4
+"""Points of a model from which it has an outline."""
 BELOW = 0.3
 """Metres under the model down to which the ground is its."""
 
@@ -53,7 +55,7 @@ def with_ground(
 def _within(view: View, world: F64) -> I64:
     """Sorted indices of what lies on the ground within the outline of ``world`` (M, 3)."""
     none = np.empty(0, np.int64)
-    if not view.scans or len(world) < 4:
+    if not view.scans or len(world) < CORNERS:
         return none
     flat = np.delete(np.arange(3), view.up)
     try:

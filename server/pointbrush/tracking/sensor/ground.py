@@ -16,9 +16,10 @@ SCALE = 0.02
 CELL, THICK, STEP = 6.0, 0.5, 1.0
 """Size of a cell, height above the ground up to which something lies there, and height above the
 lowest point around up to which a cell's own lowest is ground, as on a kerb."""
-FEWEST = 2000
-MOST = 4_000_000
-"""Cells of a grid at most."""
+FEWEST, MOST = 2000, 4_000_000
+"""Points of a frame from which ground is looked for, and cells of the grid at most."""
+ENDS = 0.05
+"""Share of the points that are the lowest, or the highest: stray ones are among them."""
 
 
 def on_ground(xyz: F32) -> Mask:
@@ -44,5 +45,5 @@ def on_ground(xyz: F32) -> Mask:
 
 def _stands(height: F32) -> bool:
     """Whether the axis points up: most of what is measured densely lies below."""
-    low, middle, high = np.quantile(height, [0.05, 0.5, 0.95])
+    low, middle, high = np.quantile(height, [ENDS, 0.5, 1 - ENDS])
     return bool(middle - low < high - middle)

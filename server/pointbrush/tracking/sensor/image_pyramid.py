@@ -13,7 +13,7 @@ import numpy as np
 
 from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.sensor.lens import Lens
+from pointbrush.tracking.sensor.lens import NEAREST, Lens
 from pointbrush.tracking.sensor.view import View
 
 LARGEST, SMALLEST = 200, 20
@@ -97,7 +97,7 @@ def _seen_at(T: F64, point: F64, image: Image) -> tuple[float, float, float, flo
     x = T[0, 0] * point[0] + T[0, 1] * point[1] + T[0, 2] * point[2] + T[0, 3]
     y = T[1, 0] * point[0] + T[1, 1] * point[1] + T[1, 2] * point[2] + T[1, 3]
     z = T[2, 0] * point[0] + T[2, 1] * point[1] + T[2, 2] * point[2] + T[2, 3]
-    if not z > 1e-3:
+    if not z > NEAREST:
         return x, y, z, -1.0, -1.0
     u = (x / z - image.least[0]) / image.pitch[0]
     v = (y / z - image.least[1]) / image.pitch[1]

@@ -40,6 +40,15 @@ the share of such pairs from which an image is none: rings of a lidar lie far ap
 WIDEST = 1.6
 """Tangent of half the widest field of view that a pinhole image is made for."""
 MOST_CELLS = 4_000_000
+"""Pixels of an image at most: a pitch that asks for more is no depth camera's."""
+SAMPLE = 20_000
+"""Points that tell which way an image looks, how wide it is and how far its pixels lie apart."""
+NEAREST = 1e-3
+"""Metres before the eye, along the axis, from which a point has a pixel: others lie behind it."""
+LEVEL, FEWEST_LEVELS, FULL = 2e-5, 20, 4
+"""Tangents nearer to each other than that are of one column, or row, but for rounding; columns, or
+rows, that make a lattice at least; and points of each in the mean: where there are fewer they are
+scattered, and lie on none."""
 
 
 class Projection(NamedTuple):
@@ -124,7 +133,7 @@ def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
         turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z,
     )
     depth = lens.sign * local[lens.axes[2]]
-    if not depth > 1e-3:
+    if not depth > NEAREST:
         return -1, depth
     u = (local[lens.axes[0]] / depth - lens.least[0]) / lens.pitch[0] + 0.5
     v = (local[lens.axes[1]] / depth - lens.least[1]) / lens.pitch[1] + 0.5
@@ -154,7 +163,7 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     told = frame.viewpoint is not None
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
-    sample = xyz[:: max(1, len(xyz) // 20_000)].astype(np.float64) - eye
+    sample = xyz[:: max(1, len(xyz) // SAMPLE)].astype(np.float64) - eye
     along, turn = _axis(sample), None
     if along is None:
         turn = _facing(sample)
@@ -247,12 +256,14 @@ def _torn(image: F32) -> float:
 
 
 def _lattice(tangent: F64) -> float | None:
-    """Pitch of the lattice that the values lie on, None where they lie on none."""
+    """Pitch of the lattice that the tangents (N,) of points along one side of an image lie on.
+
+    None where they lie on none.
+    """
     values = np.sort(tangent)
-    gaps = np.diff(values)
-    steps = np.concatenate([[True], gaps > 2e-5])
-    levels = values[steps]
-    if len(levels) < 20 or len(levels) > len(values) / 4:
+    levels = values[np.diff(values, prepend=-np.inf) > LEVEL]
+    if len(levels) < FEWEST_LEVELS or FULL * len(levels) > len(values):
         return None
-    pitch = float(np.median(np.diff(levels)))
-    return float(np.ptp(levels)) / round(float(np.ptp(levels)) / pitch)
+    roughly = float(np.median(np.diff(levels)))
+    width = float(np.ptp(levels))
+    return width / round(width / roughly)

@@ -11,8 +11,9 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 AZIMUTH = 0.4
+"""Degrees of a cell around."""
 ELEVATIONS = (0.4, 0.8, 1.6, 3.2)
-"""Degrees of a cell: the least elevation is taken whose cells are mostly FILLED."""
+"""Degrees of a cell up and down: the least is taken of which the cells are mostly FILLED."""
 FILLED = 0.6
 """Share of the cells, within the edges of what is seen, that show something."""
 DEEPER = 0.03
@@ -31,6 +32,7 @@ FINE, SOME = 0.1, 0.005
 """Degrees within which a sensor sees one surface, even along the ground, and the share of a frame
 below which points that have others in their direction are too few to be told by."""
 WIDTH = int(360 / AZIMUTH) + 1
+"""Cells around."""
 AROUND = np.add.outer((-WIDTH, 0, WIDTH), (-1, 0, 1)).ravel()
 """Flat steps to the cells around one, and to itself."""
 FAR, MOST = 15.0, 0.95

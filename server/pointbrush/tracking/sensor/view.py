@@ -32,7 +32,9 @@ RED = 1.7
 """Weight of red against green beside blue against both: nearly sqrt(3), by which hues that are
 as different lie as far apart."""
 DARK = 60.0
-"""Added to the sum of a colour's channels (0 to 765): the tint of what is nearly black is noise."""
+"""Added to the sum of a colour's channels: the tint of what is nearly black is noise."""
+WHITE = 765.0
+"""Greatest sum of a colour's channels."""
 BRIGHTNESS = 0.3
 """Greatest difference by brightness alone: shading changes it, so that it says less than tint."""
 
@@ -252,5 +254,5 @@ def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
         total = red + green + blue
         result[i, 0] = RED * (red - green) / (total + DARK)
         result[i, 1] = (2.0 * blue - red - green) / (total + DARK)
-        result[i, 2] = total * (BRIGHTNESS / 765)
+        result[i, 2] = total * (BRIGHTNESS / WHITE)
     return result

@@ -26,8 +26,11 @@ AGAIN = 1.5
 very many points show is seldom posed wrongly, and is taken at its word."""
 STRETCHED, ONTO = 600, 6000
 """Points at most that are bent to find out, and onto which."""
-OFF, ON = 1.5, 1.0
-"""Units from the model at which a point is off its place, and on it."""
+OFF, ON, FAR = 1.5, 1.0, 3.0
+"""Units from what is measured at which a model point is off its place, and on it, and within which
+that is looked for."""
+UNEXPLAINED = 2.0
+"""Units from the model from which it does not explain a point."""
 RIM = (-2, 0, 2)
 """Pixels, up, down and sideways, from which an outline is beside a point."""
 PACE, PACE_OF_STRAIN = 0.15, 0.2
@@ -40,7 +43,7 @@ def note_looseness(thing: Thing, sighting: Sighting) -> None:
     verdict = sighting.verdict
     total = len(found.indices) + len(grown)
     unlike = 0 if place.whole else len(grown) - len(place.uncovered)
-    loose = (unlike + np.count_nonzero(found.gap > 2 * thing.unit)) / max(total, 1)
+    loose = (unlike + np.count_nonzero(found.gap > UNEXPLAINED * thing.unit)) / max(total, 1)
     # What is mostly hidden says little about the rest of it.
     says = PACE * (verdict.visible if thing.handy else 1.0)
     share = thing.bending.share
@@ -69,7 +72,7 @@ def strained(thing: Thing, sighting: Sighting) -> float:
     some = known[:: -(-len(known) // STRETCHED)]
     world, colour = place.world[some], model.colour[some]
     target = target_of(view, place.near, thing.weight, ONTO)
-    far = 3 * thing.unit
+    far = FAR * thing.unit
     off = target.nearest(world, colour, far)[0] > OFF * thing.unit
     if thing.motion.slow(thing.unit):
         off[off] = ~_beside_another(view, world[off], sighting.points, far)
