@@ -86,10 +86,10 @@ def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air
     learnt = []
 
     def noted(thing: Thing, *rest: Any) -> tuple[TrackState, np.ndarray]:
-        before = thing.usual
+        before = thing.in_the_air.cost
         found = settle(thing, *rest)
         place = rest[1]
-        learnt.append((place is not None and place.whole, thing.usual != before))
+        learnt.append((place is not None and place.whole, thing.in_the_air.cost != before))
         return found
 
     monkeypatch.setattr(auto, "settle", noted)

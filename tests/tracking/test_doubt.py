@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scenes
@@ -22,7 +24,7 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     points = np.flatnonzero(frame.truth == 1)
     none = Rivals.none()
     thing = begin(view, 2, points, 0.002, none)
-    thing.vain = True
+    thing.last = replace(thing.last, vain=True)
     for _ in range(4):
         pose = thing.motion.poses[-1].copy()
         pose[0, 3] += 0.1 if moves else 0.0

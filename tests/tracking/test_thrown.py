@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.geometry.components import solid
 from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, begin
+from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, InTheAir, Rivals, begin
 from pointbrush.tracking.segmentation.alone import KNOWN
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow, own_points
@@ -179,7 +179,8 @@ def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> Non
     for seen_alone, whole in ((0, True), (KNOWN, False)):
         flight = Flight(upper=True)
         flight.thing.size = float((flight.view.frame.truth == 1).sum())
-        flight.thing.unit, flight.thing.alone = 0.006, seen_alone  # over 20 steps to its other end
+        flight.thing.unit = 0.006  # over 20 steps to its other end
+        flight.thing.in_the_air = InTheAir(seen_alone)
         flight.grown()
         assert flight.place.whole == whole
 
@@ -192,7 +193,7 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
     truth = view.frame.truth == 1
     own = flight.core.indices
     flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
-    thing.size, thing.alone = 0.2 * float(truth.sum()), seen_alone
+    thing.size, thing.in_the_air = 0.2 * float(truth.sum()), InTheAir(seen_alone)
     if held:  # a hand hardly turns: it was there in the last frame too
         missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
         xyz = view.xyz[missed].astype(np.float64)
@@ -200,7 +201,7 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
     flight.grown()
     assert not place.whole
     assert place.cut_short == (seen_alone == 0 and not held)
-    thing.cut_short = place.cut_short
+    thing.last = replace(thing.last, cut_short=place.cut_short)
     flight.grown()
     assert place.whole == place.cut_short
 

@@ -109,7 +109,7 @@ def register(search: Search) -> tuple[F64, float]:
             poses, scores = _try(search, others, tries, poses, scores)
         search.vain = min(scores) > before - AS_WELL
     elif min(scores) > doubt:
-        search.vain = search.thing.vain
+        search.vain = search.thing.last.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
@@ -177,7 +177,7 @@ def _asked(search: Search) -> bool:
     """
     turn = (search.view.number + search.thing.label) % SELDOM == 0
     thing = search.thing
-    return turn or not thing.vain or not thing.motion.slow(thing.unit)
+    return turn or not thing.last.vain or not thing.motion.slow(thing.unit)
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:

@@ -76,7 +76,7 @@ def judge(
     visible = float(expected.sum() / max(1, facing.sum()))
     enough = len(found.indices) >= max(A_FEW, OF_MANY * thing.size)
     # What hides it from a lidar is known too coarsely to tell all that should be seen.
-    much = thing.scanned and len(found.indices) > STILL_THERE * thing.last
+    much = thing.scanned and len(found.indices) > STILL_THERE * thing.last.points
     good = enough and (inliers > PRESENT or much)
     confidence = float(np.clip(inliers * min(1.0, LEAST_TRUST + visible), 0, 1))
     return Verdict(good, inliers, confidence, hidden, through, visible)

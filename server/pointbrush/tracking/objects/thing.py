@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -135,6 +136,32 @@ class Bending:
     strain: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class InTheAir:
+    """What a thing showed of itself where it was alone in the air, all round.
+
+    ``frames`` how many it was so in; ``cost`` mean distance of its points to the model there, in
+    place and colour, in reaches.
+    """
+
+    frames: int = 0
+    cost: float = USUAL
+
+
+@dataclass(frozen=True, slots=True)
+class LastSight:
+    """How a thing was found in the last frame that showed it.
+
+    ``points`` number of them; ``vain`` whether it was looked for elsewhere too, its fit being in
+    doubt, and that was no better; ``cut_short`` whether it ended all round with what makes it much
+    longer, which it did not get.
+    """
+
+    points: int
+    vain: bool = False
+    cut_short: bool = False
+
+
 @dataclass(eq=False)
 class Thing:
     """State of a label."""
@@ -149,35 +176,35 @@ class Thing:
     rivals: Rivals
     painted: Painted
     sampling: Sampling
+    worn: ColourHistogram
+    """The colours that it was painted with."""
+    last: LastSight
     size: float
     """The most points that it had."""
+    extent: float = 0.0
+    """Metres, the greatest radius that it had."""
     missing: int = 0
     """Frames since it was seen."""
-    bending: Bending = Bending()
     stopped: bool = False
     """Whether it is not looked for any more."""
+    trust: float = 1.0
+    """The last confidence."""
     strayed: bool = False
     """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
     alone."""
-    trust: float = 1.0
-    """The last confidence."""
-    usual: float = USUAL
-    """Mean cost in place and colour, in reaches, of its points alone in the air."""
-    alone: int = 0
-    """Frames in which it was seen alone in the air, all round."""
-    cut_short: bool = False
-    """In the last frame it ended all round with what makes it much longer, which it did not get."""
-    last: int = 0
-    """Points in the last frame."""
-    extent: float = 0.0
-    """Metres, the greatest radius that it had."""
+    bending: Bending = Bending()
+    in_the_air: InTheAir = InTheAir()
     glimpses: list[Glimpse] = field(default_factory=list)
-    """What lay around it."""
-    vain: bool = False
-    """Whether it was looked for elsewhere, when its fit was in doubt, and that was no better."""
-    worn: ColourHistogram = field(
-        default_factory=lambda: ColourHistogram.of(np.empty((0, 3), np.float32))
-    )
+    """What lay around it in some frames."""
+
+    def state(self) -> dict[str, object]:
+        """All that is known of it, for a process that has a copy; see ``become``."""
+        return dict(vars(self))
+
+    def become(self, state: Mapping[str, object]) -> None:
+        """Know what a copy of it in another process has learnt: its ``state``."""
+        for name, value in state.items():
+            setattr(self, name, value)
 
     @property
     def dyed(self) -> bool:
@@ -263,7 +290,7 @@ class Thing:
 
         But for what stands before a lidar: it comes out where it was, from behind who goes away.
         """
-        hardly = self.missing > 0 or self.last < HARDLY * self.size
+        hardly = self.missing > 0 or self.last.points < HARDLY * self.size
         return self.large and hardly and not self.stands
 
     @property
@@ -313,17 +340,16 @@ def _made(
     model = Model.of(xyz, colour, view.eye, spacing)
     model.hits[:] = SURE
     count = len(indices)
-    motion = Motion(model.centre)
     return Thing(
         label,
         model,
-        motion,
+        Motion(model.centre),
         weight,
         unit,
         rivals,
         Painted.of(view, indices, xyz, model.radius),
         Sampling(view.lens is not None, view.scans, grain=unit),
+        ColourHistogram.of(colour),
+        LastSight(count),
         float(count),
-        last=count,
-        worn=ColourHistogram.of(colour),
     )

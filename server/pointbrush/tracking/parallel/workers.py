@@ -147,7 +147,7 @@ class Workers(AbstractContextManager["Workers"]):
             if answer is None:
                 done[thing.label] = self._do(do, thing, given)
                 continue
-            vars(thing).update(answer.state)
+            thing.become(answer.state)
             self._took(do, thing, answer.seconds)
             done[thing.label] = answer.result
         return done

@@ -57,7 +57,7 @@ def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: 
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
-    steps = STEPS if thing.alone >= KNOWN else STEPS_UNKNOWN
+    steps = STEPS if thing.in_the_air.frames >= KNOWN else STEPS_UNKNOWN
     reach = STEP * thing.unit
     limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
@@ -72,7 +72,7 @@ def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: 
     its = along and not (others or _may_be_a_hand(thing, view, place, core, new, before))
     if not (its or others):
         place.cut_short = _ends_all_round(thing, view, core, new, before)
-        its = place.cut_short and thing.cut_short
+        its = place.cut_short and thing.last.cut_short
     if its:
         return new
     if along:
@@ -88,8 +88,10 @@ def _ends_all_round(thing: Thing, view: View, core: I64, new: I64, before: Mask)
     be taken for a hand from then on.  A hand was there for the most part, or goes on behind
     something else than the thing.
     """
-    may = thing.alone < KNOWN and view.lens is not None and not thing.motion.slow(thing.unit)
-    if not may or _share_there(thing, view, new, before) >= MISSED:
+    known = thing.in_the_air.frames >= KNOWN
+    if known or view.lens is None or thing.motion.slow(thing.unit):
+        return False
+    if _share_there(thing, view, new, before) >= MISSED:
         return False
     own = np.concatenate([core, new])
     if _length(view, own) <= END_ON * _length(view, core):

@@ -6,6 +6,8 @@ points contradict is given up.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pointbrush.tracking.fitting.fit import find
@@ -46,7 +48,8 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     xyz = transform(back, view.xyz[found.indices].astype(np.float64))
     model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eye, sure=True)
     thing.motion.add(place.pose)
-    thing.last, thing.size = len(points), max(thing.size, float(len(points)))
+    thing.last = replace(thing.last, points=len(points))
+    thing.size = max(thing.size, float(len(points)))
     thing.trust, thing.strayed = 1.0, False
     return place.pose
 

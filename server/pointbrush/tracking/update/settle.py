@@ -14,7 +14,7 @@ from pointbrush.tracking.objects.confidence import REGAIN, REGAIN_SCANNED, Evide
 from pointbrush.tracking.objects.free_space import remember
 from pointbrush.tracking.objects.model import NEW_SURFACE, SURE
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import HARDLY, Thing
+from pointbrush.tracking.objects.thing import HARDLY, InTheAir, LastSight, Thing
 from pointbrush.tracking.segmentation.assign import Claim, together
 from pointbrush.tracking.segmentation.explained import unexplained
 from pointbrush.tracking.sensor.view import View
@@ -60,14 +60,14 @@ def settle(
     seen = place is not None and _seen(thing, view, place, verdict)
     if place is None or found is None or not seen or hides(thing, view, place, found):
         return _unseen(thing, pose, verdict, options), np.empty(0, np.int64)
-    thing.missing, thing.vain, thing.cut_short = 0, place.vain, place.cut_short
+    thing.missing = 0
     if thing.scanned and view.eye is not None:
         at = transform(place.pose, thing.motion.centre[None])[0]
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     sighting = Sighting(view, place, found, grown, verdict)
     points = together(found.indices, grown)
     _trust(thing, place, evidence(thing, sighting, points))
-    thing.last = len(points)
+    thing.last = LastSight(len(points), place.vain, place.cut_short)
     _move(thing, place, verdict)
     if place.cost < DOUBTFUL:
         note_strain(thing, sighting)
@@ -98,8 +98,9 @@ def _trust(thing: Thing, place: Place, fit: Evidence) -> None:
     """Trust a thing as far as this fit and the frames before allow."""
     here = likelihood(fit, thing.body)
     if place.whole and place.cost < SOUND:
-        thing.alone += 1
-        thing.usual += GRADUAL * (fit.cost - thing.usual)
+        cost = thing.in_the_air.cost
+        cost += GRADUAL * (fit.cost - cost)
+        thing.in_the_air = InTheAir(thing.in_the_air.frames + 1, cost)
     regain = REGAIN_SCANNED if thing.scanned else REGAIN
     thing.strayed = not place.whole and (thing.strayed or _strays(thing, place))
     most = min(place.most, DOUBTED) if thing.strayed else place.most
@@ -123,12 +124,12 @@ def _strays(thing: Thing, place: Place) -> bool:
 def _move(thing: Thing, place: Place, verdict: Verdict) -> None:
     """Let the motion of a thing take in where it was found."""
     # What was found so in the frame before too has moved from there to here.
-    scrap = thing.large and thing.last < SCRAP * thing.size and not thing.scanned
+    scrap = thing.large and thing.last.points < SCRAP * thing.size and not thing.scanned
     if scrap or (place.anew and not thing.motion.fresh):
         thing.motion.begin(place.pose)
     else:
         thing.motion.add(place.pose, sure=thing.large or place.cost < DOUBTFUL)
-    if thing.handy and well_seen(thing, verdict, thing.last):
+    if thing.handy and well_seen(thing, verdict, thing.last.points):
         thing.motion.seen(thing.unit)
 
 
