@@ -38,12 +38,13 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
+from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
 from pointbrush.tracking.people.joint_tracking import JointTracking
 from pointbrush.tracking.rules import FEWEST, FrameRules
-from pointbrush.tracking.segmentation.assign import together
+from pointbrush.tracking.segmentation.assign import Claim, together
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.ground_below import with_ground
@@ -199,7 +200,8 @@ class Run:
     def _find(self, things: list[Thing], view: View, free: Mask) -> Findings:
         """Where things are that were seen the last time, and what each would have there."""
         there = [thing for thing in things if not thing.stopped]
-        known, here = (self.background, free), not self.workers.learns
+        predicted = None  # where things are looked for
+        known, here = (self.background, free, predicted), not self.workers.learns
         cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()))
@@ -221,7 +223,7 @@ class Run:
         things = self.things
         grown, taken = grow(things, findings)
 
-        def given(thing: Thing) -> tuple[object, ...]:
+        def given(thing: Thing) -> tuple[Place | None, Claim | None, I64, TrackOptions]:
             n = thing.label
             place, claim = findings.places.get(n), findings.claims.get(n)
             return place, claim, grown.get(n, _EMPTY), self.options

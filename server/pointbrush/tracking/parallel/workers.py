@@ -9,23 +9,23 @@ import logging
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
-from typing import Any
+from typing import TypeVar, TypeVarTuple, cast
 
 from pointbrush.tracking.background.depth_background import Background, ImageBackground
 from pointbrush.tracking.interface import F64, Frames
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.parallel.second_process import (
-    BACKGROUND,
-    GONE,
-    Answer,
-    SecondProcess,
-    Task,
-)
+from pointbrush.tracking.parallel.connection import GONE
+from pointbrush.tracking.parallel.messages import Answer, Task
+from pointbrush.tracking.parallel.second_process import BACKGROUND, SecondProcess
 from pointbrush.tracking.sensor.view import View
 
 logger = logging.getLogger(__name__)
-Do = Callable[..., Any]
-Given = Callable[[Thing], tuple[Any, ...]]
+Given = TypeVarTuple("Given")
+Result = TypeVar("Result")
+Do = Callable[[Thing, View, *Given], Result]
+"""What is done with a thing in a frame, given what it needs beside them."""
+Give = Callable[[Thing], tuple[*Given]]
+"""What is given for a thing."""
 PER_POINT, AT_LEAST = 5e-6, 0.005
 """Seconds that a thing takes of which nothing is known: for each of its points, and in all."""
 SENDING = 0.01
@@ -36,7 +36,8 @@ class Workers(AbstractContextManager["Workers"]):
     """This process and, given ``frames`` that pickle, a second one.
 
     What is done, ``do(thing, view, *given(thing))``, is the function of a module and touches
-    nothing that another thing's touches; with ``changes`` it changes the thing.
+    nothing that another thing's touches; with ``changes`` it changes the thing.  ``show`` a frame
+    before anything is done.
     """
 
     def __init__(self, frames: Frames | None = None) -> None:
@@ -73,13 +74,13 @@ class Workers(AbstractContextManager["Workers"]):
 
     def each(
         self,
-        do: Do,
+        do: Do[*Given, Result],
         things: Iterable[Thing],
-        given: Given,
+        given: Give[*Given],
         *,
         changes: bool = False,
         here: bool = False,
-    ) -> dict[int, Any]:
+    ) -> dict[int, Result]:
         """Label → what came out, in the order of the things; ``here``: of this process alone."""
         some = list(things)
         theirs = [] if here else self._ask(do, self._share(some), given, changes=changes)
@@ -89,8 +90,13 @@ class Workers(AbstractContextManager["Workers"]):
         return {thing.label: done[thing.label] for thing in some}
 
     def begin(
-        self, do: Do, things: Iterable[Thing], given: Given, *, changes: bool = False
-    ) -> Callable[[], dict[int, Any]]:
+        self,
+        do: Do[*Given, Result],
+        things: Iterable[Thing],
+        given: Give[*Given],
+        *,
+        changes: bool = False,
+    ) -> Callable[[], dict[int, Result]]:
         """Let the second process do it all, if there is one; what is given back waits for it."""
         some = list(things)
         asked = self._ask(do, some, given, changes=changes)
@@ -118,16 +124,20 @@ class Workers(AbstractContextManager["Workers"]):
         known = self._seconds.get(thing.label)
         return sum(known.values()) if known else AT_LEAST + PER_POINT * thing.size
 
-    def _took(self, do: Do, thing: Thing, seconds: float) -> None:
+    def _took(self, do: Callable[..., object], thing: Thing, seconds: float) -> None:
         self._seconds.setdefault(thing.label, {})[do.__name__] = seconds
 
-    def _do(self, do: Do, thing: Thing, given: Given) -> Any:
+    def _do(self, do: Do[*Given, Result], thing: Thing, given: Give[*Given]) -> Result:
+        if self._view is None:
+            raise RuntimeError("expected a frame to be shown before anything is done")
         start = time.perf_counter()
         result = do(thing, self._view, *given(thing))
         self._took(do, thing, time.perf_counter() - start)
         return result
 
-    def _ask(self, do: Do, things: list[Thing], given: Given, *, changes: bool) -> list[Thing]:
+    def _ask(
+        self, do: Do[*Given, object], things: list[Thing], given: Give[*Given], *, changes: bool
+    ) -> list[Thing]:
         """Those of the things that the second process will answer for."""
         if self._second is None or not things:
             return []
@@ -139,7 +149,9 @@ class Workers(AbstractContextManager["Workers"]):
             return []
         return things
 
-    def _take(self, do: Do, things: list[Thing], given: Given) -> dict[int, Any]:
+    def _take(
+        self, do: Do[*Given, Result], things: list[Thing], given: Give[*Given]
+    ) -> dict[int, Result]:
         """The second process's answers; what it does not answer is done here."""
         done = {}
         for thing in things:
@@ -149,7 +161,7 @@ class Workers(AbstractContextManager["Workers"]):
                 continue
             thing.become(answer.state)
             self._took(do, thing, answer.seconds)
-            done[thing.label] = answer.result
+            done[thing.label] = cast(Result, answer.result)
         return done
 
     def _answer(self) -> Answer | None:

@@ -1,0 +1,67 @@
+"""What the two processes of a run say to each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from pointbrush.tracking.interface import F64, I64, Frames
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.sensor.lens import Lens
+from pointbrush.tracking.sensor.view import View
+
+
+class Task(NamedTuple):
+    """What is to be done with a thing: ``do(thing, view, *given)``."""
+
+    thing: Thing
+    given: tuple[object, ...]
+
+
+class Answer(NamedTuple):
+    """Message: the ``result`` of a task, the ``state`` of a thing that it changed, ``seconds``."""
+
+    result: object
+    state: Mapping[str, object]
+    seconds: float
+
+
+class Know(NamedTuple):
+    """Message: keep a ``value`` by its ``name``."""
+
+    name: object
+    value: object
+
+
+class Show(NamedTuple):
+    """Message: read frame ``number``; the other fields are those of its ``View``."""
+
+    number: int
+    lens: Lens | None
+    T_world_frame: F64 | None
+    about: F64 | None
+    steady: bool
+
+    def view(self, frames: Frames) -> View:
+        """The frame as the first process sees it."""
+        T = self.T_world_frame
+        return View(self.number, frames(self.number), self.lens, T, self.about, self.steady)
+
+
+class Learn(NamedTuple):
+    """Message: let the background learn the frame that was shown; see ``Background.learn``."""
+
+    labels: dict[int, I64]
+    keep: F64
+
+
+class Work(NamedTuple):
+    """Message: ``do`` the ``tasks``, and send an ``Answer`` to each; see ``SecondProcess.ask``."""
+
+    do: Callable[..., object]
+    tasks: list[Task]
+    changes: bool
+
+
+class End(NamedTuple):
+    """Message: the run has ended."""
