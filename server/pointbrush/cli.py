@@ -14,6 +14,7 @@ from typing import Any
 from pointbrush import __version__
 from pointbrush import commands as do
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
 
 Command = Callable[[argparse.Namespace, Settings], None]
@@ -110,7 +111,7 @@ def parser() -> argparse.ArgumentParser:
     token_ = _command(commands, "token", do.token, "who gets in")
     token_.add_argument("action", choices=("add", "list", "revoke"), help="what to do")
     token_.add_argument("name", nargs="?", help="the person (add) or the token's id (revoke)")
-    token_.add_argument("--role", default="annotator", help="viewer, annotator, reviewer or admin")
+    token_.add_argument("--role", default="annotator", help=f"one of {', '.join(ROLES)}")
     token_.add_argument("--days", type=_positive, help="days until it expires")
     _settings(token_, "workspace", "database")
 

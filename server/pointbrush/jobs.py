@@ -46,6 +46,8 @@ class Job:
     result: dict[str, Any] | None = None
     error: str | None = None
     created: float = field(default_factory=time.time)
+    owner: str | None = None
+    """Who started it."""
 
 
 @dataclass
@@ -101,6 +103,7 @@ class JobRunner:
         finish: Callable[[Job, bool], dict[str, Any]],
         on_item: Callable[[Job, Any], None] | None = None,
         done: Callable[[Job], None] | None = None,
+        owner: str | None = None,
     ) -> Job:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
@@ -108,7 +111,7 @@ class JobRunner:
         cancelled, so that findings can be kept; not when the work failed.  ``done`` runs last,
         however the job ended.
         """
-        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence)
+        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence, owner=owner)
         with self._lock:
             future = self._submit(run_work, self._listener.address, self._key, job.id, work)
             running = _Running(future, finish, on_item, done)

@@ -127,10 +127,11 @@ class Workspace:
         drop_invalid: bool = False,
         cleanup: Path | None = None,
         roots: Sequence[Path] = (),
+        owner: str | None = None,
     ) -> Job:
         """Import files as one sequence in a job; ``cleanup`` is removed when it has ended.
 
-        With ``roots``, nothing that lies or leads outside them is read.
+        With ``roots``, nothing that lies or leads outside them is read.  ``owner``: who asks.
         """
         return self._imports.of_paths(
             paths,
@@ -140,6 +141,7 @@ class Workspace:
             drop_invalid=drop_invalid,
             cleanup=cleanup,
             roots=roots,
+            owner=owner,
         )
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:

@@ -129,7 +129,21 @@ export const importJob: ReadonlySignal<Job | null> = computed(
 );
 
 /** Whether this person may change labels. */
-export const canEdit: ReadonlySignal<boolean> = computed(() => state.me.value?.role !== 'viewer');
+export const canEdit: ReadonlySignal<boolean> = computed(() => includes('annotator'));
+
+/** Whether this person may accept what tracking found. */
+export const canReview: ReadonlySignal<boolean> = computed(() => includes('reviewer'));
+
+/** Whether this person may import, rename and delete recordings. */
+export const canManage: ReadonlySignal<boolean> = computed(() => includes('manager'));
+
+const ROLES = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'] as const;
+
+/** Whether this person's role includes another; true until the server has told it. */
+function includes(role: (typeof ROLES)[number]): boolean {
+  const own = state.me.value?.role;
+  return own === undefined || ROLES.indexOf(own) >= ROLES.indexOf(role);
+}
 
 export function isActive(job: Job): boolean {
   return job.state === 'queued' || job.state === 'running';

@@ -1,4 +1,5 @@
 /** What the store holds, in types: `state.ts` has the signals. */
+import type { Welcome } from './protocol/messages';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 
@@ -16,7 +17,7 @@ export interface Connection {
 export interface Me {
   readonly viewer: string;
   readonly author: string;
-  readonly role: 'viewer' | 'annotator' | 'reviewer' | 'admin';
+  readonly role: Welcome['role'];
   readonly serverVersion: string;
 }
 

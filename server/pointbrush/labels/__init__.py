@@ -5,7 +5,7 @@
 
 from pointbrush.labels.backup import restore
 from pointbrush.labels.store import LabelStore
-from pointbrush.labels.tokens import ROLES, Role, Token, Tokens
+from pointbrush.labels.tokens import Token, Tokens
 from pointbrush.labels.types import (
     Cell,
     Commit,
@@ -18,7 +18,6 @@ from pointbrush.labels.types import (
 )
 
 __all__ = [
-    "ROLES",
     "Cell",
     "Commit",
     "Delta",
@@ -27,7 +26,6 @@ __all__ = [
     "GapError",
     "Label",
     "LabelStore",
-    "Role",
     "Token",
     "Tokens",
     "Write",

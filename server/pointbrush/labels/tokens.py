@@ -12,17 +12,14 @@ import hmac
 import secrets
 import time
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any
 
 from sqlalchemy import Row, insert, select, update
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import tokens
-
-Role = Literal["viewer", "annotator", "reviewer", "admin"]
-ROLES: tuple[str, ...] = get_args(Role)
-"""From least to most."""
+from pointbrush.roles import ROLES, Role
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,16 +6,13 @@ import asyncio
 import time
 from dataclasses import dataclass
 
-from pointbrush.errors import (
-    BadInputError,
-    ForbiddenError,
-    PointbrushError,
-    TooManyRequestsError,
-)
+from pointbrush.errors import BadInputError, PointbrushError, TooManyRequestsError
 from pointbrush.labels import Commit
+from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.work.strokes import LiveStroke
 
@@ -39,7 +36,6 @@ WAITING, WAITING_BYTES = 64, 1 << 20
 """Edits that may wait, and their bytes; a viewer that sends faster is read more slowly."""
 TOGETHER = 8
 LIVE_STROKES = 8
-EDITORS = ("annotator", "reviewer", "admin")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,10 +120,7 @@ class Editor:
         return results
 
     def _apply(self, edit: Edit) -> Applied | None:
-        if self._viewer.role not in EDITORS:
-            raise ForbiddenError(
-                f"expected the role annotator or higher, this token's is {self._viewer.role}"
-            )
+        require(self._viewer.role, MESSAGES[edit.type])
         match edit:
             case messages.StrokeBegin():
                 self._begin(edit)

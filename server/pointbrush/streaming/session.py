@@ -13,6 +13,7 @@ from typing import Any
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, Editor
@@ -20,6 +21,7 @@ from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.opening import of_this_import, sequence_info
 from pointbrush.streaming.plan import Plan
+from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
 from pointbrush.streaming.viewer import CREDITS, Viewer
@@ -135,6 +137,7 @@ class ViewerSession(Viewer):
                 about = message.id
                 await self._editor.put(message, len(data))
             elif isinstance(message, messages.Open):
+                require(self.role, MESSAGES[message.type])
                 await self._open(message)
             else:
                 self._act(message)
@@ -142,6 +145,7 @@ class ViewerSession(Viewer):
             self.refuse(error, about)
 
     def _act(self, message: messages.ClientMessage) -> None:
+        require(self.role, MESSAGES[message.type])
         self._handlers[type(message)](message)
 
     # ── its room ─────────────────────────────────────────────────────────────────────────

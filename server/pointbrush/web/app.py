@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from pointbrush import __version__
@@ -29,11 +29,11 @@ from pointbrush.web import (
     routes_trust,
     socket,
 )
-from pointbrush.web.auth import Gate
+from pointbrush.web.auth import Gate, caller
 from pointbrush.web.middleware import Guard
+from pointbrush.web.roles import PREFIX
 from pointbrush.workspace import Workspace
 
-PREFIX = "/api/v1"
 RESOURCES = (
     routes_meta, routes_sequences, routes_frames, routes_labels, routes_edits, routes_tracking,
     routes_export, routes_jobs,
@@ -58,10 +58,11 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
     problems.install(app)
-    api = APIRouter(prefix=PREFIX)
+    api = APIRouter(prefix=PREFIX, dependencies=[Depends(caller)])
     for resource in RESOURCES:
         api.include_router(resource.router)
     app.include_router(api)
+    app.include_router(routes_meta.sign_in_router, prefix=PREFIX)
     app.include_router(socket.router, prefix=PREFIX)
     app.include_router(routes_meta.open_router)
     app.include_router(routes_trust.router)

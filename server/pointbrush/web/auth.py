@@ -5,20 +5,20 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import Depends, Request
 from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.requests import HTTPConnection
 
 from pointbrush.errors import ForbiddenError, UnauthorizedError
+from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
+from pointbrush.web.roles import ROUTES, call_of
 from pointbrush.workspace import Workspace
 
-Role = Literal["viewer", "annotator", "reviewer", "admin"]
-ROLES: tuple[Role, ...] = ("viewer", "annotator", "reviewer", "admin")
 COOKIE = "pointbrush_session"
 COOKIE_DAYS = 30
 OWNER = "owner"
@@ -33,11 +33,6 @@ class Principal:
     author: str
     role: Role
     shared: bool = False
-
-    def require(self, role: Role) -> None:
-        """Raise ForbiddenError unless this role or a higher one."""
-        if ROLES.index(self.role) < ROLES.index(role):
-            raise ForbiddenError(f"expected the role {role} or higher, this token's is {self.role}")
 
 
 class Gate:
@@ -135,22 +130,19 @@ _bearer = HTTPBearer(auto_error=False, description="a token of `pointbrush token
 _cookie = APIKeyCookie(name=COOKIE, auto_error=False, description="set by the page's sign-in")
 
 
-def require(role: Role) -> Callable[..., Principal]:
-    """A dependency: the authenticated caller, who has at least ``role``."""
+def caller(
+    request: Request,
+    _header: Annotated[Any, Depends(_bearer)],
+    _session: Annotated[Any, Depends(_cookie)],
+) -> Principal:
+    """A dependency: who calls, once the table says that their role may.
 
-    def caller(
-        request: Request,
-        _header: Annotated[Any, Depends(_bearer)],
-        _session: Annotated[Any, Depends(_cookie)],
-    ) -> Principal:
-        gate: Gate = request.app.state.gate
-        principal = gate.admit(request)
-        principal.require(role)
-        return principal
-
-    return caller
+    Raises UnauthorizedError or ForbiddenError.
+    """
+    gate: Gate = request.app.state.gate
+    principal = gate.admit(request)
+    require(principal.role, ROUTES[call_of(request.method, request.scope["route"].path)])
+    return principal
 
 
-Viewer = Annotated[Principal, Depends(require("viewer"))]
-Annotator = Annotated[Principal, Depends(require("annotator"))]
-Admin = Annotated[Principal, Depends(require("admin"))]
+Caller = Annotated[Principal, Depends(caller)]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditInfoOut, EditOut, StrokeBody, UndoBody
@@ -16,20 +16,20 @@ router = APIRouter(tags=["edits"])
 
 @router.post("/sequences/{seq}/frames/{i}/strokes", responses=responses(404, 409, 413))
 def post_stroke(
-    seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Annotator
+    seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
 ) -> EditOut:
     """Apply a stroke; answered once it is durable."""
     return EditOut.of(workspace.stroke(seq, i, stroke.model_dump(), who.author))
 
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
-def undo(seq: SequenceId, workspace: Ws, who: Annotator, body: UndoBody | None = None) -> EditOut:
+def undo(seq: SequenceId, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
     """Take back the caller's last edit, only where nobody has changed the points since."""
     return EditOut.of(workspace.undo(seq, who.author, body.id if body else None))
 
 
 @router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
-def redo(seq: SequenceId, workspace: Ws, who: Annotator, body: UndoBody | None = None) -> EditOut:
+def redo(seq: SequenceId, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
     """Bring back what the caller's last undo took."""
     return EditOut.of(workspace.redo(seq, who.author, body.id if body else None))
 
@@ -38,7 +38,6 @@ def redo(seq: SequenceId, workspace: Ws, who: Annotator, body: UndoBody | None =
 def list_edits(
     seq: SequenceId,
     workspace: Ws,
-    _who: Viewer,
     before: Annotated[int | None, Query(ge=0, lt=2**53, description="a revision")] = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> list[EditInfoOut]:

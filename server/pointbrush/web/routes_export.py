@@ -11,7 +11,6 @@ from fastapi import APIRouter, Query, Response
 from fastapi.responses import StreamingResponse
 
 from pointbrush.formats import EXPORTS
-from pointbrush.web.auth import Viewer
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.problems import responses
 
@@ -90,7 +89,6 @@ class Pipe:
 def export_sequence(
     seq: SequenceId,
     workspace: Ws,
-    _who: Viewer,
     format: Annotated[str, Query(pattern=one_of(EXPORTS))],
     frames: FrameRange = None,
 ) -> Response:

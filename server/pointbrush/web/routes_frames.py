@@ -14,7 +14,7 @@ from pointbrush.errors import NotFoundError
 from pointbrush.sequences import Chunk
 from pointbrush.streaming.messages import Uuid
 from pointbrush.web import npy
-from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
@@ -46,7 +46,6 @@ def get_points(
     seq: SequenceId,
     i: FramePath,
     workspace: Ws,
-    _who: Viewer,
     format: Annotated[Literal["npy", "npz"], Query()] = "npy",
 ) -> Response:
     """All points in the source's order and coordinates: structured ``.npy``, or ``.npz``."""
@@ -80,7 +79,6 @@ def get_annotation(
     seq: SequenceId,
     i: FramePath,
     workspace: Ws,
-    _who: Viewer,
     layer: Layer = "label",
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
@@ -96,7 +94,7 @@ def get_annotation(
 
 
 async def annotation_body(
-    request: Request, seq: SequenceId, i: FramePath, workspace: Ws, _who: Annotator
+    request: Request, seq: SequenceId, i: FramePath, workspace: Ws
 ) -> bytearray:
     """The body, if it can be an array of this frame's values."""
     frame = await run_in_threadpool(lambda: workspace.recording(seq)[i])
@@ -117,7 +115,7 @@ def put_annotation(
     body: AnnotationBody,
     response: Response,
     workspace: Ws,
-    who: Annotator,
+    who: Caller,
     layer: Layer = "label",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
     if_match_: Annotated[
@@ -140,7 +138,7 @@ def put_annotation(
 
 
 @router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
-def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws, _who: Viewer) -> ChunkTable:
+def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
     """Where each wire chunk is, which points it holds and how to dequantise them."""
     recording = workspace.recording(seq)
     frame = recording[i]
@@ -167,7 +165,6 @@ def get_chunk(
     c: Annotated[int, Path(ge=0, lt=2**31, description="chunk number, from 0")],
     request: Request,
     workspace: Ws,
-    _who: Viewer,
     identity: Annotated[
         str | None, Query(max_length=64, description="the import's, from the table")
     ] = None,

@@ -6,22 +6,24 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.roles import require
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.roles import CANCEL_ANY
 from pointbrush.web.schemas_work import JobOut
 
 router = APIRouter(tags=["jobs"])
 
 
 @router.get("/jobs", responses=responses())
-def list_jobs(workspace: Ws, _who: Viewer) -> list[JobOut]:
+def list_jobs(workspace: Ws) -> list[JobOut]:
     """All remembered jobs, newest first."""
     return [JobOut.of(job) for job in workspace.jobs()]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
-def get_job(id: JobPath, workspace: Ws, _who: Viewer) -> JobOut:
+def get_job(id: JobPath, workspace: Ws) -> JobOut:
     """One job."""
     return JobOut.of(workspace.job(id.lower()))
 
@@ -30,8 +32,10 @@ def get_job(id: JobPath, workspace: Ws, _who: Viewer) -> JobOut:
 def cancel_job(
     id: JobPath,
     workspace: Ws,
-    _who: Annotator,
+    who: Caller,
     keep: Annotated[bool, Query(description="commit what a tracking run has found")] = False,
 ) -> JobOut:
-    """Ask a job to stop."""
+    """Ask a job to stop: one's own, or with the role manager anybody's."""
+    if workspace.job(id.lower()).owner != who.author:
+        require(who.role, CANCEL_ANY)
     return JobOut.of(workspace.cancel(id.lower(), keep=keep))

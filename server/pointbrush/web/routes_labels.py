@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 
 from pointbrush.labels import Label
 from pointbrush.streaming.messages import Uuid
-from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import LabelPath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut, LabelBody, LabelOut, LabelPatch
@@ -25,7 +25,7 @@ def _out(label: Label) -> LabelOut:
 
 
 @router.get("/sequences/{seq}/labels", responses=responses(404))
-def list_labels(seq: SequenceId, workspace: Ws, _who: Viewer) -> list[LabelOut]:
+def list_labels(seq: SequenceId, workspace: Ws) -> list[LabelOut]:
     """All labels of a sequence."""
     return [_out(label) for label in workspace.palette(seq)]
 
@@ -36,7 +36,7 @@ def create_label(
     body: LabelBody,
     response: Response,
     workspace: Ws,
-    who: Annotator,
+    who: Caller,
     edit: EditId = None,
 ) -> LabelOut:
     """Add a label."""
@@ -46,7 +46,7 @@ def create_label(
 
 
 @router.get("/sequences/{seq}/labels/{id}", responses=responses(404))
-def get_label(seq: SequenceId, id: LabelPath, workspace: Ws, _who: Viewer) -> LabelOut:
+def get_label(seq: SequenceId, id: LabelPath, workspace: Ws) -> LabelOut:
     """One label."""
     return _out(workspace.label(seq, id))
 
@@ -57,7 +57,7 @@ def update_label(
     id: LabelPath,
     body: LabelPatch,
     workspace: Ws,
-    who: Annotator,
+    who: Caller,
     edit: EditId = None,
 ) -> LabelOut:
     """Rename, recolour, recategorise, lock or hide a label."""
@@ -69,7 +69,7 @@ def update_label(
 
 @router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))
 def delete_label(
-    seq: SequenceId, id: LabelPath, workspace: Ws, who: Annotator, edit: EditId = None
+    seq: SequenceId, id: LabelPath, workspace: Ws, who: Caller, edit: EditId = None
 ) -> EditOut:
     """Remove a label; its points become unlabeled in the same edit."""
     return EditOut.of(workspace.delete_label(seq, who.author, id, edit_id=edit))

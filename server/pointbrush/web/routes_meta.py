@@ -12,11 +12,12 @@ from pointbrush import __version__
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
 from pointbrush.web import auth
-from pointbrush.web.auth import Gate, Principal, Viewer
+from pointbrush.web.auth import Caller, Gate, Principal
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Health, MeOut, SessionBody, SessionOut
 
 router = APIRouter(tags=["server"])
+sign_in_router = APIRouter(tags=["server"])
 open_router = APIRouter(include_in_schema=False)
 DOCS = Path(__file__).parent / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
@@ -38,7 +39,7 @@ def _out(principal: Principal) -> SessionOut:
     return SessionOut(author=principal.author, role=principal.role)
 
 
-@router.post("/session", responses=responses(413))
+@sign_in_router.post("/session", responses=responses(413))
 def sign_in(body: SessionBody, request: Request, response: Response) -> SessionOut:
     """Exchange a token for the page's cookie."""
     auth.require_same_origin(request)
@@ -49,19 +50,19 @@ def sign_in(body: SessionBody, request: Request, response: Response) -> SessionO
 
 
 @router.get("/session", responses=responses())
-def who_am_i(who: Viewer) -> SessionOut:
+def who_am_i(who: Caller) -> SessionOut:
     """Who the caller is."""
     return _out(who)
 
 
 @router.get("/me", responses=responses())
-def me(who: Viewer) -> MeOut:
+def me(who: Caller) -> MeOut:
     """Who the caller is, and which message schema the socket speaks."""
     return MeOut(author=who.author, role=who.role, schema_=schema_hash(), version=__version__)
 
 
 @router.delete("/session", status_code=204, responses=responses())
-def sign_out(request: Request, response: Response, _who: Viewer) -> None:
+def sign_out(request: Request, response: Response) -> None:
     """Forget the page's cookie."""
     response.delete_cookie(auth.cookie_name(request), httponly=True, samesite="strict")
 
@@ -75,7 +76,7 @@ def healthz() -> Health:
 
 @open_router.get("/metrics")
 @open_router.get("/api/v1/metrics")
-def metrics(request: Request, _who: Viewer) -> Response:
+def metrics(request: Request, _who: Caller) -> Response:
     """Prometheus text."""
     counters: Metrics = request.app.state.metrics
     return Response(generate_latest(counters.registry), media_type=CONTENT_TYPE_LATEST)

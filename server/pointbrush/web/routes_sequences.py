@@ -21,7 +21,7 @@ from pointbrush.jobs import Job
 from pointbrush.settings import Settings
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError
-from pointbrush.web.auth import Admin, Annotator, Viewer
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -45,7 +45,7 @@ def _out(workspace: Workspace, sequence: str) -> SequenceOut:
 
 
 @router.get("/sequences", responses=responses())
-def list_sequences(workspace: Ws, _who: Viewer) -> list[SequenceOut]:
+def list_sequences(workspace: Ws) -> list[SequenceOut]:
     """All recordings, by name."""
     return [
         SequenceOut.of(manifest, workspace.store.revision(manifest.id))
@@ -54,15 +54,13 @@ def list_sequences(workspace: Ws, _who: Viewer) -> list[SequenceOut]:
 
 
 @router.get("/sequences/{seq}", responses=responses(404))
-def get_sequence(seq: SequenceId, workspace: Ws, _who: Viewer) -> SequenceOut:
+def get_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
     """One recording's manifest."""
     return _out(workspace, seq)
 
 
 @router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
-def patch_sequence(
-    seq: SequenceId, patch: SequencePatch, workspace: Ws, _who: Admin
-) -> SequenceOut:
+def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> SequenceOut:
     """Change a recording's name, rate or the transform that stands it on the floor."""
     fields = {name: value for name, value in patch.model_dump().items() if value is not None}
     if patch.room is not None:
@@ -73,7 +71,7 @@ def patch_sequence(
 
 
 @router.post("/sequences/{seq}/floor", responses=responses(404, 409, 413))
-def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws, _who: Annotator) -> SequenceOut:
+def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> SequenceOut:
     """Stand a recording on the surface that rays point at; one is enough, three level it better."""
     samples = [sample.model_dump() for sample in body.samples]
     workspace.stand_on_floor(seq, body.frame, samples)
@@ -81,14 +79,14 @@ def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws, _who: Annota
 
 
 @router.delete("/sequences/{seq}/floor", responses=responses(404, 409))
-def reset_floor(seq: SequenceId, workspace: Ws, _who: Annotator) -> SequenceOut:
+def reset_floor(seq: SequenceId, workspace: Ws) -> SequenceOut:
     """Stand a recording as the import found it."""
     workspace.reset_floor(seq)
     return _out(workspace, seq)
 
 
 @router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
-def delete_sequence(seq: SequenceId, workspace: Ws, _who: Admin) -> None:
+def delete_sequence(seq: SequenceId, workspace: Ws) -> None:
     """Remove a recording and everything painted on it."""
     workspace.delete_sequence(seq)
 
@@ -126,17 +124,17 @@ IMPORT_BODY: dict[str, Any] = {
     openapi_extra=IMPORT_BODY,
 )
 async def import_sequence(
-    request: Request, response: Response, workspace: Ws, _who: Annotator
+    request: Request, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == "multipart/form-data":
-        job = await _import_upload(request, workspace)
+        job = await _import_upload(request, workspace, who.author)
     elif kind not in ("", "application/json"):
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
         body = _parse(ImportBody, await request.body())
-        job = await run_in_threadpool(_import_path, workspace, body)
+        job = await run_in_threadpool(_import_path, workspace, body, who.author)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
 
@@ -150,7 +148,7 @@ def _parse(model: type[ImportBody], body: bytes) -> ImportBody:
         raise kind(describe(found)) from None
 
 
-def _import_path(workspace: Workspace, body: ImportBody) -> Job:
+def _import_path(workspace: Workspace, body: ImportBody, owner: str) -> Job:
     path = workspace.allowed_path(body.path)
     return workspace.import_paths(
         [path],
@@ -159,6 +157,7 @@ def _import_path(workspace: Workspace, body: ImportBody) -> Job:
         file_format=body.format,
         drop_invalid=body.drop_invalid,
         roots=workspace.settings.roots,
+        owner=owner,
     )
 
 
@@ -167,7 +166,7 @@ def uploads(settings: Settings) -> Path:
     return settings.workspace.absolute() / "uploads"
 
 
-async def _import_upload(request: Request, workspace: Workspace) -> Job:
+async def _import_upload(request: Request, workspace: Workspace, owner: str) -> Job:
     folder = uploads(workspace.settings) / uuid.uuid4().hex
     try:
         async with request.form(
@@ -176,7 +175,7 @@ async def _import_upload(request: Request, workspace: Workspace) -> Job:
             paths = await run_in_threadpool(_save, form, folder)
             fields = _fields(form)
         return await run_in_threadpool(
-            lambda: workspace.import_paths(paths, cleanup=folder, **fields)
+            lambda: workspace.import_paths(paths, cleanup=folder, owner=owner, **fields)
         )
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
-from pointbrush.web.auth import Annotator, Viewer
+from pointbrush.web.auth import Caller
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut
@@ -15,7 +15,7 @@ router = APIRouter(tags=["tracking"])
 
 @router.post("/sequences/{seq}/tracking", status_code=202, responses=responses(404, 409, 413))
 def start_tracking(
-    seq: SequenceId, body: TrackingBody, response: Response, workspace: Ws, who: Annotator
+    seq: SequenceId, body: TrackingBody, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Carry labels from frame ``start`` to ``stop`` in a job; the run is one edit."""
     job = workspace.track(
@@ -36,15 +36,13 @@ def start_tracking(
 
 
 @router.post("/sequences/{seq}/frames/{i}/accept", responses=responses(404, 409))
-def accept(
-    seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Annotator
-) -> EditOut:
+def accept(seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Caller) -> EditOut:
     """Make what tracking found of the labels in this frame count as painted; one edit."""
     return EditOut.of(workspace.accept(seq, i, body.labels, who.author, body.id))
 
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))
-def list_tracks(seq: SequenceId, workspace: Ws, _who: Viewer) -> list[TrackOut]:
+def list_tracks(seq: SequenceId, workspace: Ws) -> list[TrackOut]:
     """Pose, confidence and state of every tracked label in every frame."""
     return [
         TrackOut(**{name: track[name] for name in TrackOut.model_fields})

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from pointbrush.labels import Commit, EditInfo
+from pointbrush.roles import Role
 from pointbrush.sequences import Manifest
 from pointbrush.streaming.messages import (
     Brush,
@@ -223,7 +224,7 @@ class SessionOut(BaseModel):
     """Who is signed in."""
 
     author: str
-    role: Literal["viewer", "annotator", "reviewer", "admin"]
+    role: Role
 
 
 class MeOut(SessionOut):

@@ -9,11 +9,13 @@ from starlette.websockets import WebSocketDisconnect
 from uvicorn.protocols.utils import ClientDisconnected
 
 from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
+from pointbrush.roles import require
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
+from pointbrush.web.roles import ROUTES
 from pointbrush.web.uncopied import link_of
 
 router = APIRouter()
@@ -42,6 +44,7 @@ def admit(socket: WebSocket) -> Principal:
     gate: Gate = socket.app.state.gate
     gate.require_host(socket)
     principal = gate.admit(socket)
+    require(principal.role, ROUTES["WEBSOCKET", "/stream"])
     offered = socket.scope["subprotocols"]
     if subprotocol() not in offered:
         raise ForbiddenError(f"subprotocol: expected {subprotocol()}, got {', '.join(offered)!r}")

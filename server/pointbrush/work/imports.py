@@ -52,6 +52,7 @@ class Imports:
         drop_invalid: bool,
         cleanup: Path | None,
         roots: Sequence[Path],
+        owner: str | None,
     ) -> Job:
         """See ``Workspace.import_paths``."""
         for path in paths:
@@ -69,7 +70,7 @@ class Imports:
             max_points=self._max_points,
             roots=tuple(roots),
         )
-        return self._submit(sequence, work, importing.import_source_labels, cleanup)
+        return self._submit(sequence, work, importing.import_source_labels, cleanup, owner)
 
     def of_sample(self, frames: int, seed: int) -> Job:
         """See ``Workspace.import_sample``."""
@@ -83,6 +84,7 @@ class Imports:
         work: Work,
         label: Callable[[LabelStore, Recording], None],
         cleanup: Path | None = None,
+        owner: str | None = None,
     ) -> Job:
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:
@@ -98,4 +100,4 @@ class Imports:
             if cleanup is not None:
                 shutil.rmtree(cleanup, ignore_errors=True)
 
-        return self._runner.submit("import", sequence, work, finish, done=done)
+        return self._runner.submit("import", sequence, work, finish, done=done, owner=owner)

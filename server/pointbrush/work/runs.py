@@ -89,4 +89,4 @@ class Runs:
             frames = tuple(found.frame for found in pending.results)
             self._publish(Retracted(sequence, job.id, frames))
 
-        return self._runner.submit("tracking", sequence, work, finish, on_item, done)
+        return self._runner.submit("tracking", sequence, work, finish, on_item, done, owner=author)

@@ -1,7 +1,7 @@
 /** A run that stopped because it was unsure, or a doubtful frame: accept it, or go on from it. */
 import { actions } from '../actions';
 import { halted, namesOf, unsure } from '../engine/review';
-import { canEdit, state, trackingJob } from '../state';
+import { canEdit, canReview, state, trackingJob } from '../state';
 import { Button } from './controls';
 
 export function Doubt() {
@@ -13,7 +13,7 @@ export function Doubt() {
   return (
     <span class={`chip doubt${labels.length > 0 ? ' warn' : ''}`} role="status">
       {labels.length > 0 ? `Not sure of ${namesOf(labels)} here` : 'Mended'}
-      {labels.length > 0 && (
+      {labels.length > 0 && canReview.value && (
         <Button
           label="Accept"
           tip="Right as it is: its points count as painted"

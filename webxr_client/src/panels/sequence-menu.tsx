@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useCallback, useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import { canEdit, importJob, state, type SequenceSummary } from '../state';
+import { canEdit, canManage, importJob, state, type SequenceSummary } from '../state';
 import { pickFiles } from './import-files';
 import { plural, shortCount } from './format';
 import { Icon } from './icon';
@@ -45,7 +45,7 @@ export function SequenceMenu() {
           <button
             type="button"
             class="menu-item"
-            disabled={importJob.value !== null}
+            disabled={importJob.value !== null || !canManage.value}
             onClick={() => {
               close();
               pickFiles();

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '65c70290387f';
+export const SCHEMA_HASH = '44ae56369e07';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -340,7 +340,7 @@ export interface Welcome {
   type: 'welcome';
   viewer: string;
   author: string;
-  role: 'viewer' | 'annotator' | 'reviewer' | 'admin';
+  role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
   version: string;
   credits: number;
 }

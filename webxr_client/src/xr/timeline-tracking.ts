@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { halted, namesOf, unsure } from '../engine/review';
 import { frameRange, ordered } from '../panels/range';
 import type { Job } from '../protocol/messages';
-import { state, trackingJob } from '../state';
+import { canReview, state, trackingJob } from '../state';
 import { xrSettings } from './settings';
 import { INK, type Ui } from './ui';
 
@@ -74,7 +74,10 @@ function drawRun(row: Row, job: Job): void {
 /** Some label is doubtful in this frame: right as it is, or paint it and go on. */
 function drawDoubt(row: Row): void {
   row.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () => actions.continueRun());
-  row.button(8.5, { text: 'Accept', icon: 'check', on: true }, () => void actions.acceptHere());
+  const disabled = !canReview.peek();
+  row.button(8.5, { text: 'Accept', icon: 'check', on: true, disabled }, () => {
+    void actions.acceptHere();
+  });
   row.say(`${namesOf(unsure.peek())}: not sure. Mend it, or accept it`, INK.warn);
 }
 

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from pointbrush.roles import Role as Role
+
 Id = Annotated[str, Field(min_length=1, max_length=64)]
 Uuid = Annotated[
     str, Field(pattern=r"^[0-9a-fA-F]{8}(-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}$", max_length=36)
@@ -25,7 +27,6 @@ Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
 Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane"]
-Role = Literal["viewer", "annotator", "reviewer", "admin"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
 

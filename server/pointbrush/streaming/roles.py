@@ -1,0 +1,25 @@
+"""The role that each message of a page needs: one that is not in this table is nobody's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pointbrush.roles import Role
+
+MESSAGES: Mapping[str, Role] = {
+    "hello": "viewer",
+    "open": "viewer",
+    "play": "viewer",
+    "pause": "viewer",
+    "seek": "viewer",
+    "credit": "viewer",
+    "forget": "viewer",
+    "want": "viewer",
+    "presence": "viewer",
+    "stroke_begin": "annotator",
+    "stroke_samples": "annotator",
+    "stroke_end": "annotator",
+    "undo": "annotator",
+    "redo": "annotator",
+    "track": "annotator",
+}

@@ -1,0 +1,69 @@
+"""The role that each call needs: a route that is not in this table is nobody's.
+
+``docs/security.md`` shows it; tests compare the two, and the table with the app's routes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pointbrush.roles import Role
+
+PREFIX = "/api/v1"
+
+OPEN = frozenset({
+    ("POST", "/session"),
+    ("GET", "/healthz"),
+    ("GET", "/docs"),
+    ("GET", "/docs/{name}"),
+    ("GET", "/openapi.json"),
+    ("GET", "/trust"),
+    ("GET", "/trust/authority.crt"),
+    ("GET", "/"),
+    ("GET", "/{path:asset}"),
+})  # fmt: skip
+"""Calls that need no token: signing in, and what is no secret."""
+
+ROUTES: Mapping[tuple[str, str], Role] = {
+    ("GET", "/session"): "viewer",
+    ("DELETE", "/session"): "viewer",
+    ("GET", "/me"): "viewer",
+    ("GET", "/metrics"): "viewer",
+    ("GET", "/sequences"): "viewer",
+    ("GET", "/sequences/{seq}"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/points"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/annotation"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/chunks"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/chunks/{c}"): "viewer",
+    ("GET", "/sequences/{seq}/labels"): "viewer",
+    ("GET", "/sequences/{seq}/labels/{id}"): "viewer",
+    ("GET", "/sequences/{seq}/edits"): "viewer",
+    ("GET", "/sequences/{seq}/tracks"): "viewer",
+    ("GET", "/sequences/{seq}/export"): "viewer",
+    ("GET", "/jobs"): "viewer",
+    ("GET", "/jobs/{id}"): "viewer",
+    ("WEBSOCKET", "/stream"): "viewer",
+    ("PUT", "/sequences/{seq}/frames/{i}/annotation"): "annotator",
+    ("POST", "/sequences/{seq}/frames/{i}/strokes"): "annotator",
+    ("POST", "/sequences/{seq}/undo"): "annotator",
+    ("POST", "/sequences/{seq}/redo"): "annotator",
+    ("POST", "/sequences/{seq}/labels"): "annotator",
+    ("PATCH", "/sequences/{seq}/labels/{id}"): "annotator",
+    ("DELETE", "/sequences/{seq}/labels/{id}"): "annotator",
+    ("POST", "/sequences/{seq}/floor"): "annotator",
+    ("DELETE", "/sequences/{seq}/floor"): "annotator",
+    ("POST", "/sequences/{seq}/tracking"): "annotator",
+    ("DELETE", "/jobs/{id}"): "annotator",
+    ("POST", "/sequences/{seq}/frames/{i}/accept"): "reviewer",
+    ("POST", "/sequences"): "manager",
+    ("PATCH", "/sequences/{seq}"): "manager",
+    ("DELETE", "/sequences/{seq}"): "manager",
+}
+
+CANCEL_ANY: Role = "manager"
+"""Who may cancel jobs that somebody else has started."""
+
+
+def call_of(method: str, path: str) -> tuple[str, str]:
+    """A route's place in the table; ``path`` is its template."""
+    return method, path.removeprefix(PREFIX)

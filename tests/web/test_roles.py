@@ -1,0 +1,134 @@
+"""What each role may do: one table for every call and message, kept by the server and the docs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import httpx
+import pytest
+
+from pointbrush.jobs import Job
+from pointbrush.roles import ROLES, includes
+from pointbrush.streaming import messages
+from pointbrush.streaming.roles import MESSAGES
+from pointbrush.web.app import create_app
+from pointbrush.web.roles import CANCEL_ANY, OPEN, PREFIX, ROUTES, call_of
+from tests.serving import Served
+from tests.waiting import eventually
+
+DOCS = Path(__file__).parents[2] / "docs" / "security.md"
+UUID = "00000000-0000-4000-8000-000000000000"
+
+
+def routes_of(router: Any) -> Iterator[tuple[str, str]]:
+    """Method and path template of every route of an app, however it was included."""
+    for route in router.routes:
+        inner = getattr(route, "original_router", None)
+        if inner is not None:
+            yield from routes_of(inner)
+            continue
+        for method in getattr(route, "methods", None) or {"WEBSOCKET"}:
+            if method != "HEAD":
+                yield call_of(method, route.path)
+
+
+def test_every_route_has_a_role_and_every_role_a_route(served: Served) -> None:
+    found = set(routes_of(create_app(served.workspace, served.workspace.settings)))
+    assert len(found) > 30
+    assert found - OPEN - ROUTES.keys() == set(), "calls without a role, in web/roles.py"
+    assert (OPEN | ROUTES.keys()) - found == set(), "roles of calls that there are not"
+    assert OPEN & ROUTES.keys() == set()
+
+
+def test_every_message_has_a_role() -> None:
+    union, _ = get_args(messages.ClientMessage)
+    types = {message.model_fields["type"].default for message in get_args(union)}
+    assert types == MESSAGES.keys()
+
+
+def test_the_docs_show_the_table() -> None:
+    rows = re.findall(r"^\| (\w+) \|[^|]*\|([^|]*)\|([^|]*)\|$", DOCS.read_text(), re.MULTILINE)
+    shown = {role: (calls, sent) for role, calls, sent in rows if role in ROLES}
+    assert tuple(shown) == ROLES
+    for role, (calls, sent) in shown.items():
+        own = {f"{method} {path}" for (method, path), needed in ROUTES.items() if needed == role}
+        assert set(re.findall(r"`([^`]+)`", calls)) == own, role
+        own = {name for name, needed in MESSAGES.items() if needed == role}
+        assert set(re.findall(r"`([^`]+)`", sent)) == own, role
+
+
+@pytest.fixture(scope="module")
+def tokens(served: Served) -> dict[str, str]:
+    """A token of each role."""
+    return {role: served.workspace.store.tokens.add(role, f"the {role}") for role in ROLES}
+
+
+def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
+    """A call that names nothing there is: only its role can be right."""
+    for name, value in (("seq", "none"), ("i", "0"), ("c", "0"), ("id", UUID)):
+        path = path.replace(f"{{{name}}}", value)
+    path = path.replace(f"labels/{UUID}", "labels/1")
+    return httpx.request(
+        method,
+        f"{served.url}{PREFIX}{path}",
+        headers={"Authorization": f"Bearer {secret}"},
+        params={"format": "ply"} if path.endswith("/export") else {},
+        content=b"{}" if method in ("POST", "PUT", "PATCH") else None,
+    )
+
+
+@pytest.mark.parametrize("needed", ROLES)
+def test_a_call_below_its_role_is_refused_and_names_the_role(
+    served: Served, tokens: dict[str, str], needed: str
+) -> None:
+    for (method, path), role in ROUTES.items():
+        if role != needed or method == "WEBSOCKET" or path == "/session":
+            continue
+        for own in ROLES:
+            answer = call(served, tokens[own], method, path)
+            if includes(own, role):
+                assert answer.status_code != 403, (own, method, path, answer.text)
+            else:
+                assert answer.status_code == 403, (own, method, path, answer.text)
+                assert f"expected the role {role} or higher" in answer.json()["detail"]
+                assert f"this token's is {own}" in answer.json()["detail"]
+
+
+def test_jobs_are_cancelled_by_who_started_them_or_by_a_manager(
+    served: Served, tokens: dict[str, str]
+) -> None:
+    workspace = served.workspace
+    label = workspace.create_label("wall", "somebody", name="tracked")
+    stroke = {
+        "label": label.id,
+        "radius": 1.0,
+        "samples": [{"origin": [0, 0, 3], "direction": [0, 0, -1], "t": 0}],
+    }
+    workspace.stroke("wall", 0, stroke, "somebody")
+
+    def start() -> str:
+        answer = httpx.post(
+            f"{served.url}{PREFIX}/sequences/wall/tracking",
+            headers={"Authorization": f"Bearer {tokens['annotator']}"},
+            json={"start": 0, "stop": 3, "labels": [label.id]},
+        )
+        assert answer.status_code == 202, answer.text
+        return str(answer.json()["id"])
+
+    def cancel(role: str, job: str) -> int:
+        return call(served, tokens[role], "DELETE", f"/jobs/{job}").status_code
+
+    job = start()
+    assert cancel("reviewer", job) == 403
+    assert cancel("annotator", job) in (200, 409)  # 409: it has ended meanwhile
+    other = start()
+    assert cancel(CANCEL_ANY, other) in (200, 409)
+
+    def ended(job_id: str) -> Job | None:
+        found = workspace.job(job_id)
+        return found if found.state in ("done", "cancelled", "failed") else None
+
+    eventually(lambda: ended(job) and ended(other))
