@@ -12,7 +12,7 @@ PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo serve test checks lint types check-page unit e2e bench format setup page system peers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e bench format setup page system peers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -81,6 +81,10 @@ CHECKS := types check-page lint
 test: $(STAMPS)/dev  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops $(PAGE) $(CHECKS)
 	@$(MAKE) --no-print-directory unit e2e
+
+quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the fast tests, for each save
+	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile -m "not slow"
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)

@@ -13,7 +13,26 @@ settings.register_profile(
 )
 settings.load_profile("any machine")
 
-SHARED = Path(__file__).parent.parent.parent / "shared"
+TESTS = Path(__file__).parent
+SHARED = TESTS.parent.parent / "shared"
+SLOW = frozenset(
+    {
+        *("e2e", "faults", "samples", "tracking"),
+        *("test_cli.py", "test_examples.py", "test_jobs.py", "test_workspace.py"),
+        *("labels/test_durability.py", "labels/test_model.py", "sequences/test_large.py"),
+        *("streaming/test_links.py", "web/test_ending.py", "web/test_hostile.py"),
+        *("web/test_schemathesis.py", "web/test_server.py", "work/test_prepare.py"),
+        *("formats/test_corpus.py", "work/test_tracking.py"),
+    }
+)
+"""Folders and files that `make quick` leaves out: each takes about ten seconds or more."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        path = item.path.relative_to(TESTS)
+        if path.parts[0] in SLOW or path.as_posix() in SLOW:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")
