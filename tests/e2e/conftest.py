@@ -116,8 +116,8 @@ def headset(browser: Browser, server: LiveServer, palette: dict[str, str]) -> It
 def put_on(browser: Browser, server: LiveServer) -> Iterator[Wear]:
     worn: list[Headset] = []
 
-    def one(device: str = QUEST) -> Headset:
-        headset = wear(browser, server.page_url, device)
+    def one(device: str = QUEST, haptics: str = "Quest Browser") -> Headset:
+        headset = wear(browser, server.page_url, device, haptics=haptics)
         worn.append(headset)
         headset.ready()
         headset.enter()

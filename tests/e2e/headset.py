@@ -40,21 +40,33 @@ VIVE = """(() => {
   return new IWER.XRDevice(config, { stereoEnabled: true });
 })()"""
 
-# Every pulse is noted: strength, milliseconds and when, for both hands together.
+# Every pulse is noted: strength and milliseconds, for both hands together.
 SPY = """
   window.pulses = [];
   for (const hand of ['left', 'right']) {
-    const source = device.controllers[hand].inputSource;
-    const actuator = source.gamepad.hapticActuators[0];
-    actuator.pulse = (strength, milliseconds) => {
-      window.pulses.push({ hand, strength, milliseconds });
-      return Promise.resolve(true);
-    };
+    const { gamepad } = device.controllers[hand].inputSource;
+    const felt = (strength, milliseconds) => window.pulses.push({ hand, strength, milliseconds });
+    const refused = () => Promise.reject(new DOMException('not visible', 'InvalidStateError'));
+    const actuators = HAPTICS;
+    for (const name of ['hapticActuators', 'vibrationActuator'])
+      Object.defineProperty(gamepad, name, { value: actuators[name] });
   }
 """
+PULSING = "{ pulse: (power, ms) => { felt(power, ms); return Promise.resolve(true); } }"
+RUMBLING = """{ effects: ['dual-rumble'], playEffect: (_, { strongMagnitude, duration }) => {
+  felt(strongMagnitude, duration);
+  return Promise.resolve('complete');
+} }"""
+HAPTICS = {
+    "Quest Browser": f"{{ hapticActuators: [{PULSING}] }}",
+    "Chromium": f"{{ vibrationActuator: {RUMBLING} }}",
+    "Firefox": "{ hapticActuators: [{ pulse: refused }] }",
+    "Safari": "{ vibrationActuator: null }",
+}
+"""What a controller's gamepad has for pulses, by browser; what it has not is undefined there."""
 
 
-def runtime(device: str) -> str:
+def runtime(device: str, haptics: str = "Quest Browser") -> str:
     return f"""{IWER.read_text()};
 (() => {{
   const device = {device};
@@ -64,7 +76,7 @@ def runtime(device: str) -> str:
   Object.defineProperty(XRSession.prototype, 'isSystemKeyboardSupported', {{
     get: () => device.isSystemKeyboardSupported,
   }});
-  {SPY}
+  {SPY.replace("HAPTICS", HAPTICS[haptics])}
 }})();"""
 
 
@@ -247,8 +259,9 @@ def wear(
     device: str = QUEST,
     size: tuple[int, int] = (1280, 720),
     first: str = "",
+    haptics: str = "Quest Browser",
 ) -> Headset:
     """A headset on a page of its own; ``first`` is a script that runs before the page's."""
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-    context.add_init_script(runtime(device) + first)
+    context.add_init_script(runtime(device, haptics) + first)
     return Headset(context, url)

@@ -1,11 +1,11 @@
 /** Wiring only. */
-import { effect } from '@preact/signals';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { state } from './state';
+import { follow } from './watch';
 
 /** Nobody waits longer for a picture before the rest is loaded. */
 const LONGEST_MS = 1500;
@@ -27,7 +27,7 @@ export function startPage(early: Early): void {
 function pictured({ opening }: Early): Promise<void> {
   return new Promise((resolve) => {
     const timer = setTimeout(finish, LONGEST_MS);
-    const stop = effect(() => {
+    const stop = follow(() => {
       // Drawn with the next picture, and over when the one after that begins.
       if (state.shown.value.total > 0) requestAnimationFrame(() => requestAnimationFrame(finish));
     });

@@ -1,5 +1,17 @@
-/** Signals watched without reading them: what runs is made once, and again with every news. */
+/** What runs whenever signals change.  Setters run it, so that it never throws into them. */
 import { effect, untracked, type ReadonlySignal } from '@preact/signals';
+import { tellFailure } from './listeners';
+
+/** Run `run` now and whenever a signal that it reads changes; the result stops it. */
+export function follow(run: () => void): () => void {
+  return effect(() => {
+    try {
+      run();
+    } catch (error) {
+      tellFailure(error);
+    }
+  });
+}
 
 /** An effect depends on what it reads. */
 function read(signal: ReadonlySignal<unknown>): unknown {
@@ -12,7 +24,7 @@ export function watch(
   changed: () => void,
 ): () => void {
   const stops = signals.map((signal) =>
-    effect(() => {
+    follow(() => {
       read(signal);
       untracked(changed);
     }),

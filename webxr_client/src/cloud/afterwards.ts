@@ -2,11 +2,12 @@
  * What can wait until a picture has gone to the display: messages above all, since posting one wakes
  * another thread, which may take this one's place on a busy processor.
  */
+import { Listeners } from '../listeners';
 import { Timing } from './timing';
 
 export class Afterwards {
   /** What is done each time that somebody asks for it. */
-  readonly runs: (() => void)[] = [];
+  readonly runs = new Listeners();
   readonly ms = new Timing();
   /** Whether times are taken. */
   measuring = false;
@@ -22,7 +23,7 @@ export class Afterwards {
   private readonly run = (): void => {
     const started = this.measuring ? performance.now() : 0;
     this.asked = false;
-    for (let i = 0; i < this.runs.length; i++) this.runs[i]!();
+    this.runs.run();
     if (this.measuring) this.ms.add(performance.now() - started);
   };
 }

@@ -1,6 +1,7 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
 import { BufferGeometry, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../protocol/messages';
+import { Listeners, tellFailure } from '../listeners';
 import type { ViewSettings } from '../state';
 import { Afterwards } from './afterwards';
 import { Backdrop } from './backdrop';
@@ -16,8 +17,6 @@ import { Timing } from './timing';
 /** Layers 1 and 2 are the headset's eyes. */
 const POINTS_LAYER = 3;
 
-export type Tick = (now: number, frame: XRFrame | undefined) => void;
-
 export class Viewer {
   readonly renderer: WebGLRenderer;
   readonly scene = new Scene();
@@ -31,8 +30,8 @@ export class Viewer {
   readonly uniforms = new PointUniforms(this.palette.texture);
   /** Counts what asked for a picture. */
   changes = 0;
-  /** Called before each picture, in order. */
-  readonly ticks: Tick[] = [];
+  /** Run before each picture, in order, with its time and the headset's frame. */
+  readonly ticks = new Listeners<number, XRFrame | undefined>();
   readonly afterwards = new Afterwards();
   /** Pictures drawn. */
   pictures = 0;
@@ -230,7 +229,7 @@ export class Viewer {
   private tick(now: number, frame: XRFrame | undefined): void {
     const { measuring } = this;
     const started = measuring ? performance.now() : 0;
-    for (let i = 0; i < this.ticks.length; i++) this.ticks[i]!(now, frame);
+    this.ticks.run(now, frame);
     const presenting = this.renderer.xr.isPresenting;
     if (!this.dirty && !presenting) {
       this.intervalMs.interrupt();
@@ -240,13 +239,22 @@ export class Viewer {
     this.dirty = false;
     this.pictures += 1;
     const worked = measuring ? performance.now() : 0;
-    if (presenting) this.drawHeadset();
-    else this.drawDesk();
+    this.draw(presenting);
     if (measuring) {
       this.workMs.add(worked - started);
       this.drawMs.add(performance.now() - worked);
     }
     this.intervalMs.mark(now);
+  }
+
+  /** A picture that cannot be drawn is told of; the loop goes on to the next one. */
+  private draw(presenting: boolean): void {
+    try {
+      if (presenting) this.drawHeadset();
+      else this.drawDesk();
+    } catch (error) {
+      tellFailure(error);
+    }
   }
 
   /** Take times from now on, or no more: asking the clock leaves a number behind each time. */

@@ -1,5 +1,4 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
-import { effect } from '@preact/signals';
 import { bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import { Viewer } from '../cloud/viewer';
@@ -8,12 +7,14 @@ import { viewOf } from '../desktop/framing';
 import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
 import { DeskPresence } from '../desktop/presence';
+import { Listeners } from '../listeners';
 import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
+import type { FromWorker } from '../net/wire';
 import type { Brush } from '../protocol/messages';
 import { dismiss, state, type Shown } from '../state';
 import { Strokes, type Stroke } from '../tools/strokes';
-import { watch } from '../watch';
+import { follow, watch } from '../watch';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { floorActions } from './floor';
@@ -68,14 +69,22 @@ export class Engine {
     void opening.then((id) => {
       if (state.sequence.peek() === null) state.opening.value = id;
     });
-    link.listen((message) => inbox.receive(message));
+    const heard = new Listeners<FromWorker>();
+    heard.add((message) => inbox.receive(message));
+    link.listen((message) => heard.run(message));
     this.follow();
     listenToKeys(this.camera);
   }
 
   start(): void {
-    this.viewer.ticks.push((now) => this.tick(now));
-    this.viewer.afterwards.runs.push(() => this.strokes.send());
+    const { ticks } = this.viewer;
+    ticks.add((now) => this.playback.update(now));
+    ticks.add(() => {
+      if (this.strokes.show()) this.viewer.afterwards.ask();
+    });
+    ticks.add((now) => this.tune(now));
+    ticks.add((now) => this.tickDesk(now));
+    this.viewer.afterwards.runs.add(() => this.strokes.send());
     this.viewer.start();
   }
 
@@ -86,14 +95,16 @@ export class Engine {
     return frame && info ? this.strokes.begin(frame, brush, info.shift) : null;
   }
 
-  private tick(now: number): void {
-    this.playback.update(now);
-    if (this.strokes.show()) this.viewer.afterwards.ask();
+  /** As many points as can be drawn in time. */
+  private tune(now: number): void {
     this.pacing.update(now);
     const { isPresenting } = this.viewer.renderer.xr;
     // At the desk more is kept than is drawn while something moves; a head always moves.
     this.detail.update(now, isPresenting ? this.pacing.points : ALL_POINTS);
-    if (isPresenting) return;
+  }
+
+  private tickDesk(now: number): void {
+    if (this.viewer.renderer.xr.isPresenting) return;
     if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
     const shown = state.shown.peek();
     if (this.camera.update(now) || shown !== this.seen) {
@@ -108,11 +119,11 @@ export class Engine {
   // ── the store drives the picture ───────────────────────────────────────────────────────────
 
   private follow(): void {
-    effect(() => {
+    follow(() => {
       this.viewer.palette.set(state.palette.value, state.solo.value, unsure.value);
       this.viewer.invalidate();
     });
-    effect(() => {
+    follow(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
     const { tool, brush, activeLabel, palette } = state;

@@ -3,6 +3,7 @@ import { PlayClock } from '../cloud/clock';
 import type { CloudFrame } from '../cloud/frame';
 import { FrameStore } from '../cloud/store';
 import type { Viewer } from '../cloud/viewer';
+import { Listeners } from '../listeners';
 import type { Link } from '../net/link';
 import type { Segment } from '../net/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
@@ -19,7 +20,7 @@ export class Playback {
   /** Points of a playing frame that can be drawn in time, or null. */
   pointBudget: number | null = null;
   /** Told of each frame that has become complete. */
-  readonly completed = new Set<(frame: CloudFrame) => void>();
+  readonly completed = new Listeners<CloudFrame>();
   private info: SequenceInfo | null = null;
   private readonly clock = new PlayClock();
   private shown: CloudFrame | null = null;
@@ -124,7 +125,7 @@ export class Playback {
     if (used) this.trim();
     else this.link.recycle([segment.vertices]);
     const frame = this.store.get(segment.frame);
-    if (used && frame?.complete) for (const tell of this.completed) tell(frame);
+    if (used && frame?.complete) this.completed.run(frame);
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
   }
 

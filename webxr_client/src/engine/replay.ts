@@ -34,7 +34,7 @@ export function replay(engine: Engine, seconds: number): Promise<ReplayResult> {
       link.send({ type: 'seek', frame: (frame.index + 1) % frames });
       const elapsed = (performance.now() - started) / 1000;
       if (elapsed < seconds) return;
-      playback.completed.delete(next);
+      stop();
       const { points, bytes, decodeMs } = playback.counters;
       resolve({
         seconds: elapsed,
@@ -45,7 +45,7 @@ export function replay(engine: Engine, seconds: number): Promise<ReplayResult> {
         uploadMs: uploadMs / done,
       });
     };
-    playback.completed.add(next);
+    const stop = playback.completed.add(next);
     playback.forget([...playback.store.all()]);
     link.send({ type: 'seek', frame: 0 });
   });

@@ -1,10 +1,11 @@
 /** Doubt: what a person should look at here, a run that stopped for it, and how it goes on. */
-import { computed, effect, signal, type ReadonlySignal } from '@preact/signals';
+import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { actions, type Actions, type TrackRequest } from '../actions';
 import { api } from '../net/rest';
 import { cellKind, doubtfulFrames, wantsLook } from '../panels/timeline-layout';
 import { notify, state, type TimelineRow } from '../state';
 import { attempt } from './recordings';
+import { follow } from '../watch';
 
 export interface Halt {
   /** The frame that it stopped at, and the one that it was to reach. */
@@ -56,7 +57,7 @@ export function runEnded(): void {
   if (!request) return;
   const { id } = state.sequence.peek() ?? {};
   let done = false;
-  const stopLooking = effect(() => {
+  const stopLooking = follow(() => {
     const { rows } = state.timeline.value;
     if (done || state.sequence.peek()?.id !== id) return;
     const found = firstDoubt(request, rows);

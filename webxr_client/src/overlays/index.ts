@@ -118,6 +118,6 @@ export class Overlays {
 /** Wire the overlays to the engine. */
 export function installOverlays(engine: Engine): Overlays {
   const overlays = new Overlays(engine);
-  engine.viewer.ticks.push((now) => overlays.update(now));
+  engine.viewer.ticks.add((now) => overlays.update(now));
   return overlays;
 }

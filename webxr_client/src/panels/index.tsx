@@ -1,5 +1,4 @@
 /** The desk's panels, around the canvas of `index.html`. */
-import { effect } from '@preact/signals';
 import { render, type ComponentChild } from 'preact';
 import { state } from '../state';
 import { Help, helpOpen } from './help';
@@ -9,6 +8,7 @@ import { Stage } from './stage';
 import { Timeline } from './timeline';
 import { Toolbar } from './toolbar';
 import { Tooltip } from './tooltip';
+import { follow } from '../watch';
 
 /** Nobody looks at these from inside a headset, and they would be drawn anew for every frame. */
 function AtTheDesk({ panel: Panel }: { panel: () => ComponentChild }) {
@@ -26,7 +26,7 @@ export function mountPanels(): () => void {
     ['panels', [<Tooltip />, <Help />]],
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
-  const layout = effect(() => {
+  const layout = follow(() => {
     page.getElementById('app')!.classList.toggle('welcome', state.sequence.value === null);
     page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
   });

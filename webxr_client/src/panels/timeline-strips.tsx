@@ -1,11 +1,12 @@
 /** The canvas of the timeline: scrub on the ruler, choose a range on the strips. */
-import { effect, useSignal } from '@preact/signals';
+import { useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { state } from '../state';
 import { frameRange, type FrameRange } from './range';
 import { drawTimeline, type TimelineSizes } from './timeline-draw';
 import { pan, reveal, xToFrame, zoom, type Span } from './timeline-layout';
+import { follow } from '../watch';
 
 const RULER = 26;
 const ROW = 18;
@@ -39,11 +40,11 @@ export function Strips({ frames }: { frames: number }) {
       size.value = { width: element.clientWidth, height: element.clientHeight };
     });
     observer.observe(element);
-    const follow = effect(() => {
+    const following = follow(() => {
       span.value = reveal(span.peek(), state.frame.value, frames);
     });
     let request = 0;
-    const redraw = effect(() => {
+    const redraw = follow(() => {
       const picture = {
         span: span.value,
         frames,
@@ -72,7 +73,7 @@ export function Strips({ frames }: { frames: number }) {
     void document.fonts.ready.then(fonts);
     return () => {
       observer.disconnect();
-      follow();
+      following();
       redraw();
       cancelAnimationFrame(request);
     };

@@ -11,6 +11,7 @@ import type {
   StrokeResult,
   StrokeSamples,
 } from '../protocol/messages';
+import { Listeners } from '../listeners';
 import { StrokePreview, type Locked } from './preview';
 import type { PointerSample } from './sample';
 
@@ -116,14 +117,12 @@ class LiveStroke implements Stroke {
   }
 }
 
-export type ResultListener = (result: StrokeResult) => void;
-
 export class Strokes {
   private readonly live: LiveStroke[] = [];
   /** Ended, and waiting for the server. */
   private readonly ended = new Map<string, StrokePreview>();
   /** Told every answer: `touched` drives the haptic pulse. */
-  readonly results: ResultListener[] = [];
+  readonly results = new Listeners<StrokeResult>();
 
   constructor(private readonly deps: StrokeDeps) {}
 
@@ -149,7 +148,7 @@ export class Strokes {
   }
 
   onResult(result: StrokeResult): void {
-    for (let i = 0; i < this.results.length; i++) this.results[i]!(result);
+    this.results.run(result);
     if (!result.final) return;
     // What did not change needs no delta; otherwise the delta takes the preview away.
     if (result.changed === 0) this.drop(result.id);

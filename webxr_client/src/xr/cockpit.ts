@@ -2,10 +2,10 @@
  * Everything that is there while one is inside: hands, brush, panels, moving about.  `update` runs
  * before each picture and allocates nothing unless something happens.
  */
-import { effect } from '@preact/signals';
 import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
+import { Listeners } from '../listeners';
 import { notify, state } from '../state';
 import { currentWay } from './brush';
 import { Buttons } from './buttons';
@@ -29,7 +29,7 @@ import { SIZES } from './sizes';
 import { layLow, standBefore } from './standing';
 import { Lessons } from './lessons';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
-import { watch } from '../watch';
+import { follow, watch } from '../watch';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
@@ -57,6 +57,7 @@ export class Cockpit {
   private readonly undo: (() => void)[] = [];
   private readonly panels: readonly Panel[];
   private readonly farPanels: readonly Panel[];
+  private readonly parts = new Listeners<number>();
   private standing = false;
   /** When the last picture was, and how long ago: numbers on their own would be boxed. */
   private readonly last = Float64Array.of(-1);
@@ -128,10 +129,8 @@ export class Cockpit {
   private listen(): void {
     const { undo } = this;
     this.controllers.listen();
-    const { ticks } = this.engine.viewer;
-    const tick = (now: number, frame: XRFrame | undefined): void => this.update(now, frame);
-    ticks.push(tick);
-    undo.push(() => void ticks.splice(ticks.indexOf(tick), 1));
+    this.divide();
+    undo.push(this.engine.viewer.ticks.add((now, frame) => this.update(now, frame)));
     // The headset's own way to recentre moved its space: the next picture has the new poses.
     const space = this.engine.viewer.renderer.xr.getReferenceSpace();
     const moved = (): boolean => (this.standing = false);
@@ -140,7 +139,7 @@ export class Cockpit {
     undo.push(this.clearTheFloor());
     let { hand: side, seated } = xrSettings.peek();
     undo.push(
-      effect(() => {
+      follow(() => {
         const { value } = xrSettings;
         if (value.seated !== seated) this.settle(value.seated);
         seated = value.seated;
@@ -176,23 +175,28 @@ export class Cockpit {
     this.poses.read(frame, space);
     if (!this.rig.update(this.poses)) return;
     if (!this.standing) this.stand();
-    const { controllers } = this;
-    controllers.update(frame, space, seconds);
+    this.controllers.update(frame, space, seconds);
     this.rig.group.updateMatrixWorld(true);
-    this.holdPalette();
-    this.moveWorld();
-    this.place.update();
-    controllers.point(this.panels, this.farPanels, this.painter);
-    this.buttons.update(controllers.brush, controllers.other, seconds, now);
-    this.locomotion.update(controllers.other, seconds);
-    this.paint(now);
-    this.feelings.update();
-    this.tellOthers(now);
-    this.engine.viewer.backdrop.follow(this.rig.head);
-    for (let i = 0; i < this.panels.length; i++) this.panels[i]!.update(now);
-    this.pulse.update(now);
-    controllers.teach(seconds);
-    this.hud.update(this.rig, seconds, now);
+    this.parts.run(now);
+  }
+
+  /** What a picture is made of, each part guarded: haptics that fail must not still the panels. */
+  private divide(): void {
+    const { parts, controllers, seconds } = this;
+    parts.add(() => this.holdPalette());
+    parts.add(() => this.moveWorld());
+    parts.add(() => this.place.update());
+    parts.add(() => controllers.point(this.panels, this.farPanels, this.painter));
+    parts.add((now) => this.buttons.update(controllers.brush, controllers.other, seconds, now));
+    parts.add(() => this.locomotion.update(controllers.other, seconds));
+    parts.add((now) => this.paint(now));
+    parts.add(() => this.feelings.update());
+    parts.add((now) => this.tellOthers(now));
+    parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
+    for (const panel of this.panels) parts.add((now) => panel.update(now));
+    parts.add((now) => this.pulse.update(now));
+    parts.add(() => controllers.teach(seconds));
+    parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
   /** Who sits, or has no floor, looks from where standing people do. */

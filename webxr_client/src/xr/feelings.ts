@@ -1,7 +1,7 @@
 /** What the brush hand feels besides painting: a frame passed, a run ended, a label was locked. */
-import { effect } from '@preact/signals';
 import { isActive, state } from '../state';
 import { BUMP, FRAME_TICK, type Pulse } from './haptics';
+import { follow } from '../watch';
 
 export class Feelings {
   private frame = -1;
@@ -22,7 +22,7 @@ export class Feelings {
 
   private followJobs(): () => void {
     let running = new Set<string>();
-    return effect(() => {
+    return follow(() => {
       const tracking = state.jobs.value.filter((job) => job.kind === 'tracking');
       const active = new Set(tracking.filter(isActive).map((job) => job.id));
       const ended = [...running].some((id) => !active.has(id));
@@ -33,7 +33,7 @@ export class Feelings {
 
   private followLocks(): () => void {
     let before: ReadonlySet<number> | null = null;
-    return effect(() => {
+    return follow(() => {
       const palette = state.palette.value;
       const locked = new Set(palette.filter((label) => label.locked).map((label) => label.id));
       const more = before !== null && [...locked].some((id) => !before!.has(id));

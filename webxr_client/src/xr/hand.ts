@@ -1,5 +1,6 @@
 /** One controller or hand as it is at this moment: poses in the scene, buttons as switches. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
+import { pulse } from './actuators';
 import { deviceFor, type Device, type PadPlace } from './devices';
 import { readPad, Repeat, Switch, type Pad } from './pad';
 import type { Poses } from './poses';
@@ -141,18 +142,8 @@ export class Hand {
 
   /** A felt pulse; strength 0..1. */
   pulse(strength: number, milliseconds: number): void {
-    const actuator = this.source?.gamepad?.hapticActuators[0] as Actuator | undefined;
-    void actuator?.pulse?.(Math.min(1, strength), milliseconds)?.catch(ignore);
+    pulse(this.source?.gamepad, strength, milliseconds);
   }
-}
-
-interface Actuator {
-  pulse?: (strength: number, milliseconds: number) => Promise<unknown> | undefined;
-}
-
-/** A controller that cannot pulse any more has nothing to tell. */
-function ignore(): void {
-  return;
 }
 
 function readThumb({ pad, axes, press }: PadPlace, gamepad: Gamepad | null, out: Pad): void {

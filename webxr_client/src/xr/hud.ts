@@ -1,5 +1,4 @@
 /** What must be said at once, before the eyes: connection, controllers, messages, refusals. */
-import { effect } from '@preact/signals';
 import { Group, Vector3 } from 'three';
 import { plural } from '../panels/format';
 import { state } from '../state';
@@ -7,6 +6,7 @@ import { faceEyes } from './facing';
 import type { Rig } from './rig';
 import { Sign } from './sign';
 import { SIZES } from './sizes';
+import { follow } from '../watch';
 
 /** Metres ahead and below the eyes; what is farther from where it should be jumps there. */
 const AWAY = 1;
@@ -29,8 +29,8 @@ export class Hud {
   constructor() {
     this.group.add(this.sign.mesh);
     const stops = [
-      effect(() => void (this.text = standing())),
-      effect(() => {
+      follow(() => void (this.text = standing())),
+      follow(() => {
         const title = state.notices.value.at(-1)?.title;
         if (title) this.say(title);
       }),

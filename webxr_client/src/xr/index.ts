@@ -13,6 +13,6 @@ export function installHeadset(engine: Engine, overlays: Overlays): Headset {
   followPeople(engine);
   const people = new People(viewer.world, () => viewer.invalidate());
   installHeadsetHook(engine, headset, overlays, people);
-  viewer.ticks.push(() => people.face(headset.cockpit?.rig.head ?? viewer.camera.position));
+  viewer.ticks.add(() => people.face(headset.cockpit?.rig.head ?? viewer.camera.position));
   return headset;
 }

@@ -3,10 +3,10 @@ import { Vector3, type Object3D } from 'three';
 import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
-import type { Brush } from '../protocol/messages';
+import type { Brush, StrokeResult } from '../protocol/messages';
 import { isStroke, state } from '../state';
 import type { PointerSample } from '../tools/sample';
-import type { ResultListener, Stroke } from '../tools/strokes';
+import type { Stroke } from '../tools/strokes';
 import { AirShape } from './air';
 import { brushFor, currentWay, refusal, type Way } from './brush';
 import { BrushLook } from './brush-look';
@@ -45,6 +45,7 @@ export class Painter {
   };
   private readonly last = new Vector3();
   private lastRay = 0;
+  private readonly unfeel: () => void;
 
   constructor(
     private readonly engine: Engine,
@@ -53,7 +54,7 @@ export class Painter {
   ) {
     this.look = new BrushLook(engine, place);
     this.air = new AirShape(engine.viewer, place);
-    engine.strokes.results.push(this.felt);
+    this.unfeel = engine.strokes.results.add(this.felt);
   }
 
   addTo(scene: Object3D): void {
@@ -62,14 +63,13 @@ export class Painter {
 
   dispose(): void {
     this.finish();
-    const { results } = this.engine.strokes;
-    results.splice(results.indexOf(this.felt), 1);
+    this.unfeel();
     this.look.dispose();
     this.air.dispose();
   }
 
   /** The server counted newly changed points: that is what the hand feels. */
-  private readonly felt: ResultListener = (result) => {
+  private readonly felt = (result: StrokeResult): void => {
     if (!this.mine.has(result.id)) return;
     const strength = strengthOf(this.counter.take(result));
     if (strength > 0) this.pulse(strength, PAINT_MS);

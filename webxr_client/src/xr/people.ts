@@ -1,5 +1,4 @@
 /** The others: heads, hands, brushes and names, where they are in the recording's room. */
-import { effect } from '@preact/signals';
 import { BoxGeometry, ConeGeometry, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, type BufferGeometry, type MeshBasicMaterialParameters, type Object3D } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { state, type Person, type Pose } from '../state';
@@ -8,6 +7,7 @@ import { faceEyes } from './facing';
 import { Sign } from './sign';
 import { SIZES } from './sizes';
 import { tint } from './tint';
+import { follow } from '../watch';
 
 const FACING = { right: 0, up: 0, away: SIZES.name.away };
 /** How bodies look: opaque colours, and those one sees through. */
@@ -95,7 +95,7 @@ export class People {
     private readonly world: Group,
     changed: () => void,
   ) {
-    this.unfollow = effect(() => {
+    this.unfollow = follow(() => {
       const people = state.people.value;
       for (const [viewer, avatar] of this.avatars) {
         if (people.some((person) => person.viewer === viewer)) continue;

@@ -31,6 +31,7 @@ export class Presence {
     radius: 0,
   };
 
+  private readonly stop: () => void;
   /** The message says something new. */
   private due = false;
 
@@ -38,7 +39,7 @@ export class Presence {
     private readonly link: Link,
     private readonly afterwards: Afterwards,
   ) {
-    afterwards.runs.push(this.tell);
+    this.stop = afterwards.runs.add(this.tell);
   }
 
   update(now: number, rig: Rig, hands: readonly Hand[], tip: Vector3, world: Object3D): void {
@@ -89,8 +90,7 @@ export class Presence {
 
   /** One has left the room. */
   gone(): void {
-    const { runs } = this.afterwards;
-    runs.splice(runs.indexOf(this.tell), 1);
+    this.stop();
     this.send({ ...this.message, head: null, hands: [], brush: null, radius: 0 });
   }
 

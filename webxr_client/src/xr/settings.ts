@@ -1,5 +1,6 @@
 /** How one likes to work in the headset; kept in the browser. */
-import { effect, signal } from '@preact/signals';
+import { signal } from '@preact/signals';
+import { follow } from '../watch';
 
 export type Side = 'left' | 'right';
 
@@ -35,7 +36,7 @@ const KEY = 'pointbrush.headset';
 
 export const xrSettings = signal<XrSettings>(load());
 
-effect(() => {
+follow(() => {
   try {
     localStorage.setItem(KEY, JSON.stringify(xrSettings.value));
   } catch {

@@ -1,0 +1,55 @@
+/**
+ * What runs in every picture or with every message.  One that throws costs its own work only: the
+ * failure is told once, in words, and the others and the next picture go on.
+ */
+import { notify } from './state';
+
+/** Failures told so far; a page that fails in ever new ways stops telling. */
+const MOST_TOLD = 50;
+const told = new Set<string>();
+
+/** Tell a failure on the console and in a message, each kind of failure once. */
+export function tellFailure(error: unknown): void {
+  const text = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
+  if (told.has(text) || told.size >= MOST_TOLD) return;
+  told.add(text);
+  console.error('A part of the page failed; the rest goes on.', error);
+  try {
+    notify(
+      'error',
+      'A part of the page failed',
+      `The rest goes on and strokes are kept. Reload the page when something is missing. (${text})`,
+    );
+  } catch (second) {
+    // The toast itself may be what fails.
+    console.error(second);
+  }
+}
+
+/** Functions of up to two arguments that are run in order, each guarded. */
+export class Listeners<A = void, B = void> {
+  private readonly list: ((a: A, b: B) => void)[] = [];
+
+  /** Run `listener` from now on; the result stops it. */
+  add(listener: (a: A, b: B) => void): () => void {
+    this.list.push(listener);
+    return () => {
+      const at = this.list.indexOf(listener);
+      if (at >= 0) this.list.splice(at, 1);
+    };
+  }
+
+  run(a: A, b: B): void {
+    const { list } = this;
+    for (let i = 0; i < list.length;) {
+      const listener = list[i]!;
+      try {
+        listener(a, b);
+      } catch (error) {
+        tellFailure(error);
+      }
+      // One that stopped itself has left its place to the next.
+      if (list[i] === listener) i++;
+    }
+  }
+}
