@@ -97,7 +97,8 @@ class Person:
         await self.view.send(type="open", sequence="wall", **known)
 
     def _sender(self, pipe: Pipe) -> Any:
-        async def send(data: bytes) -> None:
+        async def send(*parts: bytes | memoryview) -> None:
+            data = b"".join(parts)
             await self.flowing.wait()
             if self.lets_through is not None:
                 self.lets_through -= 1
@@ -294,7 +295,7 @@ def test_a_followers_messages_are_made_before_they_are_wanted(workspace: Workspa
     async def scenario() -> None:
         hub = Hub(workspace, Metrics())
         async with hub.running():
-            room = Room(workspace, workspace.recording("wall"), hub.cache, hub.read)
+            room = Room(workspace, workspace.recording("wall"), hub.values, hub.shelf, hub.read)
             await room.load()
             room.expect(2, 1)
             while (table := room.stock.known_table(2)) is None:
@@ -304,6 +305,6 @@ def test_a_followers_messages_are_made_before_they_are_wanted(workspace: Workspa
             while (ready := room.ready(piece, table)) is None:
                 await asyncio.sleep(0.001)
             assert ready == await room.points(piece, table)
-            assert msgpack.unpackb(ready[2])["total"] == table.firsts[-1]
+            assert msgpack.unpackb(b"".join(ready[2]))["total"] == table.firsts[-1]
 
     asyncio.run(asyncio.wait_for(scenario(), PATIENCE))

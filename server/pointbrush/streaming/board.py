@@ -14,6 +14,8 @@ from pointbrush.streaming.encoding import encode
 
 Place = tuple[int, int]
 """Frame and label: a cell of the timeline."""
+MESSAGES_BYTES = 2 * 2**20
+"""Memory for messages that viewers share: the newest, which all want in the same moment."""
 
 
 class Board:
@@ -22,14 +24,12 @@ class Board:
     def __init__(
         self,
         store: LabelStore,
-        cache: MessageCache,
         run: Callable[..., Awaitable[Any]],
         sequence: str,
-        identity: str,
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
-        self._store, self._cache, self._run = store, cache, run
-        self._sequence, self._identity = sequence, identity
+        self._store, self._run, self._sequence = store, run, sequence
+        self._messages = MessageCache(MESSAGES_BYTES)
         self.revision = 0
         self.palette: list[Label] = []
         self.cells: dict[Place, Cell] = {}
@@ -93,7 +93,7 @@ class Board:
             )
             return revision, encode(message)
 
-        return (await self._cache.get(("labels", self._identity, revision, author), make))[1]
+        return (await self._messages.get(("labels", author), make, revision))[1]
 
     async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
         """The given cells (frame, label), or all that are not empty."""
@@ -102,7 +102,7 @@ class Board:
         async def make() -> Versioned:
             return revision, encode(self.timeline(cells))
 
-        return (await self._cache.get(("timeline", self._identity, revision, cells), make))[1]
+        return (await self._messages.get(("timeline", cells), make, revision))[1]
 
     def counts(self) -> dict[str, int]:
         """Points of each label in all frames together."""

@@ -7,7 +7,9 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Hashable
 
 Versioned = tuple[int, bytes]
-"""A message, and the revision it is of (0 for what never changes)."""
+"""A message, and the revision it is of."""
+ENTRY_BYTES = 512
+"""What an entry costs in memory beside its message: its key above all."""
 
 
 class MessageCache:
@@ -57,8 +59,13 @@ class MessageCache:
             del self._making[key]
 
     def _put(self, key: Hashable, made: Versioned) -> None:
-        _, old = self._entries.pop(key, (0, b""))
+        old = self._entries.pop(key, None)
         self._entries[key] = made
-        self.nbytes += len(made[1]) - len(old)
+        self.nbytes += cost(made) - (0 if old is None else cost(old))
         while self.nbytes > self._budget:
-            self.nbytes -= len(self._entries.popitem(last=False)[1][1])
+            self.nbytes -= cost(self._entries.popitem(last=False)[1])
+
+
+def cost(made: Versioned) -> int:
+    """Bytes of memory of a message that is kept."""
+    return ENTRY_BYTES + len(made[1])

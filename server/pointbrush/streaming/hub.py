@@ -20,13 +20,15 @@ from pointbrush.streaming.load import Load
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.presence import Presence
 from pointbrush.streaming.room import Room
+from pointbrush.streaming.shelf import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.workspace import Event, Provisional, Retracted, SequencesChanged, Workspace
 
 logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
-CACHE_BYTES = 64 * 2**20
+VALUES_BYTES = 32 * 2**20
+"""Memory for values of frames, run-length encoded: of an unlabelled frame 1 kB each."""
 READ_THREADS, EDIT_THREADS = 4, 8
 PRESENCE_HZ = 30.0
 
@@ -36,7 +38,7 @@ class Hub:
 
     def __init__(self, workspace: Workspace, metrics: Metrics) -> None:
         self.workspace, self.metrics = workspace, metrics
-        self.cache = MessageCache(CACHE_BYTES)
+        self.values, self.shelf = MessageCache(VALUES_BYTES), Shelf()
         self.viewers: set[Viewer] = set()
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
@@ -127,7 +129,8 @@ class Hub:
         async with self._opening:
             old = room = self.rooms.get(sequence)
             if room is None or room.recording is not recording:
-                room = self.rooms[sequence] = Room(self.workspace, recording, self.cache, self.read)
+                room = Room(self.workspace, recording, self.values, self.shelf, self.read)
+                self.rooms[sequence] = room
                 await room.load()
                 if old is not None:
                     room.viewers |= old.viewers
@@ -151,6 +154,7 @@ class Hub:
                 other.outbox.wake.set()
         if not room.viewers and self.rooms.get(room.id) is room:
             del self.rooms[room.id]
+            self.shelf.forget(room.recording.identity)
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 

@@ -47,6 +47,8 @@ class Plan:
     direction: int = 1
     held: dict[int, int] = field(default_factory=dict)
     chunks: dict[int, set[int]] = field(default_factory=dict)
+    damaged: set[int] = field(default_factory=set)
+    """Frames that cannot be read; the viewer has been told."""
     pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
     _step: int = -1

@@ -18,7 +18,8 @@ from pointbrush.streaming.encoding import (
     encode_whole,
 )
 from pointbrush.streaming.outbox import Outbox, QueuedDelta
-from pointbrush.streaming.stock import Stock
+from pointbrush.streaming.shelf import Shelf
+from pointbrush.streaming.stock import PointsMessage, Stock
 from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 
@@ -28,7 +29,7 @@ AT_ONCE = 50_000
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
 
 
-Ready = tuple[int, bytes, bytes]
+Ready = tuple[int, bytes, PointsMessage]
 """The revision of a piece's values, their message, and the message of its points."""
 
 
@@ -63,19 +64,20 @@ class Room:
         self,
         workspace: Workspace,
         recording: Sequence,
-        cache: MessageCache,
+        values: MessageCache,
+        shelf: Shelf,
         run: Callable[..., Awaitable[Any]],
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
-        self.workspace, self.recording, self.cache, self._run = workspace, recording, cache, run
+        self.workspace, self.recording, self._values, self._run = workspace, recording, values, run
         self.id = recording.manifest.id
         self._identity = recording.identity
         self.viewers: set[Listener] = set()
         self.revision = 0
-        self.board = Board(workspace.store, cache, run, self.id, recording.identity)
+        self.board = Board(workspace.store, run, self.id)
         self._touched: dict[int, int] = {}
         self._start = 0
-        self.stock = Stock(recording, cache, run)
+        self.stock = Stock(recording, shelf, run)
         self._expected: dict[tuple[int, int], asyncio.Task[None]] = {}
 
     async def load(self) -> None:
@@ -88,7 +90,7 @@ class Room:
         """What ``points`` would give, if nothing has to be read for it."""
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         least = self._touched.get(piece.frame, self._start)
-        values = self.cache.known(self._key(piece.frame, first, stop - first), least)
+        values = self._values.known(self._key(piece.frame, first, stop - first), least)
         if values is None or values[0] > self.revision:
             return None
         data = self.stock.known_message(piece)
@@ -135,7 +137,7 @@ class Room:
             return values.revision, encode_whole(self.id, frame, first, values)
 
         least = self._touched.get(frame, self._start)
-        revision, data = await self.cache.get(key, lambda: self._run(read), least)
+        revision, data = await self._values.get(key, lambda: self._run(read), least)
         for _ in range(CATCH_UP_TRIES):
             if self.revision >= revision:
                 break

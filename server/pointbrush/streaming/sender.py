@@ -72,6 +72,9 @@ class Sender:
             except UnavailableError:
                 self._outbox.stale.setdefault(frame)
                 raise
+            except PointbrushError as error:
+                self._outbox.stale.pop(frame, None)
+                self._give_up(frame, error)
 
     async def _anew(self, room: Room, frame: int) -> None:
         """All values of a frame.
@@ -147,14 +150,7 @@ class Sender:
         if not plan.link.has_room:
             self._idle = False
             return False
-        try:
-            piece = await self._next_piece(room)
-        except UnavailableError:
-            raise
-        except PointbrushError as error:
-            viewer.refuse(error)
-            viewer.room = None
-            return True
+        piece = await self._next_piece(room)
         if piece is None:
             self._idle = True
             return False
@@ -163,8 +159,32 @@ class Sender:
         # The viewer may have opened a sequence meanwhile, or given the frame up.
         same = viewer.room is room and viewer.plan is plan and not viewer.catching_up
         if same and plan.held.get(piece.frame) == held:
-            await self._send_piece(room, piece)
+            try:
+                await self._send_piece(room, piece)
+            except UnavailableError:
+                raise
+            except PointbrushError as error:
+                self._give_up(piece.frame, error)
         return True
+
+    def _give_up(self, frame: int, error: PointbrushError) -> None:
+        """Tell the viewer, once, that a frame cannot be read; the others still come."""
+        damaged = self._viewer.plan.damaged
+        if frame not in damaged:
+            damaged.add(frame)
+            self._viewer.refuse(error)
+
+    async def _table(self, room: Room, frame: int) -> FrameTable | None:
+        """The levels of a frame; None when it cannot be read."""
+        if frame in self._viewer.plan.damaged:
+            return None
+        try:
+            return room.stock.known_table(frame) or await room.stock.table(frame)
+        except UnavailableError:
+            raise
+        except PointbrushError as error:
+            self._give_up(frame, error)
+            return None
 
     async def _next_piece(self, room: Room) -> Piece | None:
         viewer = self._viewer
@@ -172,7 +192,10 @@ class Sender:
             return await self._next_wanted(room)
         now = viewer.now()
         for step, frame in viewer.plan.candidates(now):
-            table = room.stock.known_table(frame) or await room.stock.table(frame)
+            table = await self._table(room, frame)
+            if table is None:
+                viewer.plan.passed(step)
+                continue
             piece = viewer.plan.piece(step, frame, table, now)
             if piece is not None:
                 return piece
@@ -184,12 +207,16 @@ class Sender:
         plan = viewer.plan
         frame = plan.focus if plan.clock is None else plan.clock.due(viewer.now())
         if frame not in plan.held:
-            table = await room.stock.table(frame)
+            table = await self._table(room, frame)
+            if table is None:
+                return None
             return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
         if viewer.wanted is None or not viewer.wanted[1]:
             return None
         frame, chunks = viewer.wanted
-        table = await room.stock.table(frame)
+        table = await self._table(room, frame)
+        if table is None:
+            return None
         while chunks and chunks[0] >= table.chunks:
             chunks.pop(0)
         if not chunks:
@@ -209,10 +236,11 @@ class Sender:
         plan.sent(piece, viewer.now())
         try:
             ready = room.ready(piece, table) or await room.points(piece, table)
-        except UnavailableError:
+        except PointbrushError:
             plan.unsent(piece, held)
             raise
-        revision, values, data = ready
+        revision, values, (head, data) = ready
+        nbytes = len(head) + len(data)
         if self._outbox.stale:
             # What is owed goes first, and these values are then read again.
             plan.unsent(piece, held)
@@ -227,10 +255,10 @@ class Sender:
         self._note(room, piece, anew=anew)
         for frame in plan.coming(piece):
             room.expect(frame, plan.level)
-        plan.link.sent(len(data), viewer.now(), idle=self._idle)
+        plan.link.sent(nbytes, viewer.now(), idle=self._idle)
         self._idle = False
-        self._hub.sent(len(data))
-        await viewer.send(data)
+        self._hub.sent(nbytes)
+        await viewer.send(head, data)
 
     def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
         """Note which chunks of a large frame are on their way."""

@@ -24,7 +24,7 @@ from pointbrush.streaming.plan import Plan
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
-from pointbrush.streaming.viewer import CREDITS, Viewer
+from pointbrush.streaming.viewer import CREDITS, Send, Viewer
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
@@ -38,7 +38,7 @@ class ViewerSession(Viewer):
     def __init__(
         self,
         hub: Hub,
-        send: Callable[[bytes], Awaitable[None]],
+        send: Send,
         *,
         author: str,
         role: messages.Role,

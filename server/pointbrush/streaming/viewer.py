@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 import uuid
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Iterable
+from typing import Protocol
 
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.streaming import messages
@@ -22,12 +23,19 @@ CREDITS = 8
 """Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
 
 
+class Send(Protocol):
+    """How a message leaves; waits while the viewer reads more slowly than it is sent to."""
+
+    async def __call__(self, *parts: bytes | memoryview) -> None:
+        """Send one message whose bytes are ``parts``, one behind the other."""
+
+
 class Viewer(ABC):
     """One viewer's state; everything runs on the event loop."""
 
     def __init__(
         self,
-        send: Callable[[bytes], Awaitable[None]],
+        send: Send,
         *,
         author: str,
         role: messages.Role,

@@ -102,13 +102,22 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
             return
         await self.deliver(data)
 
-    async def deliver(self, data: bytes) -> None:
-        """Send a message of bytes; raises ClientDisconnected once the client has gone."""
+    async def deliver(self, *parts: bytes | memoryview) -> None:
+        """Send a message of bytes; raises ClientDisconnected once the client has gone.
+
+        A part may be a view of a mapped file: the system reads it when the socket takes it.
+        """
         if not self.writable.is_set():
             await self.writable.wait()
         if self.disconnected or self.close_sent or self.conn.state is not State.OPEN:
             raise ClientDisconnected
-        self.transport.writelines((header(len(data)), data))
+        head = header(sum(map(len, parts)))
+        if self.scheme == "wss":
+            # What is encrypted waits in this process, which would end if a mapped file that is
+            # looked at then had been cut short; the system only closes the connection.
+            self.transport.write(b"".join((head, *parts)))
+            return
+        self.transport.writelines((head, *parts))
 
     def shutdown(self) -> None:
         """The server stops.  Who is about to leave anyway is told nothing more."""
