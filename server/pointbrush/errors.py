@@ -37,6 +37,12 @@ class LockedLabelError(ConflictError):
     title = "Label is locked"
 
 
+class HiddenLabelError(ConflictError):
+    """The label is hidden; a stroke neither paints with it nor changes its points."""
+
+    title = "Label is hidden"
+
+
 class TooLargeError(PointbrushError):
     """A body, file, archive, frame or count exceeds a stated limit."""
 

@@ -93,8 +93,8 @@ def random_edit(rng: random.Random, author: str, number: int) -> Edit:
         edit["name"] = f"{author} {number}"
     elif kind in ("change", "remove"):
         edit["label"] = rng.randint(2, 8)
-        change = [{"name": f"{author} {number}"}, {"locked": True}, {"locked": False}]
-        edit["fields"] = rng.choice(change)
+        flags = [{flag: value} for flag in ("locked", "visible") for value in (True, False)]
+        edit["fields"] = rng.choice([{"name": f"{author} {number}"}, *flags])
     elif kind == "track":
         edit["start"], edit["stop"] = rng.choice([(0, 3), (1, 3), (3, 0)])
         edit["overwrite"] = rng.choice(["never", "tracked", "all"])
@@ -114,6 +114,7 @@ def random_stroke(rng: random.Random, stroke_id: str) -> dict[str, Any]:
         "shape": "sphere",
         "radius": rng.uniform(0.05, 0.3),
         "only_unlabeled": rng.random() < 0.2,
+        "hidden": rng.choice([[], [], [], [0], [2], [1, 3]]),
         "samples": samples,
     }
 

@@ -163,13 +163,14 @@ class Replay:
             if shown.get((frame, point), (0, 0, False))[2] == wants_deleted
         ]
         only = "unlabeled" if stroke["only_unlabeled"] else "any"
+        seen = {"hidden": frozenset(stroke["hidden"])}
         match stroke["tool"]:
             case "paint":
-                self.model.write(author, points, stroke["label"], 1, None, only)
+                self.model.write(author, points, stroke["label"], 1, None, only, **seen)
             case "erase":
-                self.model.write(author, points, 0, 1, None, "labeled")
+                self.model.write(author, points, 0, 1, None, "labeled", **seen)
             case "delete":
-                self.model.write(author, points, None, None, True, only)
+                self.model.write(author, points, None, None, True, only, **seen)
             case "restore":
                 self.model.write(author, points, None, None, False)
 

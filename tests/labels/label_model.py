@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from pointbrush.errors import ConflictError, LockedLabelError, NotFoundError
+from pointbrush.errors import ConflictError, HiddenLabelError, LockedLabelError, NotFoundError
 
 ACTIVE, UNDONE, DROPPED, KEPT, INERT = range(5)
 Point = tuple[int, int]
@@ -115,12 +115,20 @@ class Model:
         only: str = "any",
         living: bool | None = None,
         tracks: dict[tuple[int, int], Any] | None = None,
+        hidden: frozenset[int] | None = None,
     ) -> None:
         palette = self.palette()
         if label and label not in palette:
             raise NotFoundError
         if label and palette[label]["locked"]:
             raise LockedLabelError
+        barred = (
+            set()
+            if hidden is None
+            else hidden.union(n for n, fields in palette.items() if not fields["visible"])
+        )
+        if label and label in barred:
+            raise HiddenLabelError
         if any(n not in palette for _, n in tracks or {}):
             raise NotFoundError
         shown, raw = self.visible(), self.raw()
@@ -128,6 +136,8 @@ class Model:
         for point in points:
             now = shown.get(point, (0, 0, False))
             if now[0] and palette[now[0]]["locked"]:
+                continue
+            if now[0] in barred:
                 continue
             if only in ("labeled", "unlabeled") and bool(now[0]) != (only == "labeled"):
                 continue
@@ -149,7 +159,7 @@ class Model:
         number = self.highest + 1 if label is None else label
         if number in self.palette():
             raise ConflictError
-        fields = {"exists": True, "name": name, "locked": False}
+        fields = {"exists": True, "name": name, "locked": False, "visible": True}
         marks = {point: Mark(0, 0) for point, mark in self.raw().items() if mark.label == number}
         self.commit(Edit(author, marks=marks, labels={number: fields}))
         self.highest = max(self.highest, number)

@@ -37,6 +37,7 @@ OPERATIONS = st.one_of(
         st.sampled_from([None, None, None, True, False]),
         st.sampled_from(["any", "any", "labeled", "unlabeled", "not_painted"]),
         st.sampled_from([None, None, True, False]),
+        st.none() | st.frozensets(st.integers(0, 4), max_size=2),
         st.sets(st.tuples(st.integers(0, FRAMES - 1), label), max_size=2),
     ),
     st.tuples(st.just("paint"), author, points, st.integers(0, 4)),
@@ -46,6 +47,7 @@ OPERATIONS = st.one_of(
     st.tuples(st.just("create"), author, st.none() | label),
     st.tuples(st.just("change"), author, label, st.sampled_from(["x", "y"]), st.none()),
     st.tuples(st.just("change"), author, label, st.none(), st.booleans()),
+    st.tuples(st.just("show"), author, label, st.booleans()),
     st.tuples(st.just("delete"), author, label),
 )
 
@@ -67,8 +69,9 @@ class Pair:
         assert got == expected, operation
 
     def model_write(self, who: str, where: Any, *rest: Any) -> None:
-        *values, tracks = rest
-        self.model.write(who, where, *values, tracks=dict.fromkeys(sorted(tracks), who))
+        *values, hidden, tracks = rest
+        marked = dict.fromkeys(sorted(tracks), who)
+        self.model.write(who, where, *values, tracks=marked, hidden=hidden)
 
     def model_paint(self, who: str, where: Any, number: int) -> None:
         self.model.write(who, where, number, 1, None)
@@ -86,11 +89,14 @@ class Pair:
         given = {"name": name, "locked": locked}
         self.model.change(who, number, **{k: v for k, v in given.items() if v is not None})
 
+    def model_show(self, who: str, number: int, visible: bool) -> None:
+        self.model.change(who, number, visible=visible)
+
     def model_delete(self, who: str, number: int) -> None:
         self.model.delete(who, number)
 
     def store_write(self, store: LabelStore, who: str, where: Any, *rest: Any) -> None:
-        number, provenance, deleted, only, living, tracks = rest
+        number, provenance, deleted, only, living, hidden, tracks = rest
         writes = [
             (
                 frame,
@@ -101,6 +107,7 @@ class Pair:
                     deleted,
                     only,
                     living,
+                    hidden,
                 ),
             )
             for frame in range(FRAMES)
@@ -116,7 +123,7 @@ class Pair:
         )
 
     def store_paint(self, store: LabelStore, who: str, where: Any, number: int) -> None:
-        self.store_write(store, who, where, number, 1, None, "any", None, ())
+        self.store_write(store, who, where, number, 1, None, "any", None, None, ())
 
     def store_undo(self, store: LabelStore, who: str) -> None:
         store.undo(self.sequence, who)
@@ -131,6 +138,9 @@ class Pair:
         self, store: LabelStore, who: str, number: int, name: str | None, locked: bool | None
     ) -> None:
         store.update_label(self.sequence, who, number, name=name, locked=locked)
+
+    def store_show(self, store: LabelStore, who: str, number: int, visible: bool) -> None:
+        store.update_label(self.sequence, who, number, visible=visible)
 
     def store_delete(self, store: LabelStore, who: str, number: int) -> None:
         store.delete_label(self.sequence, who, number)
@@ -149,8 +159,11 @@ class Pair:
             assert int(np.count_nonzero(seen.any(axis=2))) == len(found)
             # The deltas add up to the state; the store's own thread may still be telling of them.
             eventually(lambda copy=copy, seen=seen: bool((copy == seen).all()), 5)
-            shown = {one.id: (one.name, one.locked) for one in store.palette(self.sequence)}
-            assert shown == {n: (f["name"], f["locked"]) for n, f in palette.items()}
+            shown = {
+                one.id: (one.name, one.locked, one.visible) for one in store.palette(self.sequence)
+            }
+            fields = ("name", "locked", "visible")
+            assert shown == {n: tuple(f[name] for name in fields) for n, f in palette.items()}
             assert store.counts(self.sequence) == self.model.counts()
             tracks = {(t["frame"], t["label"]): t["by"] for t in store.tracks(self.sequence)}
             assert tracks == self.model.tracks()

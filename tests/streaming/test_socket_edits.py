@@ -200,6 +200,37 @@ def test_locked_and_unknown_labels(served: Served) -> None:
     served.workspace.delete_label("wall", "somebody", locked.id)
 
 
+def test_what_a_viewer_hides_is_left_alone(served: Served) -> None:
+    under = served.workspace.create_label("wall", "somebody", name="under").id
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=6)
+            done = await paint(client, 6, label=under, radius=0.5)
+            before = stored_values(served, 6) == under
+            assert before.sum() == done["changed"]
+            brush = {"label": 1, "radius": 100, "hidden": [under]}
+            stroke = str(uuid.uuid4())
+            await client.send(type="stroke_begin", id=stroke, frame=6, brush=brush)
+            sample = {"origin": [0, 0, 0]}
+            await client.send(type="stroke_samples", id=stroke, samples=[sample])
+            said = await client.until("stroke_result", id=stroke)
+            await client.send(type="stroke_end", id=stroke)
+            done = await client.until("stroke_result", id=stroke, final=True)
+            assert said["changed"] == done["changed"] == (~before).sum()
+            np.testing.assert_array_equal(stored_values(served, 6) == under, before)
+            refused = str(uuid.uuid4())
+            brush = {"label": under, "hidden": [under]}
+            await client.send(type="stroke_begin", id=refused, frame=6, brush=brush)
+            error = await client.until("error", about=refused)
+            assert error["status"] == 409
+            assert error["detail"] == (
+                f"label: 'under' ({under}) is hidden; show it to paint with it"
+            )
+
+    run(scenario)
+
+
 def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> None:
     label = served.workspace.create_label("wall", "somebody", name="moving").id
 

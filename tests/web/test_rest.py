@@ -268,6 +268,9 @@ BAD_STROKES = [
     ({"shape": "lasso"}, 422),
     ({"shape": "box", "size": [1, 1, -1], "center": [0, 0, 0]}, 422),
     ({"tool": "burn"}, 422),
+    ({"hidden": [-1]}, 422),
+    ({"hidden": 3}, 422),
+    ({"hidden": [1] * 65_536}, 422),
     ({"id": "not a uuid"}, 422),
     ({"surprise": 1}, 422),
 ]

@@ -117,6 +117,12 @@ export const state = {
 export const activeLabel: ReadonlySignal<Label | null> = computed(
   () => state.palette.value.find((label) => label.id === state.activeLabel.value) ?? null,
 );
+/** The active label is hidden, here or for all: one cannot paint with it. */
+export const activeLabelHidden: ReadonlySignal<boolean> = computed(() => {
+  const label = activeLabel.value;
+  const solo = state.solo.value;
+  return label !== null && (!label.visible || (solo !== null && solo !== label.id));
+});
 
 /** A tracking run in progress, or null. */
 export const trackingJob: ReadonlySignal<Job | null> = computed(

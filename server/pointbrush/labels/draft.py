@@ -78,20 +78,29 @@ class Draft:
         return words
 
     def write(self, frame: int, write: Write) -> None:
-        """Add what a Write does, by the rules: locked labels keep, ``only`` and
-        ``living`` limit.
+        """Add what a Write does, by the rules: locked labels keep, ``only``, ``living`` and
+        ``hidden`` limit.
 
-        Raises BadInputError, NotFoundError, LockedLabelError.
+        Raises BadInputError, NotFoundError, LockedLabelError, HiddenLabelError.
         """
         points = self.state.frame_points(frame)
+        spared = self._spared(write.hidden)
         for piece in cut(write, points, self.palette):
-            self._write_block(frame, piece)
+            self._write_block(frame, piece, spared)
 
-    def _write_block(self, frame: int, piece: BlockWrite) -> None:
+    def _spared(self, hidden: frozenset[int] | None) -> NDArray[np.bool_]:
+        """For each label, whether its points keep what they have."""
+        if hidden is None:
+            return self.state.locked
+        spared = self.state.locked | self.state.hidden
+        spared[list(hidden)] = True
+        return spared
+
+    def _write_block(self, frame: int, piece: BlockWrite, spared: NDArray[np.bool_]) -> None:
         words = self.words((frame, LABELS, piece.block), piece.indices)
         shown = visible(words, self.exists)
         label = (shown & LABEL_BITS).astype(np.intp)
-        free = ~self.state.locked[label]
+        free = ~spared[label]
         if piece.only == "unlabeled":
             free &= label == 0
         elif piece.only == "labeled":

@@ -52,6 +52,7 @@ class SequenceState:
         self.points = decode_points(row.points)
         self.exists = _only_unlabeled()
         self.locked = np.zeros(1 << 16, np.bool_)
+        self.hidden = np.zeros(1 << 16, np.bool_)
         self.counts.clear()
         self._undone: set[int] | None = None  # read when first needed
         self.reload_palette(connection)
@@ -89,6 +90,8 @@ class SequenceState:
         self.exists = exists_table(self.palette)
         self.locked = np.zeros(1 << 16, np.bool_)
         self.locked[[label.id for label in self.palette.values() if label.locked]] = True
+        self.hidden = np.zeros(1 << 16, np.bool_)
+        self.hidden[[label.id for label in self.palette.values() if not label.visible]] = True
         self.highest_label = max([self.highest_label, *self.palette])
 
     def reload_counts(self, connection: Connection, frames: Sequence[int] | None = None) -> None:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import delete
 
 from pointbrush.errors import BadInputError, ConflictError
@@ -116,10 +118,20 @@ class LabelStore:
         with self._sessions.reading(sequence) as (_, state):
             return list(state.palette.values())
 
-    def require_paintable(self, sequence: str, label: int) -> None:
-        """Raise NotFoundError or LockedLabelError unless points may be given this label."""
+    def require_paintable(
+        self, sequence: str, label: int, hidden: frozenset[int] | None = None
+    ) -> None:
+        """Raise NotFoundError, LockedLabelError or HiddenLabelError unless it may be painted with.
+
+        ``hidden``: as of a Write.
+        """
         with self._sessions.reading(sequence) as (_, state):
-            require_paintable(state.palette, label)
+            require_paintable(state.palette, label, hidden)
+
+    def hidden(self, sequence: str) -> NDArray[np.bool_]:
+        """For each label id 0..65535, whether the palette hides it."""
+        with self._sessions.reading(sequence) as (_, state):
+            return state.hidden
 
     def create_label(
         self,
@@ -221,8 +233,8 @@ class LabelStore:
         ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
         memory come as they are made.
 
-        Raises LockedLabelError when the label to write is locked, ConflictError for another
-        revision than ``if_match``.
+        Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
+        hidden and that matters to a write, ConflictError for another revision than ``if_match``.
         """
         entry = new_entry(edit_id, author, kind, summary)
         pairs = writes.items() if isinstance(writes, Mapping) else writes

@@ -49,6 +49,9 @@ class Write:
                     person painted.  Evaluated when the edit commits.
     ``living``      True: only points that are not deleted; False: only deleted ones; None: both.
                     Evaluated when the edit commits.
+    ``hidden``      None: hiding does not matter.  Otherwise points of labels that the palette hides
+                    when the edit commits keep, and of these that only its author hides (0: points
+                    without a label).
     """
 
     indices: NDArray[Any]
@@ -57,6 +60,7 @@ class Write:
     deleted: ArrayLike | None = None
     only: Only = "any"
     living: bool | None = None
+    hidden: frozenset[int] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

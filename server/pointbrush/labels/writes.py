@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
+from pointbrush.errors import (
+    BadInputError,
+    HiddenLabelError,
+    LockedLabelError,
+    NotFoundError,
+)
 from pointbrush.labels.packing import BLOCK
 from pointbrush.labels.palette import HIGHEST
 from pointbrush.labels.types import Label, Write
@@ -34,7 +39,8 @@ class BlockWrite:
 def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockWrite]:
     """The pieces of ``write`` on a frame of ``points`` points, block by block.
 
-    Raises BadInputError, NotFoundError (label), LockedLabelError (one label, and it is locked).
+    Raises BadInputError, NotFoundError (label), LockedLabelError or HiddenLabelError (one label,
+    and it is locked, or hidden where that matters).
     """
     indices = _indices(write.indices, points)
     label = _values("label", write.label, len(indices), HIGHEST)
@@ -95,21 +101,30 @@ def _require_labels(
     if label is None:
         return
     if np.ndim(write.label) == 0:  # type: ignore[arg-type]  # not None here
-        require_paintable(palette, int(write.label))  # type: ignore[arg-type]  # a checked scalar
+        number = int(write.label)  # type: ignore[arg-type]  # a checked scalar
+        require_paintable(palette, number, write.hidden)
         return
     for used in np.unique(label).tolist():
         if used and used not in palette:
             raise NotFoundError(f"label: expected labels of the palette, got {used}")
 
 
-def require_paintable(palette: dict[int, Label], label: int) -> None:
-    """Raise NotFoundError or LockedLabelError unless points may be given this label."""
+def require_paintable(
+    palette: dict[int, Label], label: int, hidden: frozenset[int] | None = None
+) -> None:
+    """Raise NotFoundError, LockedLabelError or HiddenLabelError unless points may get this label.
+
+    ``hidden``: as of a Write.
+    """
     if label == 0:
         return
     if label not in palette:
         raise NotFoundError(f"label: expected a label of the palette, got {label}")
     if palette[label].locked:
         raise locked_error(palette, label)
+    if hidden is not None and (label in hidden or not palette[label].visible):
+        name = palette[label].name
+        raise HiddenLabelError(f"label: '{name}' ({label}) is hidden; show it to paint with it")
 
 
 def locked_error(palette: dict[int, Label], label: int) -> LockedLabelError:

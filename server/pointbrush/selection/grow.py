@@ -34,10 +34,11 @@ def grow(
     """Numbers of the region that holds the point nearest to ``seed`` (3,) local metres; sorted.
 
     Neighbours belong together when they are nearer than ``radius`` and than a few times the
-    cloud's spacing there, alike in colour (where there is colour) and in normal.
+    cloud's spacing there, alike in colour (where there is colour) and in normal.  Points that are
+    not ``alive`` are no part of the region and no bridge in it.
     """
+    members = None
     if points.kdtree is not None:
-        members = None
         xyz, tree = points.xyz, points.kdtree()
     else:
         members = swept_ball(points, seed[None], _reach(points, seed))
@@ -46,9 +47,26 @@ def grow(
         xyz = points.xyz[members]
         tree = cKDTree(xyz)
     rgb = points.rgb if members is None or points.rgb is None else points.rgb[members]
-    region = _grow_waves(xyz, rgb, tree, seed, radius)
-    numbers = np.sort(region if members is None else members[region])
-    yield numbers if alive is None else numbers[alive(numbers)]
+    barred = np.zeros(len(xyz), np.bool_)
+    if alive is not None:
+        barred = ~alive(np.arange(len(xyz)) if members is None else members)
+    start = _nearest(tree, seed, barred)
+    if len(start):
+        region = np.sort(_grow_waves(xyz, rgb, tree, start, radius, barred))
+        yield region if members is None else members[region]
+
+
+def _nearest(
+    tree: cKDTree, seed: NDArray[np.float64], barred: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """The point nearest to the seed, (1,), that is not ``barred`` (N,); (0,) without any."""
+    most = 1
+    while True:
+        near = np.atleast_1d(tree.query(seed, k=min(most, len(barred)))[1]).astype(np.int64)
+        free = near[~barred[near]]
+        if len(free) or most >= len(barred):
+            return free[:1]
+        most *= 16
 
 
 def _reach(points: Points, seed: NDArray[np.float64]) -> float:
@@ -67,11 +85,11 @@ def _grow_waves(
     xyz: NDArray[np.float32],
     rgb: NDArray[np.uint8] | None,
     tree: cKDTree,
-    seed: NDArray[np.float64],
+    start: NDArray[np.int64],
     radius: float,
+    seen: NDArray[np.bool_],
 ) -> NDArray[np.int64]:
-    start = np.array([tree.query(seed)[1]], np.int64)
-    seen = np.zeros(len(xyz), np.bool_)
+    """The region round ``start`` (1,), without what is ``seen`` (N,), which is written to."""
     seen[start] = True
     seed_rgb = None if rgb is None else rgb[start[0]].astype(np.float32)
     region, frontier = [start], start

@@ -15,6 +15,8 @@ TOOLS = ("paint", "erase", "delete", "restore")
 SHAPES = ("sphere", "ray", "lasso", "box", "grow", "plane")
 MAX_SAMPLES = 65_536
 MAX_POLYGON = 4_096
+MAX_HIDDEN = 65_535
+"""All label ids, and 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,7 @@ class Stroke:
 
     ``origins``, ``directions``  (S, 3) float64; directions are unit length.
     ``lasso`` and ``box`` hold the region of the shapes of that name.
+    ``hidden`` are labels that only the viewer hides; 0: points without a label.
 
     Raises BadInputError, saying what was expected and what came.
     """
@@ -52,6 +55,7 @@ class Stroke:
     directions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     only_unlabeled: bool = False
     through: bool = False
+    hidden: frozenset[int] = frozenset()
     lasso: Lasso | None = None
     box: Box | None = None
 
@@ -70,6 +74,7 @@ class Stroke:
             radius=_radius(fields.get("radius", 0.05)),
             only_unlabeled=bool(fields.get("only_unlabeled", False)),
             through=bool(fields.get("through", False)),
+            hidden=_hidden(fields.get("hidden", ())),
         )
         stroke = stroke.with_samples(fields.get("samples") or [])
         if shape == "lasso":
@@ -113,6 +118,15 @@ def _label(value: object, tool: str) -> int:
     if tool == "paint" and value == 0:
         raise BadInputError("label: expected 1 to 65534 to paint with, got 0 (use tool 'erase')")
     return value
+
+
+def _hidden(values: object) -> frozenset[int]:
+    if not isinstance(values, list | tuple) or len(values) > MAX_HIDDEN:
+        raise BadInputError(f"hidden: expected at most {MAX_HIDDEN:,} label ids in a list")
+    for value in values:
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= 65534:
+            raise BadInputError(f"hidden: expected integers 0 to 65534, got {str(value)[:80]!r}")
+    return frozenset(values)
 
 
 def _radius(value: object) -> float:

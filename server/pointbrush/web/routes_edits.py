@@ -18,7 +18,11 @@ router = APIRouter(tags=["edits"])
 def post_stroke(
     seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
 ) -> EditOut:
-    """Apply a stroke; answered once it is durable."""
+    """Apply a stroke; answered once it is durable.
+
+    Deleted points and those of locked and hidden labels (``visible: false``, or in the stroke's
+    ``hidden``) are left alone; painting with such a label is refused (409).
+    """
     return EditOut.of(workspace.stroke(seq, i, stroke.model_dump(), who.author))
 
 

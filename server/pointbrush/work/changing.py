@@ -9,9 +9,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED, FrameValues
 from pointbrush.ranges import by_block
 from pointbrush.selection import PointSet, Stroke
-
-LAYER_BLOCK = 65_536
-"""Points whose values are looked up at once."""
+from pointbrush.work.seen import LAYER_BLOCK
 
 
 class Changing:
@@ -25,7 +23,7 @@ class Changing:
         self._store, self._sequence, self._frame, self._brush = store, sequence, frame, brush
         self._blocks: dict[int, NDArray[np.bool_]] = {}
         self._waiting = PointSet()
-        self._locked: list[int] | None = None
+        self._spared: NDArray[np.bool_] | None = None
         self._count = 0
 
     def add(self, numbers: NDArray[np.int64]) -> None:
@@ -48,10 +46,9 @@ class Changing:
 
     def _changes(self, values: FrameValues) -> NDArray[np.bool_]:
         """Which points of a block the brush would change: the rules of ``Write``."""
-        if self._locked is None:
-            palette = self._store.palette(self._sequence)
-            self._locked = [label.id for label in palette if label.locked]
-        brush, free = self._brush, ~np.isin(values.label, self._locked)
+        if self._spared is None:
+            self._spared = self._labels_spared()
+        brush, free = self._brush, ~self._spared[values.label]
         if brush.tool == "restore":
             return np.asarray(values.deleted & free)
         changes = ~values.deleted & free
@@ -62,3 +59,13 @@ class Changing:
         if brush.tool == "paint":
             changes &= (values.label != brush.label) | (values.provenance != PAINTED)
         return np.asarray(changes)
+
+    def _labels_spared(self) -> NDArray[np.bool_]:
+        """For each label, whether the brush leaves its points alone."""
+        spared = np.zeros(1 << 16, np.bool_)
+        restores = self._brush.tool == "restore"
+        for label in self._store.palette(self._sequence):
+            spared[label.id] = label.locked or not (label.visible or restores)
+        if not restores:
+            spared[list(self._brush.hidden)] = True
+        return spared

@@ -20,7 +20,8 @@ from pointbrush.selection import Points, Stroke, first_hits, fit_plane
 from pointbrush.selection.ray import Alive
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.strokes import deleted_among, frame_points
+from pointbrush.work.seen import Seen
+from pointbrush.work.strokes import frame_points
 
 Vector = NDArray[np.float64]
 
@@ -46,11 +47,8 @@ def room_on_floor(
     pointing = Stroke.parse({"shape": "plane", "tool": "erase", "samples": samples})
     pointing = pointing.to_local(np.asarray(manifest.shift, np.float64))
     points = frame_points(recording[frame])
-
-    def alive(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        return ~deleted_among(store, manifest.id, frame, numbers)
-
-    normal, middle = floor_at(points, pointing.origins, pointing.directions, reach(manifest), alive)
+    shown = Seen(store, manifest.id, frame).shown
+    normal, middle = floor_at(points, pointing.origins, pointing.directions, reach(manifest), shown)
     return stand_on(manifest.T_room_local, normal, middle)
 
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, Only
-from pointbrush.ranges import by_block
 from pointbrush.selection import Points, Selector, Stroke
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.changing import LAYER_BLOCK, Changing
+from pointbrush.work.changing import Changing
+from pointbrush.work.seen import Seen
 
 
 def frame_points(frame: StoredFrame) -> Points:
@@ -32,17 +32,6 @@ def frame_points(frame: StoredFrame) -> Points:
         kdtree=None if large else lambda: frame.kdtree,
         release=frame.release if large else None,
     )
-
-
-def deleted_among(
-    store: LabelStore, sequence: str, frame: int, numbers: NDArray[np.int64]
-) -> NDArray[np.bool_]:
-    """Which of these stored numbers of a frame are deleted."""
-    deleted = np.zeros(len(numbers), np.bool_)
-    for first, mine in by_block(numbers, LAYER_BLOCK):
-        values = store.values(sequence, frame, first, LAYER_BLOCK)
-        deleted[mine] = values.deleted[numbers[mine] - first]
-    return deleted
 
 
 def edit_id(given: object) -> str:
@@ -68,7 +57,7 @@ class LiveStroke:
     ) -> None:
         """``fields``: the contract's stroke without samples, in source coordinates.
 
-        Raises BadInputError, NotFoundError (frame, label), LockedLabelError.
+        Raises BadInputError, NotFoundError (frame, label), LockedLabelError, HiddenLabelError.
         """
         self._store, self._recording = store, recording
         self.id, self.frame = stroke_id, frame
@@ -76,10 +65,11 @@ class LiveStroke:
         self._shift = np.asarray(recording.manifest.shift, np.float64)
         self._brush = self._source_brush.to_local(self._shift)
         if self._brush.tool == "paint":
-            store.require_paintable(recording.manifest.id, self._brush.label)
+            store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
         points = frame_points(recording[frame])
-        alive = self._deleted if self._brush.tool == "restore" else self._alive
-        self._selector = Selector(points, self._brush, alive)
+        seen = Seen(store, recording.manifest.id, frame, self._brush.hidden)
+        self._touchable = seen.deleted if self._brush.tool == "restore" else seen.shown
+        self._selector = Selector(points, self._brush, self._touchable)
         self._changing = Changing(store, recording.manifest.id, frame, self._brush)
         self._sampled = False
 
@@ -107,9 +97,8 @@ class LiveStroke:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
-        restores = self._brush.tool == "restore"
         count = sum(
-            int(np.count_nonzero(self._deleted(numbers) == restores))
+            int(np.count_nonzero(self._touchable(numbers)))
             for numbers in self._selector.taken.parts()
         )
         return self._store.apply(
@@ -130,25 +119,30 @@ class LiveStroke:
         palette = self._store.palette(self._recording.manifest.id)
         return "".join(f" as '{label.name}'" for label in palette if label.id == self._brush.label)
 
-    def _alive(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        return ~self._deleted(numbers)
-
-    def _deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        return deleted_among(self._store, self._recording.manifest.id, self.frame, numbers)
-
 
 def _write(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
-    # Which points are deleted is looked at when the edit commits: somebody may delete some of
-    # them until then, and the order of the journal decides what the stroke finds.
+    # Which points are deleted or hidden is looked at when the edit commits: somebody may delete
+    # some of them until then, and the order of the journal decides what the stroke finds.
     only: Only = "unlabeled" if brush.only_unlabeled else "any"
+    hidden = brush.hidden
     match brush.tool:
         case "paint":
-            return Write(numbers, label=brush.label, provenance=PAINTED, only=only, living=True)
+            return Write(
+                numbers,
+                label=brush.label,
+                provenance=PAINTED,
+                only=only,
+                living=True,
+                hidden=hidden,
+            )
         case "erase":
             # A person has said that these are nothing: tracking must not label them again.
-            return Write(numbers, label=0, provenance=PAINTED, only="labeled", living=True)
+            return Write(
+                numbers, label=0, provenance=PAINTED, only="labeled", living=True, hidden=hidden
+            )
         case "delete":
-            return Write(numbers, deleted=True, only=only, living=True)
+            return Write(numbers, deleted=True, only=only, living=True, hidden=hidden)
         case "restore":
+            # Deleted points show whatever label they held, so that hiding it does not matter.
             return Write(numbers, deleted=False, living=False)
     raise ConflictError(f"tool: expected one the workspace knows, got {brush.tool!r}")

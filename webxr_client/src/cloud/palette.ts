@@ -4,9 +4,12 @@ import type { Label } from '../protocol/messages';
 
 const SIDE = 256;
 export const FLAG_VISIBLE = 128;
-export const FLAG_LOCKED = 64;
+/** Strokes leave its points alone: it is locked, or hidden for all. */
+export const FLAG_SPARED = 64;
 /** A person should look at it: it pulses in the headset. */
 export const FLAG_UNSURE = 32;
+/** Hidden for all, although it may be solo here. */
+export const FLAG_HIDDEN = 16;
 
 export class PaletteTexture {
   readonly texture: DataTexture;
@@ -36,18 +39,20 @@ export class PaletteTexture {
       this.data[at + 2] = rgb & 255;
       this.data[at + 3] =
         (visible ? FLAG_VISIBLE : 0) |
-        (label.locked ? FLAG_LOCKED : 0) |
+        (label.locked || !label.visible ? FLAG_SPARED : 0) |
+        (label.visible ? 0 : FLAG_HIDDEN) |
         (unsure.includes(label.id) ? FLAG_UNSURE : 0);
     }
     this.texture.needsUpdate = true;
   }
 
-  isVisible(id: number): boolean {
-    return (this.data[id * 4 + 3]! & FLAG_VISIBLE) !== 0;
+  /** Whether it is shown, here and for all: rays meet its points. */
+  isShown(id: number): boolean {
+    return (this.data[id * 4 + 3]! & (FLAG_VISIBLE | FLAG_HIDDEN)) === FLAG_VISIBLE;
   }
 
-  isLocked(id: number): boolean {
-    return (this.data[id * 4 + 3]! & FLAG_LOCKED) !== 0;
+  isSpared(id: number): boolean {
+    return (this.data[id * 4 + 3]! & FLAG_SPARED) !== 0;
   }
 
   dispose(): void {

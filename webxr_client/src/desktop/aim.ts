@@ -5,6 +5,7 @@ import { firstHit, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import type { SequenceInfo } from '../protocol/messages';
 import type { PointerSample } from '../tools/sample';
+import { seenIn, type Seen } from '../tools/seen';
 
 export class Aim {
   /** Pixels of the canvas. */
@@ -16,6 +17,7 @@ export class Aim {
   private readonly canvas: HTMLCanvasElement;
   private readonly toLocal = new Matrix4();
   private readonly scratch = new Vector3();
+  private readonly seen: Seen;
 
   constructor(
     private readonly viewer: Viewer,
@@ -23,6 +25,7 @@ export class Aim {
     readonly frame: () => CloudFrame | null,
   ) {
     this.canvas = viewer.canvas;
+    this.seen = seenIn(viewer.palette);
   }
 
   place(event: MouseEvent): void {
@@ -53,7 +56,7 @@ export class Aim {
     const frame = this.frame();
     if (!frame || !this.inside) return null;
     const { origin, direction } = this.ray();
-    return firstHit(frame, origin, direction, radius);
+    return firstHit(frame, origin, direction, radius, this.seen);
   }
 
   roomPosition(hit: Hit): Vector3 {

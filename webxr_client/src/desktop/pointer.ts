@@ -5,7 +5,7 @@ import { type CloudFrame } from '../cloud/frame';
 import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import type { Brush } from '../protocol/messages';
-import { activeLabel, canEdit, isStroke, notify, state } from '../state';
+import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
 import { LassoOutline } from '../tools/lasso';
 import type { Stroke, Strokes } from '../tools/strokes';
 import { Aim } from './aim';
@@ -165,6 +165,10 @@ export class DeskPointer {
     }
     if (tool === 'paint' && activeLabel.peek()?.locked) {
       notify('info', 'This label is locked', 'Unlock it, or choose another one.');
+      return null;
+    }
+    if (tool === 'paint' && activeLabelHidden.peek()) {
+      notify('info', 'This label is hidden', 'Show it, or choose another one.');
       return null;
     }
     const wire = WIRE[shape];

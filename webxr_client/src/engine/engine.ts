@@ -13,6 +13,7 @@ import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush } from '../protocol/messages';
 import { dismiss, state, type Shown } from '../state';
+import { hiddenHere, seenIn } from '../tools/seen';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { follow, watch } from '../watch';
 import { brushActions, setRadius } from './brush';
@@ -48,7 +49,9 @@ export class Engine {
     this.pacing = new Pacing(this.viewer, this.playback);
     this.strokes = new Strokes({
       send: (message) => this.link.send(message),
-      locked: (label) => this.viewer.palette.isLocked(label),
+      locked: (label) => this.viewer.palette.isSpared(label),
+      seen: seenIn(this.viewer.palette),
+      hidden: hiddenHere,
       changed: () => this.viewer.invalidate(),
       now: () => performance.now(),
     });
@@ -126,8 +129,8 @@ export class Engine {
     follow(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
-    const { tool, brush, activeLabel, palette } = state;
-    watch([tool, brush, activeLabel, palette], () => this.pointer.refresh());
+    const { tool, brush, activeLabel, palette, solo, view } = state;
+    watch([tool, brush, activeLabel, palette, solo, view], () => this.pointer.refresh());
   }
 
   // ── actions ────────────────────────────────────────────────────────────────────────────────

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '44ae56369e07';
+export const SCHEMA_HASH = '7698298c90a5';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -17,6 +17,7 @@ export interface Brush {
   center?: [number, number, number] | null;
   size?: [number, number, number] | null;
   quaternion?: [number, number, number, number] | null;
+  hidden?: number[];
 }
 
 /** Where this person is, in room coordinates (y up, metres); absent parts are null. */

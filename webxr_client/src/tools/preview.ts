@@ -4,6 +4,7 @@ import { DELETED } from '../cloud/piece';
 import { alongRay, firstHit, inCapsule } from '../cloud/pick';
 import type { Brush } from '../protocol/messages';
 import type { PointerSample } from './sample';
+import type { Seen } from './seen';
 import { Touched } from './touched';
 
 /** Whether a label may not be changed. */
@@ -20,6 +21,7 @@ export class StrokePreview {
     readonly frame: CloudFrame,
     private readonly brush: Brush,
     private readonly locked: Locked,
+    private readonly seen: Seen,
   ) {
     const { tool, label } = brush;
     const value = tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0;
@@ -33,7 +35,8 @@ export class StrokePreview {
     if (brush.shape === 'ray' && brush.through) {
       alongRay(frame, origin, direction, radius, this.touch);
     } else if (brush.shape === 'ray') {
-      const hit = firstHit(frame, origin, direction, radius);
+      const meets = brush.tool === 'restore' ? isDeleted : this.seen;
+      const hit = firstHit(frame, origin, direction, radius, meets);
       if (hit) inCapsule(frame, hit.position, hit.position, radius, this.touch);
     } else if (brush.shape === 'sphere') {
       inCapsule(frame, Number.isNaN(last[0]) ? origin : last, origin, radius, this.touch);
@@ -49,7 +52,7 @@ export class StrokePreview {
   private applies(current: number): boolean {
     const { tool, label, only_unlabeled: onlyUnlabeled } = this.brush;
     if (tool === 'restore') return current === DELETED;
-    if (current === DELETED || this.locked(current)) return false;
+    if (!this.seen(current) || this.locked(current)) return false;
     if (tool === 'erase') return current !== 0;
     if (tool === 'delete') return true;
     return current !== label && !(onlyUnlabeled && current !== 0);
@@ -62,4 +65,8 @@ export class StrokePreview {
     const indices = touched.numbers.subarray(0, touched.size);
     this.frame.setOverlay(this.id, { indices, values });
   }
+}
+
+function isDeleted(label: number): boolean {
+  return label === DELETED;
 }

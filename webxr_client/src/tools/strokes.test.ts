@@ -6,12 +6,18 @@ import { Strokes } from './strokes';
 
 const ray: Brush = { label: 2, tool: 'paint', shape: 'ray', radius: 0.025 };
 
-function setUp(locked: (label: number) => boolean = () => false) {
+const seen = (label: number): boolean => label !== DELETED;
+
+function setUp(
+  locked: (label: number) => boolean = () => false,
+  look: { seen: (label: number) => boolean; hidden: number[] } = { seen, hidden: [] },
+) {
   const frame = frameOf(wall(40, 1000));
   const sent: ClientMessage[] = [];
   // What is posted to the worker is copied.
   const send = (message: ClientMessage): void => void sent.push(structuredClone(message));
-  const deps = { send, locked, changed: vi.fn(), now: () => 0 };
+  const hidden = (): number[] => look.hidden;
+  const deps = { send, locked, seen: look.seen, hidden, changed: vi.fn(), now: () => 0 };
   return { frame, sent, strokes: new Strokes(deps) };
 }
 
@@ -93,6 +99,19 @@ describe('a stroke', () => {
       expect(painted(frame, 1)).toBe(820);
       expect(painted(frame, 2)).toBeGreaterThan(5);
     }
+  });
+
+  it('leaves hidden points alone, looks through them, and says which labels are hidden here', () => {
+    const near = wall(40, 500);
+    const frame = frameOf([...near, ...wall(40, 1000)]);
+    const look = { seen: (label: number) => label !== 1 && label !== DELETED, hidden: [1] };
+    const { sent, strokes } = setUp(undefined, look);
+    frame.pieces[0]!.labels = new Uint16Array(2 * near.length).fill(1, 0, near.length);
+    strokes.begin(frame, ray, [0, 0, 0]).add(at);
+    strokes.show();
+    expect(painted(frame, 1)).toBe(near.length);
+    expect(painted(frame, 2)).toBe(21);
+    expect(sent[0]).toMatchObject({ brush: { hidden: [1] } });
   });
 
   it('deletes, and restores only what was deleted', () => {

@@ -14,6 +14,7 @@ import type {
 import { Listeners } from '../listeners';
 import { StrokePreview, type Locked } from './preview';
 import type { PointerSample } from './sample';
+import type { Seen } from './seen';
 
 /** The preview stays at most this long after the answer, should the delta not come. */
 const LINGER_MS = 2000;
@@ -21,6 +22,9 @@ const LINGER_MS = 2000;
 export interface StrokeDeps {
   readonly send: (message: ClientMessage) => void;
   readonly locked: Locked;
+  readonly seen: Seen;
+  /** Labels that only this viewer hides. */
+  readonly hidden: () => number[];
   /** Labels on screen changed. */
   readonly changed: () => void;
   readonly now: () => number;
@@ -78,8 +82,9 @@ class LiveStroke implements Stroke {
   ) {
     this.batch = new Batch(deps.now());
     this.message = { type: 'stroke_samples', id, samples: [] };
-    this.preview = new StrokePreview(id, frame, brush, deps.locked);
-    deps.send({ type: 'stroke_begin', id, frame: frame.index, brush });
+    this.preview = new StrokePreview(id, frame, brush, deps.locked, deps.seen);
+    const hidden = deps.hidden();
+    deps.send({ type: 'stroke_begin', id, frame: frame.index, brush: { ...brush, hidden } });
   }
 
   add(sample: PointerSample, now = this.deps.now()): void {

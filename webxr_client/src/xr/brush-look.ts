@@ -4,6 +4,7 @@ import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
 import { FLOOR_SPOT } from '../engine/floor';
 import { isStroke, state } from '../state';
+import { seenIn, type Seen } from '../tools/seen';
 import { brushColor, type Way } from './brush';
 import type { Hand } from './hand';
 import type { Place } from './place';
@@ -27,11 +28,13 @@ export class BrushLook {
   private readonly color = new Color();
   private shownColor = '';
   private last = 0;
+  private readonly seen: Seen;
 
   constructor(
     private readonly engine: Engine,
     private readonly place: Place,
   ) {
+    this.seen = seenIn(engine.viewer.palette);
     const look = { vertexColors: true, transparent: true, depthWrite: false };
     this.ball = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial(look));
     this.ball.renderOrder = 95;
@@ -96,7 +99,7 @@ export class BrushLook {
     const { local, aim, place, scratch } = this;
     place.toLocal(hand.origin, scratch).toArray(local);
     place.directionToLocal(hand.direction, scratch).toArray(aim);
-    return firstHit(frame, local, aim, radius);
+    return firstHit(frame, local, aim, radius, this.seen);
   }
 
   private newColor(): string | null {

@@ -1,7 +1,7 @@
 /** What a stroke of the headset sends: the store's settings in the words of the wire. */
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
-import { activeLabel, canEdit, isStroke, notify, state } from '../state';
+import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
 import { xrSettings } from './settings';
 
 export type Way = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
@@ -27,7 +27,8 @@ export function refusal(): string | null {
   if (!canEdit.peek()) return 'You are a viewer here';
   if (tool !== 'paint') return null;
   if (!activeLabel.peek()) return 'Choose or make a label first';
-  return activeLabel.peek()?.locked ? 'This label is locked' : null;
+  if (activeLabel.peek()?.locked) return 'This label is locked';
+  return activeLabelHidden.peek() ? 'This label is hidden' : null;
 }
 
 /** The brush for a stroke with `radius` (metres of the recording), or null after saying why. */

@@ -67,6 +67,9 @@ class Brush(Message):
     """box: full edge lengths."""
     quaternion: Quaternion | None = None
     """box: orientation x, y, z, w."""
+    hidden: Annotated[list[LabelId], Field(max_length=65535)] = []
+    """Labels that only this viewer hides, beside those that the palette hides; 0: points without
+    a label.  Their points are left alone, and rays pass through them."""
 
 
 class Label(Message):
