@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command: Command = given.command
         command(given, Settings.load(chosen))
     except PointbrushError as error:
-        print(f"pointbrush: {error}", file=sys.stderr)
+        print(f"pointbrush: {error.whole}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("pointbrush: interrupted", file=sys.stderr)
@@ -145,6 +145,8 @@ def parser() -> argparse.ArgumentParser:
 SERVE = (
     "workspace", "host", "port", "token", "database", "workers", "scheduler", "tls", "certfile",
     "keyfile", "insecure", "import_roots", "allowed_hosts", "max_upload", "max_frame_points",
+    "exports", "exports_per_person", "stall_seconds", "body_seconds", "upload_seconds",
+    "statement_seconds", "keepalive_seconds",
 )  # fmt: skip
 
 

@@ -12,6 +12,16 @@ class PointbrushError(Exception):
 
     title = "pointbrush could not do that"
 
+    def __init__(self, *args: object, private: str = "") -> None:
+        """``private``: what only the server's operator may read (addresses, paths)."""
+        super().__init__(*args)
+        self.private = private
+
+    @property
+    def whole(self) -> str:
+        """The sentence with what is private."""
+        return f"{self} ({self.private})" if self.private else str(self)
+
 
 class BadInputError(PointbrushError, ValueError):
     """A value, a file or a message is not what was expected."""

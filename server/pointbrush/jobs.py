@@ -129,6 +129,11 @@ class JobRunner:
             if self._executor is None and not self._closed:
                 self._submit(function)
 
+    def require_scheduler(self) -> None:
+        """Raise UnavailableError when jobs run on a cluster that does not answer."""
+        if isinstance(self._executor, DaskExecutor):
+            self._executor.require_answer()
+
     def jobs(self) -> list[Job]:
         """All remembered jobs, newest first."""
         with self._lock:

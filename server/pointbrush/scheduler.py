@@ -45,6 +45,18 @@ class DaskExecutor(Executor):
         future: Future[T] = self._pool.submit(fn, *args, retries=0, **kwargs)
         return future
 
+    def require_answer(self) -> None:
+        """Raise UnavailableError unless the scheduler answers and has workers."""
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+            alive = self._client.status == "running"
+        except Exception:
+            alive, workers = False, {}
+        if not alive:
+            raise UnavailableError("expected the Dask scheduler to answer; it is looked for again")
+        if not workers:
+            raise UnavailableError("expected workers at the Dask scheduler, there are none")
+
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Leave the cluster, which goes on."""
         self._pool.shutdown(wait=wait and not cancel_futures)

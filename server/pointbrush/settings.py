@@ -78,6 +78,27 @@ class Settings:
     requests_per_second: int = field(
         default=200, metadata=_help("requests a second that one client may sustain")
     )
+    body_seconds: int = field(
+        default=600, metadata=_help("seconds in which a body must have come whole (uploads apart)")
+    )
+    upload_seconds: int = field(
+        default=14_400, metadata=_help("seconds in which an upload must have come whole")
+    )
+    stall_seconds: int = field(
+        default=60,
+        metadata=_help("seconds a client may read nothing of an answer until it is given up"),
+    )
+    exports: int = field(default=4, metadata=_help("exports under way at once, in all"))
+    exports_per_person: int = field(
+        default=2, metadata=_help("exports under way at once, of one person")
+    )
+    statement_seconds: int = field(
+        default=60, metadata=_help("seconds that one statement of PostgreSQL may take")
+    )
+    keepalive_seconds: int = field(
+        default=30,
+        metadata=_help("seconds of silence until a connection to PostgreSQL is probed"),
+    )
 
     @classmethod
     def load(

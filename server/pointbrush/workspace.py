@@ -21,7 +21,7 @@ from pointbrush.errors import (
 )
 from pointbrush.formats import EXPORTS, export
 from pointbrush.jobs import ENDED, Job, JobRunner
-from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore
+from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Limits
 from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
@@ -31,6 +31,7 @@ from pointbrush.work.backup import make_backup
 from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
 from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
+from pointbrush.work.readiness import require_room
 from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
@@ -50,7 +51,8 @@ class Workspace:
         self.library = Library(settings.workspace.absolute() / "sequences")
         self.library.clean()
         self._listeners = Listeners()
-        self.store = LabelStore(settings.database_url)
+        limits = Limits(settings.statement_seconds, settings.keepalive_seconds)
+        self.store = LabelStore(settings.database_url, limits=limits)
         self._unsubscribe = self.store.subscribe(self._publish)
         self.runner = JobRunner(
             self._publish, workers=settings.workers, scheduler=settings.scheduler
@@ -362,6 +364,14 @@ class Workspace:
         """What is wrong with a recording's files, its journal or its annotations; [] if sound."""
         recording = self.recording(sequence)
         return verify(recording.path) + self.store.check(sequence)
+
+    def ready_checks(self) -> dict[str, Callable[[], None]]:
+        """Return a check of each part that work needs; it raises UnavailableError."""
+        return {
+            "database": self.store.require_answer,
+            "disk": lambda: require_room(self.library.folder),
+            "scheduler": self.runner.require_scheduler,
+        }
 
     def backup(self, target: Path) -> None:
         """Copy the whole workspace into the new folder ``target``, also while it is in use."""

@@ -4,6 +4,7 @@
 """
 
 from pointbrush.labels.backup import restore
+from pointbrush.labels.database import Limits
 from pointbrush.labels.store import LabelStore
 from pointbrush.labels.tokens import Token, Tokens
 from pointbrush.labels.types import (
@@ -26,6 +27,7 @@ __all__ = [
     "GapError",
     "Label",
     "LabelStore",
+    "Limits",
     "Token",
     "Tokens",
     "Write",

@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import psycopg
 from sqlalchemy import (
     Connection,
     Engine,
@@ -16,6 +18,7 @@ from sqlalchemy import (
     event,
     exc,
     make_url,
+    text,
 )
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import URL
@@ -24,6 +27,7 @@ from pointbrush.errors import BadInputError, UnavailableError
 
 BUSY_SECONDS = 10.0
 """How long a SQLite writer waits for another process's transaction."""
+KEEPALIVE_PROBES = 3
 CHUNK = 500
 """Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
 
@@ -40,10 +44,20 @@ SQLITE_PRAGMAS = (
 )
 
 
+@dataclass(frozen=True)
+class Limits:
+    """Bounds on waiting for PostgreSQL; a parameter of that name in the URL wins."""
+
+    statement_seconds: int = 60
+    """A statement that takes longer is cancelled, locks it waits for included."""
+    keepalive_seconds: int = 30
+    """Silence until a connection is probed; after twice as long it counts as lost."""
+
+
 class Database:
     """Connections and transactions of one label database; thread-safe."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, limits: Limits | None = None) -> None:
         """Open ``sqlite:///path`` or ``postgresql://…``.
 
         Raises BadInputError for another URL, UnavailableError when it cannot be reached.
@@ -56,12 +70,26 @@ class Database:
         )
         # Building such a statement takes longer than running it.
         self._upserts: dict[str, Any] = {}
-        self.engine = _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url)
+        self.limits = limits or Limits()
+        self.engine = (
+            _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url, self.limits)
+        )
+
+    def ping(self) -> None:
+        """Read one row; raises UnavailableError."""
+        with self.read() as connection:
+            connection.execute(text("SELECT 1")).scalar()
 
     @property
     def path(self) -> Path | None:
         """The SQLite file, or None."""
         return Path(str(self.url.database)) if self.sqlite else None
+
+    def listener(self) -> psycopg.Connection[Any]:
+        """Return a connection to PostgreSQL of its own, in autocommit, for ``LISTEN``."""
+        args, fields = self.engine.dialect.create_connect_args(self.url)
+        waits = patience(self.url, self.limits)
+        return psycopg.connect(*args, **{**fields, **waits}, autocommit=True)
 
     @contextlib.contextmanager
     def read(self) -> Iterator[Connection]:
@@ -120,25 +148,34 @@ def _translated() -> Iterator[None]:
     try:
         yield
     except (exc.DBAPIError, exc.TimeoutError) as error:
-        cause = getattr(error, "orig", None) or error
-        reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
-        raise UnavailableError(
-            f"the label database cannot be used now, nothing was changed: {reason}"
-        ) from error
+        raise _unavailable(error) from error
+
+
+def _unavailable(error: exc.DBAPIError | exc.TimeoutError) -> UnavailableError:
+    """An error in our words; the address of a server that is away is for its operator only."""
+    cause = getattr(error, "orig", None) or error
+    reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
+    said, private = reason, ""
+    if isinstance(cause, psycopg.Error) and cause.sqlstate is None:
+        said, private = "its server cannot be reached", reason
+    return UnavailableError(
+        f"the label database cannot be used now, nothing was changed: {said}", private=private
+    )
 
 
 def _parse(url: str) -> URL:
     try:
         parsed = make_url(url)
         backend = parsed.get_backend_name()
-    except exc.ArgumentError:
+    except (exc.ArgumentError, ValueError):  # whose texts may quote a part of the password
         backend = ""
     if backend == "sqlite" and parsed.database and parsed.database != ":memory:":
         return parsed.set(drivername="sqlite+pysqlite")
     if backend in ("postgresql", "postgres"):
         return parsed.set(drivername="postgresql+psycopg")
     raise BadInputError(
-        f"database: expected sqlite:///path or postgresql://host/name, got {url.split('@')[-1]!r}"
+        "database: expected sqlite:///path or postgresql://host/name, got "
+        f"{url.partition('://')[0][:40]!r} and something else"
     )
 
 
@@ -164,10 +201,23 @@ def _sqlite_engine(url: URL) -> Engine:
     return engine
 
 
-def _postgres_engine(url: URL) -> Engine:
+def patience(url: URL, limits: Limits) -> dict[str, int]:
+    """Return libpq's parameters by which a connection without an answer is given up."""
+    probes = {
+        "connect_timeout": 10,
+        "keepalives": 1,
+        "keepalives_idle": limits.keepalive_seconds,
+        "keepalives_interval": max(1, limits.keepalive_seconds // KEEPALIVE_PROBES),
+        "keepalives_count": KEEPALIVE_PROBES,
+        "tcp_user_timeout": 2000 * limits.keepalive_seconds,  # milliseconds
+    }
+    return {name: value for name, value in probes.items() if name not in url.query}
+
+
+def _postgres_engine(url: URL, limits: Limits) -> Engine:
     engine = create_engine(
         url,
-        connect_args={"connect_timeout": 10},
+        connect_args=patience(url, limits),
         pool_pre_ping=True,
         pool_size=8,
         max_overflow=24,
@@ -178,6 +228,7 @@ def _postgres_engine(url: URL) -> Engine:
         row = connection.execute("SHOW synchronous_commit").fetchone()
         if row[0] == "off":  # an answered edit must be on the disk, whatever the server's default
             connection.execute("SET synchronous_commit TO on")
+        connection.execute(f"SET statement_timeout TO '{limits.statement_seconds}s'")
         connection.commit()
 
     return engine

@@ -24,6 +24,8 @@ def migrate(database: Database) -> None:
             return
     with database.write() as connection:
         if not database.sqlite:
+            # A migration rewrites tables, and waits for another process's: both may take long.
+            connection.execute(text("SET LOCAL statement_timeout TO 0"))
             connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _ADVISORY_LOCK})
         if _version(connection) != HEAD:
             _upgrade(connection)

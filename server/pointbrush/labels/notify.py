@@ -141,9 +141,7 @@ class Watcher:
                     self._catch_up()
 
     def _watch_postgres(self) -> None:
-        url = self._database.url.set(drivername="postgresql")
-        address = url.render_as_string(hide_password=False)
-        with psycopg.connect(address, autocommit=True, connect_timeout=5) as connection:
+        with self._database.listener() as connection:
             connection.execute(f"LISTEN {CHANNEL}")
             self._catch_up()  # what was committed while nobody listened
             while not self._stop.is_set():

@@ -13,7 +13,7 @@ from sqlalchemy import delete
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import backup, check, history, palette, plans, reading, schema
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
-from pointbrush.labels.database import Database
+from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.sessions import Sessions
@@ -37,12 +37,14 @@ class LabelStore:
     nothing has changed, and trying again can work.
     """
 
-    def __init__(self, url: str, *, cache_bytes: int = CACHE_BYTES) -> None:
+    def __init__(
+        self, url: str, *, cache_bytes: int = CACHE_BYTES, limits: Limits | None = None
+    ) -> None:
         """Open ``sqlite:///path`` or ``postgresql://…`` and bring its schema up to date.
 
         ``cache_bytes`` bounds the memory for blocks of points.
         """
-        self._database = Database(url)
+        self._database = Database(url, limits)
         try:
             migrate(self._database)
             self._sessions = Sessions(self._database, BlockCache(cache_bytes))
@@ -295,6 +297,10 @@ class LabelStore:
         """Every sequence that is known, and its revision."""
         with self._database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
+
+    def require_answer(self) -> None:
+        """Raise UnavailableError unless the database answers."""
+        self._database.ping()
 
     def check(self, sequence: str) -> list[str]:
         """What of a sequence disagrees with its journal, one sentence each; none: all is well."""

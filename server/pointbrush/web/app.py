@@ -30,7 +30,9 @@ from pointbrush.web import (
     socket,
 )
 from pointbrush.web.auth import Gate, caller
+from pointbrush.web.exports import Exports
 from pointbrush.web.middleware import Guard
+from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
 from pointbrush.workspace import Workspace
 
@@ -57,6 +59,8 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
+    app.state.exports = Exports(settings.exports, settings.exports_per_person)
+    app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
     api = APIRouter(prefix=PREFIX, dependencies=[Depends(caller)])
     for resource in RESOURCES:

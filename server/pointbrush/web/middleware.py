@@ -82,19 +82,20 @@ class Guard:
         secured = self._secured(send, scope["method"], headers.get("host", ""))
         try:
             self._admit(scope, headers)
-            limit = self._body_limit(scope, headers)
+            multipart = headers.get("content-type", "").startswith("multipart/")
+            limit = self._body_limit(scope, headers, multipart)
         except PointbrushError as error:
             await problem_of(error)(scope, receive, secured)
             return
-        await self.app(scope, _Limited(receive, limit), secured)
+        seconds = self.settings.upload_seconds if multipart else self.settings.body_seconds
+        await self.app(scope, _Limited(receive, limit, seconds), secured)
 
     def _admit(self, scope: Scope, headers: Headers) -> None:
         self.gate.require_host(HTTPConnection(scope))
         client = scope.get("client") or ("unknown", 0)
         self.rate.spend(bearer_of(headers) or client[0])
 
-    def _body_limit(self, scope: Scope, headers: Headers) -> int:
-        multipart = headers.get("content-type", "").startswith("multipart/")
+    def _body_limit(self, scope: Scope, headers: Headers, multipart: bool) -> int:
         limit = self.settings.max_upload if multipart else self.settings.max_body
         if scope["path"].endswith("/annotation"):
             limit = max(limit, 4 * self.settings.max_frame_points)
@@ -122,19 +123,26 @@ class Guard:
 
 
 class _Limited:
-    """``receive`` that counts the body and gives up on a silent sender."""
+    """``receive`` that counts the body and gives up on a silent or slow sender."""
 
-    def __init__(self, receive: Receive, limit: int) -> None:
-        self._receive, self._limit = receive, limit
+    def __init__(self, receive: Receive, limit: int, seconds: int) -> None:
+        """``limit`` of a body in bytes; ``seconds`` in which it must have come whole."""
+        self._receive, self._limit, self._seconds = receive, limit, seconds
         self._seen, self._complete = 0, False
+        self._end = time.monotonic() + seconds
 
     async def __call__(self) -> Message:
         if self._complete:
             return await self._receive()
+        left = self._end - time.monotonic()
         try:
-            message = await asyncio.wait_for(self._receive(), BODY_PAUSE)
+            message = await asyncio.wait_for(self._receive(), min(BODY_PAUSE, max(left, 0.0)))
         except TimeoutError:
-            return {"type": "http.disconnect"}
+            if left > BODY_PAUSE:
+                return {"type": "http.disconnect"}
+            raise HTTPException(
+                408, f"body: expected it whole within {self._seconds} seconds, got a part of it"
+            ) from None
         self._seen += len(message.get("body", b""))
         self._complete = not message.get("more_body", False)
         if self._seen > self._limit:

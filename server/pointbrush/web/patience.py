@@ -1,4 +1,7 @@
-"""HTTP connections that never finish a request's headers are closed: uvicorn itself would wait."""
+"""HTTP connections that wait for nothing are closed: uvicorn itself would keep them.
+
+Some never finish a request's headers, some never read their answer.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,9 @@ class PatientProtocol(H11Protocol):
     """Waits ``seconds`` for the headers of a request, however slowly their bytes come in."""
 
     seconds = 20.0
+    stall_seconds = 60.0
+    """Longest time that a client may read nothing of an answer that waits for it."""
+    _stall: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start waiting for the first request."""
@@ -31,3 +37,28 @@ class PatientProtocol(H11Protocol):
             self.transport.close()
         else:
             self._wait()
+
+    def pause_writing(self) -> None:
+        """Give the client up when it does not read on."""
+        super().pause_writing()
+        self._stall = self.loop.call_later(self.stall_seconds, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """The client reads."""
+        self._end_stall()
+        super().resume_writing()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The connection is closed."""
+        self._end_stall()
+        super().connection_lost(exc)
+
+    def _end_stall(self) -> None:
+        if self._stall is not None:
+            self._stall.cancel()
+            self._stall = None
+
+
+def patient_protocol(stall_seconds: float) -> type[PatientProtocol]:
+    """Return the protocol for uvicorn, which makes its connections by calling a class."""
+    return type("PatientProtocol", (PatientProtocol,), {"stall_seconds": stall_seconds})

@@ -14,6 +14,7 @@ PREFIX = "/api/v1"
 OPEN = frozenset({
     ("POST", "/session"),
     ("GET", "/healthz"),
+    ("GET", "/readyz"),
     ("GET", "/docs"),
     ("GET", "/docs/{name}"),
     ("GET", "/openapi.json"),

@@ -14,7 +14,8 @@ from pointbrush.streaming.schema import schema_hash
 from pointbrush.web import auth
 from pointbrush.web.auth import Caller, Gate, Principal
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Health, MeOut, SessionBody, SessionOut
+from pointbrush.web.readiness import ReadyProbe
+from pointbrush.web.schemas import Health, MeOut, Ready, SessionBody, SessionOut
 
 router = APIRouter(tags=["server"])
 sign_in_router = APIRouter(tags=["server"])
@@ -69,9 +70,23 @@ def sign_out(request: Request, response: Response) -> None:
 
 @open_router.get("/healthz")
 @open_router.get("/api/v1/healthz")
-def healthz() -> Health:
-    """Answers while the server is up; needs no token."""
+async def healthz() -> Health:
+    """Answers while the server is up; needs no token, no worker thread and no database."""
     return Health(version=__version__)
+
+
+@open_router.get("/readyz")
+@open_router.get("/api/v1/readyz")
+async def readyz(request: Request, response: Response) -> Ready:
+    """Tell whether work can be done, 200 or 503; needs no token, and names no secret or path."""
+    probe: ReadyProbe = request.app.state.ready_probe
+    problems = await probe.ask()
+    parts = {name: problem or "ok" for name, problem in problems.items()}
+    if any(problems.values()):
+        response.status_code = 503
+        response.headers["Retry-After"] = "5"
+        return Ready(status="not ready", parts=parts)
+    return Ready(status="ready", parts=parts)
 
 
 @open_router.get("/metrics")

@@ -241,3 +241,10 @@ class Health(BaseModel):
 
     status: Literal["ok"] = "ok"
     version: str
+
+
+class Ready(BaseModel):
+    """Whether work can be done, and what is wrong with each part; "ok": nothing."""
+
+    status: Literal["ready", "not ready"]
+    parts: dict[str, str]

@@ -17,7 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
-from pointbrush.web.patience import PatientProtocol
+from pointbrush.web.patience import patient_protocol
 from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.web.uncopied import UncopiedProtocol
@@ -86,7 +86,7 @@ def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.
     """uvicorn's options, with the reasons in docs/streaming.md."""
     return uvicorn.Config(
         app,  # type: ignore[arg-type]
-        http=PatientProtocol,
+        http=patient_protocol(settings.stall_seconds),
         ws=UncopiedProtocol,
         ws_per_message_deflate=False,
         ws_max_size=settings.max_message,

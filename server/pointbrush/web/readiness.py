@@ -1,0 +1,68 @@
+"""Whether work can be done now, asked for in threads of its own: it answers when all else waits."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable, Mapping
+
+from pointbrush.errors import PointbrushError
+
+ANSWER_SECONDS = 5.0
+"""A part that takes longer to answer is not ready."""
+FRESH_SECONDS = 1.0
+"""An answer is given again for so long: anybody may ask."""
+
+Check = Callable[[], None]
+"""Raises PointbrushError when its part cannot be used."""
+
+
+class ReadyProbe:
+    """Asks the parts that a workspace stands on."""
+
+    def __init__(self, checks: Mapping[str, Check]) -> None:
+        self._parts = {name: _Part(check) for name, check in checks.items()}
+        self._known: dict[str, str | None] = {}
+        self._asked = float("-inf")
+        self._asking = asyncio.Lock()
+
+    async def ask(self) -> dict[str, str | None]:
+        """Return what is wrong with each part, or None."""
+        async with self._asking:
+            if time.monotonic() - self._asked > FRESH_SECONDS:
+                answers = await asyncio.gather(*(part.ask() for part in self._parts.values()))
+                self._known = dict(zip(self._parts, answers, strict=True))
+                self._asked = time.monotonic()
+            return self._known
+
+
+class _Part:
+    """One check; a second one is not begun while the first hangs."""
+
+    def __init__(self, check: Check) -> None:
+        self._check = check
+        self._running: asyncio.Future[str | None] | None = None
+
+    async def ask(self) -> str | None:
+        if self._running is None or self._running.done():
+            loop = asyncio.get_running_loop()
+            self._running = loop.create_future()
+            # Not a pool's thread: one that hangs would keep the server from ending.
+            arguments = (loop, self._running)
+            threading.Thread(target=self._run, args=arguments, daemon=True).start()
+        try:
+            return await asyncio.wait_for(asyncio.shield(self._running), ANSWER_SECONDS)
+        except TimeoutError:
+            return f"no answer within {ANSWER_SECONDS:g} seconds"
+
+    def _run(self, loop: asyncio.AbstractEventLoop, answer: asyncio.Future[str | None]) -> None:
+        problem: str | None = None
+        try:
+            self._check()
+        except PointbrushError as error:
+            problem = str(error)
+        except Exception as error:
+            problem = f"failed unexpectedly ({type(error).__name__})"
+        if not loop.is_closed():
+            loop.call_soon_threadsafe(answer.set_result, problem)
