@@ -8,6 +8,7 @@ import { Backdrop } from './backdrop';
 import { keepLists } from './draw-order';
 import { EyeDome } from './eyedome';
 import { ALL_POINTS, type CloudFrame } from './frame';
+import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth';
 import { LargeCloud } from './large';
 import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
@@ -49,6 +50,10 @@ export class Viewer {
   private large: LargeCloud | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
+  /** The headset's pictures have reversed depth. */
+  readonly reversible: boolean;
+  /** The recording's diagonal, metres. */
+  private extent = 0;
   private eyeDomeOn = true;
   private dirty = true;
   private limit = ALL_POINTS;
@@ -66,6 +71,7 @@ export class Viewer {
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
     this.renderer.setClearColor(0x000000, 0);
     keepLists(this.renderer, this.scene);
+    this.reversible = canReverse(this.renderer);
     this.software = isSoftware(this.renderer.getContext());
     this.world.add(this.room);
     this.room.matrixAutoUpdate = false;
@@ -135,6 +141,7 @@ export class Viewer {
     const [low, high] = this.bounds(info);
     this.uniforms.setHeight(this.room.matrix, low.y, high.y);
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
+    this.extent = low.distanceTo(high);
     this.invalidate();
   }
 
@@ -269,6 +276,9 @@ export class Viewer {
   private drawHeadset(): void {
     const eyes = this.renderer.xr.getCamera().cameras;
     this.uniforms.setViewport(eyes[0].viewport.w);
+    setPlanes(this.camera, this.extent * this.world.scale.x);
+    setReversed(this.renderer, this.reversible);
+    if (this.reversible) reverseEyes(eyes);
     this.eyeDome.quad.visible = false;
     this.camera.layers.enableAll();
     this.renderer.clear();
@@ -277,6 +287,7 @@ export class Viewer {
 
   private drawDesk(): void {
     const { renderer, camera, eyeDome } = this;
+    setReversed(renderer, false);
     this.uniforms.setViewport(this.size.y);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;

@@ -1,5 +1,5 @@
 /** Large frames: asks for the chunks that are worth their points, drops others under the budget. */
-import { Frustum, Matrix4, Vector3 } from 'three';
+import { Frustum, Matrix4, Vector3, WebGLCoordinateSystem } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
 import type { Link } from '../net/link';
@@ -94,11 +94,17 @@ export class Detail {
 
   /** Where the camera is in the frame's own coordinates: at the desk, or on somebody's head. */
   private look(): void {
-    const { camera, room, viewHeight } = this.viewer;
+    const { camera, room, viewHeight, renderer } = this.viewer;
+    // In the headset the camera has the eyes' projection.
+    const reversed = renderer.xr.isPresenting && this.viewer.reversible;
     const { view, matrix } = this;
     camera.updateMatrixWorld();
     matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    view.frustum.setFromProjectionMatrix(matrix.multiply(room.matrixWorld));
+    view.frustum.setFromProjectionMatrix(
+      matrix.multiply(room.matrixWorld),
+      WebGLCoordinateSystem,
+      reversed,
+    );
     view.eye.setFromMatrixPosition(camera.matrixWorld);
     view.eye.applyMatrix4(matrix.copy(room.matrixWorld).invert());
     view.pixels = Math.max(1, viewHeight / 2) * camera.projectionMatrix.elements[5];

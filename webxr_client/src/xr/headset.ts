@@ -21,8 +21,9 @@ const NO_HEADSET = 'No headset was found. Connect one, or open this page in the 
 export class Headset {
   cockpit: Cockpit | null = null;
   private leaving = false;
-  /** Where the desk's camera was. */
+  /** Where the desk's camera was, and its near and far plane. */
   private readonly desk = new Matrix4();
+  private readonly planes = { near: 0, far: 0 };
 
   constructor(private readonly engine: Engine) {
     bindActions({
@@ -72,6 +73,8 @@ export class Headset {
     this.leaving = false;
     viewer.camera.updateMatrix();
     this.desk.copy(viewer.camera.matrix);
+    this.planes.near = viewer.camera.near;
+    this.planes.far = viewer.camera.far;
     session.addEventListener('end', () => this.ended(), { once: true });
     const floor = await hasFloor(session);
     xr.enabled = true;
@@ -98,6 +101,8 @@ export class Headset {
     this.cockpit = null;
     const { position, quaternion, scale } = viewer.camera;
     this.desk.decompose(position, quaternion, scale);
+    Object.assign(viewer.camera, this.planes);
+    viewer.camera.updateProjectionMatrix();
     viewer.renderer.xr.enabled = false;
     viewer.backdrop.showSky(true);
     pacing.show(0);
