@@ -71,6 +71,12 @@ class ForbiddenError(PointbrushError):
     title = "Forbidden"
 
 
+class ReadOnlyError(ForbiddenError):
+    """The workspace's folder, or its database, may not be written here."""
+
+    title = "Read-only"
+
+
 class TooManyRequestsError(PointbrushError):
     """The caller exceeds a rate limit."""
 
@@ -81,6 +87,12 @@ class UnavailableError(PointbrushError):
     """Disk full, or the database is away; nothing was changed, and trying again can work."""
 
     title = "Temporarily unavailable"
+
+
+class DamagedError(PointbrushError):
+    """A file of a recording is missing, cut short, or not what was imported; others are fine."""
+
+    title = "Damaged recording"
 
 
 class CancelledError(PointbrushError):

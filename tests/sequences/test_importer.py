@@ -17,7 +17,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
+from pointbrush.errors import (
+    BadInputError,
+    ConflictError,
+    DamagedError,
+    NotFoundError,
+    UnavailableError,
+)
 from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.sequences import (
     Manifest,
@@ -368,10 +374,10 @@ def test_damaged_files_are_refused_when_opened(tmp_path: Path) -> None:
     whole = file.read_bytes()
     for broken in (b"", whole[:30], b"x" + whole[1:], whole[: len(whole) // 2]):
         file.write_bytes(broken)
-        with pytest.raises(BadInputError, match="expected stored arrays"):
+        with pytest.raises(DamagedError, match="frame 0 is damaged: expected stored arrays"):
             open_sequence(tmp_path / "s")[0]
     file.unlink()
-    with pytest.raises(NotFoundError):
+    with pytest.raises(DamagedError, match=r"expected the file 000000\.points"):
         open_sequence(tmp_path / "s")[0]
     (tmp_path / "s" / "manifest.json").write_text(json.dumps({"version": 1, "id": "s"}))
     with pytest.raises(BadInputError, match="manifest"):

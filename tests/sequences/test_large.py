@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pointbrush.errors import BadInputError, CancelledError, TooLargeError
+from pointbrush.errors import BadInputError, CancelledError, DamagedError, TooLargeError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import (
     Manifest,
@@ -217,7 +217,7 @@ def test_damage_is_found_and_refused(tmp_path: Path, small_limits: None, name: s
     file = tmp_path / "s" / "frames" / "000000" / name
     file.write_bytes(b"\x00" + file.read_bytes()[1:])
     assert [problem for problem in verify(tmp_path / "s") if name in problem]
-    with pytest.raises(BadInputError, match="expected stored arrays"):
+    with pytest.raises(DamagedError, match="frame 0 is damaged: expected stored arrays"):
         open_sequence(tmp_path / "s")[0]
 
 

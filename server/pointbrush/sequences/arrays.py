@@ -1,15 +1,18 @@
-"""Named arrays in one file, or one ``.npy`` each in a folder, memory-mapped for reading.
+"""Named arrays in one file, or one ``.npy`` each in a folder.
 
 A small frame is one file: magic, length of a JSON header, the header, then each array at a
 multiple of 64 bytes.  A large frame, written piece by piece, is a folder of ``.npy`` files.
-Whichever it is, ``open_arrays`` returns read-only views of the page cache.
+Whoever reads here gets all that was asked for, or DamagedError.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import mmap
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -17,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import DamagedError
 from pointbrush.sequences.files import write_file
 
 MAGIC = b"PBARRAY1"
@@ -61,78 +64,156 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> 
     return bytes(out)
 
 
-def open_arrays(path: Path) -> tuple[Arrays, dict[str, Any]]:
-    """Read-only arrays and meta of ``path``, an array file or a folder of them.
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """Where an array lies in its file."""
 
-    Raises NotFoundError when it is absent, BadInputError when it is damaged.
-    """
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    offset: int
+
+    @property
+    def count(self) -> int:
+        """Items of the array."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    @property
+    def stop(self) -> int:
+        """Where it ends."""
+        return self.offset + self.count * self.dtype.itemsize
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What an array file says of itself; ``nbytes`` is the file's length."""
+
+    entries: dict[str, Entry]
+    meta: dict[str, Any]
+    nbytes: int
+
+
+@contextlib.contextmanager
+def _damaged(path: Path) -> Iterator[None]:
+    """Tell whatever reading a damaged file raises as DamagedError."""
     try:
-        if path.is_dir():
-            meta = json.loads((path / "meta.json").read_bytes())
-            return {file.stem: _open_npy(file) for file in sorted(path.glob("*.npy"))}, meta
-        return _parse(map_file(path))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise BadInputError(f"{path.name}: expected stored arrays, got {error}") from error
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise DamagedError(f"expected stored arrays in {path.name}, got: {reason}") from error
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
+        raise DamagedError(f"expected stored arrays in {path.name}, got: {error}") from error
+
+
+def read_layout(path: Path) -> Layout:
+    """The layout of an array file, whose length is as it must be; raises DamagedError."""
+    with _damaged(path), path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size
+        head = file.read(16)
+        length = int.from_bytes(head[8:16], "little")
+        if length > size:
+            raise ValueError("a header longer than the file")
+        return _layout(head + file.read(length), size)
+
+
+def _layout(head: bytes, size: int) -> Layout:
+    if head[:8] != MAGIC:
+        raise ValueError("another magic number")
+    length = int.from_bytes(head[8:16], "little")
+    header = json.loads(head[16 : 16 + length])
+    start = -(-(16 + length) // _ALIGN) * _ALIGN
+    entries = {
+        name: Entry(
+            np.dtype(np.lib.format.descr_to_dtype(entry["dtype"])),
+            tuple(entry["shape"]),
+            start + entry["offset"],
+        )
+        for name, entry in header["arrays"].items()
+    }
+    nbytes = max([start, *(entry.stop for entry in entries.values())])
+    if nbytes != size:
+        raise ValueError(f"{size:,} bytes of {nbytes:,}")
+    if not {"xyz", "source_index", "chunks"} <= entries.keys():
+        raise ValueError(f"no more than {', '.join(entries)}")
+    return Layout(entries, header["meta"], nbytes)
+
+
+def read_array(path: Path, layout: Layout, name: str) -> NDArray[Any]:
+    """A copy of one array of an array file; raises DamagedError."""
+    entry = layout.entries[name]
+    with _damaged(path):
+        data = read_range(path, entry.offset, entry.stop)
+        return np.frombuffer(data, entry.dtype).reshape(entry.shape)
+
+
+def read_file(path: Path, nbytes: int) -> bytes:
+    """A file of ``nbytes``, copied; raises DamagedError."""
+    with _damaged(path), path.open("rb") as file:
+        data = file.read()
+        if len(data) != nbytes:
+            raise ValueError(f"{len(data):,} bytes of {nbytes:,}")
+        return data
+
+
+def parse_arrays(path: Path, data: bytes) -> Arrays:
+    """Read-only views of the arrays in an array file's bytes; raises DamagedError."""
+    with _damaged(path):
+        layout = _layout(data, len(data))
+        return {
+            name: np.frombuffer(data, entry.dtype, entry.count, entry.offset).reshape(entry.shape)
+            if entry.count
+            else np.empty(entry.shape, entry.dtype)
+            for name, entry in layout.entries.items()
+        }
+
+
+def read_meta(path: Path) -> dict[str, Any]:
+    """What is stored beside the arrays of a folder of them; raises DamagedError."""
+    with _damaged(path / "meta.json"):
+        meta: dict[str, Any] = json.loads((path / "meta.json").read_bytes())
+        return meta
+
+
+def map_npy(path: Path) -> NDArray[Any]:
+    """A read-only view of an ``.npy`` file in the page cache; raises DamagedError."""
+    with _damaged(path):
+        # A view of the base class: the memmap subclass makes each slice several times slower.
+        mapped: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
+        return mapped.view(np.ndarray)
 
 
 def map_file(path: Path) -> memoryview:
     """A whole file as read-only memory; the mapping lives as long as its views."""
-    try:
-        with path.open("rb") as file:
-            if path.stat().st_size == 0:
-                return memoryview(b"")
-            return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
-    except FileNotFoundError as error:
-        raise NotFoundError(f"expected the file {path.name} of the sequence, it is gone") from error
+    with _damaged(path), path.open("rb") as file:
+        if os.fstat(file.fileno()).st_size == 0:
+            return memoryview(b"")
+        return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
 
 
 def read_range(path: Path, start: int, stop: int) -> bytes:
-    """Bytes ``start`` to before ``stop`` of a file."""
-    with path.open("rb") as file:
+    """Bytes ``start`` to before ``stop`` of a file; raises DamagedError when it is shorter."""
+    with _damaged(path), path.open("rb") as file:
         file.seek(start)
-        return file.read(stop - start)
+        data = file.read(stop - start)
+        if len(data) != stop - start:
+            raise ValueError(f"{start + len(data):,} bytes, of {stop:,} or more")
+        return data
 
 
 def read_rows(path: Path, first: int, stop: int) -> NDArray[Any]:
     """Rows ``first`` to before ``stop`` of an ``.npy`` file, read rather than mapped."""
-    with path.open("rb") as file:
+    with _damaged(path), path.open("rb") as file:
         np.lib.format.read_magic(file)
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
         row = shape[1:]
         width = int(np.prod(row, dtype=np.int64))
         file.seek(first * width * dtype.itemsize, 1)
-        return np.fromfile(file, dtype, (stop - first) * width).reshape(-1, *row)
-
-
-def _open_npy(path: Path) -> NDArray[Any]:
-    # A view of the base class: the memmap subclass makes each slice several times slower.
-    mapped: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
-    return mapped.view(np.ndarray)
+        return np.fromfile(file, dtype, (stop - first) * width).reshape(stop - first, *row)
 
 
 def release(array: NDArray[Any]) -> None:
     """Take the pages of a mapped ``.npy`` out of this process's memory; others are left alone."""
     if isinstance(array.base, np.memmap) and hasattr(mmap, "MADV_DONTNEED"):
         array.base._mmap.madvise(mmap.MADV_DONTNEED)  # type: ignore[attr-defined]  # numpy's own
-
-
-def _parse(data: memoryview) -> tuple[Arrays, dict[str, Any]]:
-    if bytes(data[:8]) != MAGIC:
-        raise ValueError("another magic number")
-    length = int.from_bytes(data[8:16], "little")
-    header = json.loads(bytes(data[16 : 16 + length]))
-    start = -(-(16 + length) // _ALIGN) * _ALIGN
-    arrays: Arrays = {}
-    for name, entry in header["arrays"].items():
-        dtype = np.dtype(np.lib.format.descr_to_dtype(entry["dtype"]))
-        shape = tuple(entry["shape"])
-        count = int(np.prod(shape, dtype=np.int64))
-        at = start + entry["offset"]
-        if count == 0:
-            arrays[name] = np.empty(shape, dtype)
-        else:
-            arrays[name] = np.frombuffer(data, dtype, count, at).reshape(shape)
-    return arrays, header["meta"]
 
 
 def write_arrays(

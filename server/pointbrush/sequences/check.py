@@ -17,6 +17,15 @@ def encode_checksums(checksums: dict[str, str]) -> bytes:
     return json.dumps(dict(sorted(checksums.items())), indent=0).encode()
 
 
+def read_checksums(path: Path) -> dict[str, str] | None:
+    """The checksums of the sequence in folder ``path``; None when they are missing or damaged."""
+    try:
+        content = json.loads((path / CHECKSUMS).read_bytes())
+    except (OSError, ValueError):
+        return None
+    return content if isinstance(content, dict) else None
+
+
 def verify(path: Path) -> list[str]:
     """Problems of the sequence in folder ``path``, one sentence each; none when it is whole."""
     problems = []
@@ -24,9 +33,8 @@ def verify(path: Path) -> list[str]:
         read_manifest(path)
     except PointbrushError as error:
         problems.append(str(error))
-    try:
-        expected: dict[str, str] = json.loads((path / CHECKSUMS).read_bytes())
-    except (OSError, ValueError):
+    expected = read_checksums(path)
+    if expected is None:
         return [*problems, f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged"]
     for name, checksum in expected.items():
         file = path / name

@@ -14,7 +14,7 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.ahead import WORKERS, ahead
-from pointbrush.sequences.arrays import digest, file_digest, open_arrays, write_arrays
+from pointbrush.sequences.arrays import digest, file_digest, map_npy, write_arrays
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS, encode_frame, frame_meta
@@ -206,5 +206,5 @@ def _store_large(
             str(file.relative_to(folder)): checksum
             for file, checksum in zip(files, digests, strict=True)
         }
-    arrays, _ = open_arrays(path)
+    arrays = {file.stem: map_npy(file) for file in path.glob("*.npy")}
     return record(first[0], arrays, error, checksums, dropped=dropped, large=True)

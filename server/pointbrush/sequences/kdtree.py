@@ -33,9 +33,14 @@ def pack(tree: cKDTree[None]) -> dict[str, NDArray[Any]]:
     return {"tree_nodes": nodes, "tree_indices": indices}
 
 
-def unpack(arrays: dict[str, NDArray[Any]], xyz: NDArray[np.float32]) -> cKDTree[None]:
-    """The tree over points (N, 3) from what ``pack`` returned, or built anew if that was empty."""
-    if "tree_nodes" not in arrays or len(xyz) == 0:
+def unpack(
+    arrays: dict[str, NDArray[Any]], xyz: NDArray[np.float32], *, trusted: bool
+) -> cKDTree[None]:
+    """The tree over points (N, 3) from what ``pack`` returned, or built anew if that was empty.
+
+    A tree that is not ``trusted`` is built anew too: one damaged node would end the process.
+    """
+    if not trusted or "tree_nodes" not in arrays or len(xyz) == 0:
         return build(xyz)
     data = xyz.astype(np.float64)
     nodes = arrays["tree_nodes"].reshape(-1).view("S1")

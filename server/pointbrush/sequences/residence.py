@@ -7,12 +7,15 @@ An event loop must not: it asks first, and has a thread read what is missing.
 from __future__ import annotations
 
 import ctypes
+import errno
 import mmap
 import os
 import sys
 from pathlib import Path
 
 import numpy as np
+
+from pointbrush.errors import DamagedError
 
 PAGE = mmap.PAGESIZE
 MADV_POPULATE_READ = 22
@@ -58,16 +61,21 @@ def in_memory(view: memoryview) -> bool:
 
 
 def read_in(view: memoryview) -> None:
-    """Read all pages of a mapped ``view`` into memory; waits for the disk."""
+    """Read all pages of a mapped ``view`` into memory; waits for the disk.
+
+    Raises DamagedError when its file has been cut short.
+    """
     if not len(view):
         return
     if sys.platform == "linux":
         start, length = _pages(view)
         # Through CDLL, which lets go of Python's lock.
-        if not ctypes.CDLL(None).madvise(
+        if not ctypes.CDLL(None, use_errno=True).madvise(
             ctypes.c_void_p(start), ctypes.c_size_t(length), MADV_POPULATE_READ
         ):
             return
+        if ctypes.get_errno() == errno.EFAULT:  # looking at it would end the process
+            raise DamagedError("expected mapped bytes, got a file that was cut short meanwhile")
     np.frombuffer(view, np.uint8)[::PAGE].sum()
 
 

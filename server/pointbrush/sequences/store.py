@@ -1,7 +1,8 @@
-"""Reading an imported sequence: ``Sequence[i]`` is a ``StoredFrame`` of memory-mapped arrays."""
+"""Reading an imported sequence: ``Sequence[i]`` is a ``StoredFrame``."""
 
 from __future__ import annotations
 
+import logging
 from collections import OrderedDict
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, fields
@@ -17,11 +18,14 @@ from scipy.spatial import cKDTree
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
-from pointbrush.sequences.arrays import map_file, open_arrays, read_range, read_rows, release
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.check import read_checksums
 from pointbrush.sequences.columns import from_local
+from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles, open_frame_files
 from pointbrush.sequences.manifest import Manifest, read_manifest
+
+log = logging.getLogger(__name__)
 
 FRAMES = "frames"
 _OPEN_FRAMES = 256
@@ -57,24 +61,18 @@ _CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
 class StoredFrame:
     """One frame; arrays are read-only, in stored order, shared by all threads.
 
-    ``xyz``           (N, 3) float32, local metres.
-    ``source_index``  (N,) uint32: ``source_array[source_index]`` is in stored order.
+    Whatever reads its files raises DamagedError, naming the frame, when they are not whole.
+
     ``pose``          (4, 4) ``T_world_frame`` in the source's coordinates, or None.
     ``viewpoint``     (3,) the sensor's position, local metres, or None.
     ``timestamp``     seconds, or None.
     """
 
-    def __init__(self, path: Path, index: int, manifest: Manifest) -> None:
-        self.index = index
-        self._identity = manifest.identity
-        self.large = path.is_dir()
-        self._path = path
+    def __init__(self, files: CopiedFiles | MappedFiles, manifest: Manifest) -> None:
+        index = files.index
+        self.index, self.count, self.large = index, files.count, files.large
+        self._files, self._identity = files, manifest.identity
         self._shift = np.array(manifest.shift)
-        self._arrays, self._meta = open_arrays(path)
-        self._wire_path = path.with_suffix(".wire")
-        self.xyz: NDArray[np.float32] = self._arrays["xyz"]
-        self.count = len(self.xyz)
-        self.source_index: NDArray[np.uint32] = self._arrays["source_index"]
         pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
         self.pose = None if pose is None else np.array(pose).reshape(4, 4)
         self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
@@ -84,40 +82,53 @@ class StoredFrame:
         return self.count
 
     @property
+    def xyz(self) -> NDArray[np.float32]:
+        """(N, 3) float32, local metres."""
+        return self._files.array("xyz")
+
+    @property
+    def source_index(self) -> NDArray[np.uint32]:
+        """(N,) uint32: ``source_array[source_index]`` is in stored order."""
+        return self._files.array("source_index")
+
+    def _column(self, name: str) -> NDArray[Any] | None:
+        return self._files.array(name) if name in self._files.names else None
+
+    @property
     def rgb(self) -> NDArray[np.uint8] | None:
         """(N, 3) colours, or None."""
-        return self._arrays.get("rgb")
+        return self._column("rgb")
 
     @property
     def intensity(self) -> NDArray[np.float32] | None:
         """(N,) in the source's unit, or None."""
-        return self._arrays.get("intensity")
+        return self._column("intensity")
 
     @property
     def label(self) -> NDArray[np.uint16] | None:
         """(N,) annotation that came with the source, or None."""
-        return self._arrays.get("label")
+        return self._column("label")
 
     @property
     def instance(self) -> NDArray[np.uint16] | None:
         """(N,) instance numbers that came with the source, or None."""
-        return self._arrays.get("instance")
+        return self._column("instance")
 
     @property
     def pixel(self) -> NDArray[np.uint32] | None:
         """(N,) row-major pixels of ``camera``'s image, or None."""
-        return self._arrays.get("pixel")
+        return self._column("pixel")
 
     @property
     def camera(self) -> DepthCamera | None:
         """Intrinsics when the frame came from a depth image."""
-        camera = self._meta.get("camera")
+        camera = self._files.meta.get("camera")
         return None if camera is None else DepthCamera(**camera)
 
     @property
     def source_dtype(self) -> np.dtype[Any]:
         """float32 or float64: the type of the coordinates that were imported."""
-        dtype: np.dtype[Any] = np.dtype(self._meta["dtype"])
+        dtype: np.dtype[Any] = np.dtype(self._files.meta["dtype"])
         return dtype
 
     def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
@@ -148,7 +159,7 @@ class StoredFrame:
 
     def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
         """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
-        exact = self._arrays.get("residual")
+        exact = self._column("residual")
         return self.to_source(from_local(self.xyz, exact, self._shift, self.source_dtype))
 
     def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
@@ -157,14 +168,28 @@ class StoredFrame:
         Of an octree's frame they are read, not mapped: passing through all of it must not make
         all of it this process's memory.
         """
-        if self.large:
-            return read_rows(self._path / f"{name}.npy", first, stop)
-        return self._arrays[name][first:stop]
+        return self._files.rows(name, first, stop)
 
     def release(self) -> None:
-        """Let go of the mapped memory that was looked at; it comes again when it is looked at."""
-        for array in self._arrays.values():
-            release(array)
+        """Let go of the mapped memory that was looked at; it comes again when it is looked at.
+
+        Raises DamagedError when a file has been cut short meanwhile.
+        """
+        self._files.release()
+
+    def look(self) -> None:
+        """Raise DamagedError when what is mapped of the frame has been cut short."""
+        self._files.look()
+
+    def verify(self, names: Collection[str]) -> int:
+        """Compare the files of columns ``names`` with their checksums, unless this process has.
+
+        ``source_index``, and what ``xyz`` needs, belong to them.  Raises DamagedError: call this
+        before the first byte of a long answer.  Returns the files' bytes.
+        """
+        return self._files.verify(
+            {*names, "source_index", *(("residual",) if "xyz" in names else ())}
+        )
 
     def read_source(self, first: int, stop: int, names: Collection[str]) -> dict[str, NDArray[Any]]:
         """Those of the columns ``names`` that the frame has, stored order, as imported.
@@ -174,10 +199,10 @@ class StoredFrame:
         columns = {
             name: self.read(name, first, stop)
             for name in names
-            if name != "xyz" and name in self._arrays
+            if name != "xyz" and name in self._files.names
         }
         if "xyz" in names:
-            exact = self.read("residual", first, stop) if "residual" in self._arrays else None
+            exact = self.read("residual", first, stop) if "residual" in self._files.names else None
             local = self.read("xyz", first, stop)
             columns["xyz"] = from_local(local, exact, self._shift, self.source_dtype)
         return columns
@@ -185,12 +210,12 @@ class StoredFrame:
     @cached_property
     def blocks(self) -> Blocks:
         """Bounding boxes of runs of at most 256 points."""
-        arrays, chunks = self._arrays, self._arrays["chunks"]
+        array, chunks = self._files.array, self.chunk_table
         return Blocks(
-            first=arrays["block_first"],
-            lo=arrays["block_lo"],
-            hi=arrays["block_hi"],
-            chunk_first=arrays["block_of_chunk"],
+            first=array("block_first"),
+            lo=array("block_lo"),
+            hi=array("block_hi"),
+            chunk_first=array("block_of_chunk"),
             chunk_lo=np.ascontiguousarray(chunks["lo"]),
             chunk_hi=np.ascontiguousarray(chunks["hi"]),
         )
@@ -198,7 +223,7 @@ class StoredFrame:
     @property
     def chunk_table(self) -> NDArray[Any]:
         """The chunks as one structured array (``chunk.CHUNK``)."""
-        return self._arrays["chunks"]
+        return self._files.chunks
 
     @cached_property
     def chunks(self) -> list[Chunk]:
@@ -209,14 +234,10 @@ class StoredFrame:
         ]
         return list(map(Chunk, range(len(self.chunk_table)), *columns))
 
-    @cached_property
-    def _wire(self) -> memoryview:
-        return map_file(self._wire_path)
-
     def wire(self, first_chunk: int, stop_chunk: int) -> memoryview:
         """The encoded bytes of chunks ``first_chunk`` to before ``stop_chunk``.
 
-        Offsets of chunks count from the start of the frame's wire file.
+        Offsets of chunks count from the start of the frame's wire file.  Raises DamagedError.
         """
         table = self.chunk_table
         if not 0 <= first_chunk <= stop_chunk <= len(table):
@@ -227,9 +248,7 @@ class StoredFrame:
             return memoryview(b"")
         start = int(table["offset"][first_chunk])
         stop = int(table["offset"][stop_chunk - 1] + table["nbytes"][stop_chunk - 1])
-        if self.large:  # read, not mapped: what was sent must not count as this process's memory
-            return memoryview(read_range(self._wire_path, start, stop))
-        return self._wire[start:stop]
+        return self._files.wire(start, stop)
 
     @property
     def kdtree(self) -> cKDTree[None]:
@@ -237,14 +256,15 @@ class StoredFrame:
 
         Raises TooLargeError for an octree's frame: build one over the points of a region.
         """
-        if self.large:
+        if isinstance(self._files, MappedFiles):
             raise TooLargeError(
                 f"frame {self.index}: expected a frame small enough for a k-d tree, "
                 f"got {self.count:,} points"
             )
+        files = self._files
         return _trees.get(
-            (str(self._path), self._identity, self.index),
-            lambda: kdtree.unpack(self._arrays, self.xyz),
+            (str(files.path), self._identity, self.index),
+            lambda: kdtree.unpack(files.arrays(), self.xyz, trusted=files.trusted),
             size=max(self.count, 1),
         )
 
@@ -272,16 +292,27 @@ class Sequence:
         with self._lock:
             frame = self._frames.get(index)
             if frame is None:
-                path = self.path / FRAMES / f"{index:06d}"
-                if not path.is_dir():
-                    path = path.with_suffix(".points")
-                frame = StoredFrame(path, index, self.manifest)
+                frame = StoredFrame(self._files(index), self.manifest)
                 self._frames[index] = frame
                 if len(self._frames) > _OPEN_FRAMES:
                     self._frames.popitem(last=False)
             else:
                 self._frames.move_to_end(index)
         return frame
+
+    def _files(self, index: int) -> CopiedFiles | MappedFiles:
+        points = self.manifest.points[index]
+        return open_frame_files(self.path / FRAMES, index, points, self._checksums, self.identity)
+
+    @cached_property
+    def _checksums(self) -> dict[str, str]:
+        """By path in the folder of frames; empty for a recording that has none."""
+        found = read_checksums(self.path)
+        if found is None:
+            log.info("%s has no checksums: changed bytes go unnoticed", self.path)
+            return {}
+        prefix = f"{FRAMES}/"
+        return {name.removeprefix(prefix): value for name, value in found.items()}
 
     def __iter__(self) -> Iterator[StoredFrame]:
         return (self[index] for index in range(len(self)))

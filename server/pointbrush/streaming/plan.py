@@ -48,7 +48,7 @@ class Plan:
     held: dict[int, int] = field(default_factory=dict)
     chunks: dict[int, set[int]] = field(default_factory=dict)
     damaged: set[int] = field(default_factory=set)
-    """Frames that cannot be read; the viewer has been told."""
+    """Frames that cannot be read; the viewer has been told.  Sought again, they are tried again."""
     pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
     _step: int = -1
@@ -61,6 +61,7 @@ class Plan:
         """Show one frame; playing goes on from there if it was."""
         self.direction = 1 if frame >= self.focus else -1
         self.focus, self.clock = frame, None
+        self.damaged.discard(frame)
 
     def play(self, clock: PlayClock) -> None:
         """Follow a clock."""

@@ -13,6 +13,8 @@ STATUS: tuple[tuple[type[errors.PointbrushError], int], ...] = (
     (errors.ForbiddenError, 403),
     (errors.TooManyRequestsError, 429),
     (errors.UnavailableError, 503),
+    # Not 503: trying again does not help until somebody has mended the files.
+    (errors.DamagedError, 500),
 )
 
 

@@ -22,7 +22,7 @@ from pointbrush.streaming.status import status_of
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+FULL = (errno.ENOSPC, errno.EDQUOT)
 """What the system says when nothing more can be written, in uploads say."""
 EXTRA_HEADERS = {
     401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
@@ -67,8 +67,10 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(Exception, _unexpected)
 
 
-async def _ours(_request: Request, error: Exception) -> JSONResponse:
+async def _ours(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, errors.PointbrushError)  # noqa: S101 – registered for this class
+    if isinstance(error, errors.DamagedError):
+        logger.error("%s: %s", request.url.path, error)
     return problem_of(error)
 
 
@@ -100,6 +102,9 @@ async def _system(request: Request, error: Exception) -> JSONResponse:
     if isinstance(error, OSError) and error.errno in FULL:
         detail = f"the disk has no room for this, nothing was changed: {error.strerror}"
         return problem(503, detail, errors.UnavailableError.title)
+    if isinstance(error, OSError) and error.errno == errno.EROFS:
+        detail = "the workspace's folder is read-only here, nothing was changed"
+        return problem(403, detail, errors.ReadOnlyError.title)
     return await _unexpected(request, error)
 
 
@@ -110,7 +115,7 @@ async def _unexpected(request: Request, error: Exception) -> JSONResponse:
 
 def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI entries for the problem responses that a route can give."""
-    common = (400, 401, 403, 405, 422, 429, 503)
+    common = (400, 401, 403, 405, 422, 429, 500, 503)
     return {
         status: {
             "description": HTTPStatus(status).phrase,

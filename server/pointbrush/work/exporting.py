@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
@@ -22,13 +22,20 @@ Columns = dict[str, NDArray[Any]]
 
 SENT = ("xyz", "rgb", "intensity")
 """Columns of a frame's points that leave by REST."""
+EXPORTED = (*SENT, "instance")
+VERIFIED_AHEAD = 2 << 30
+"""Bytes of frames that are compared with their checksums before an export begins: seconds."""
 
 
 def source_columns(
     recording: Sequence, index: int, names: Collection[str] = SENT
 ) -> Iterator[Columns]:
-    """Columns of a frame in source order and coordinates, exact: consecutive blocks."""
+    """Columns of a frame in source order and coordinates, exact: consecutive blocks.
+
+    Raises DamagedError, at once, unless the frame's files are as they were imported.
+    """
     stored = recording[index]
+    stored.verify(names)
     return source_blocks(stored, lambda first, stop: stored.read_source(first, stop, names))
 
 
@@ -45,19 +52,42 @@ def _point_frame(recording: Sequence, index: int, columns: Columns) -> PointFram
     )
 
 
-def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Iterator[ExportFrame]:
+def require_whole(recording: Sequence, frames: range) -> None:
+    """Raise DamagedError when a frame of ``frames`` is damaged, as far as is known beforehand.
+
+    All files must be there and as long as they were; checksums are compared of as many frames
+    as VERIFIED_AHEAD allows.
+    """
+    compared = 0
+    for index in frames:
+        stored = recording[index]
+        if compared < VERIFIED_AHEAD:
+            compared += stored.verify(EXPORTED)
+
+
+def labeled_frames(
+    store: LabelStore, recording: Sequence, frames: range, gaps: list[str] | None = None
+) -> Iterator[ExportFrame]:
     """Each frame of ``frames`` with its annotation and tracks, one at a time.
 
-    A frame that is an octree comes in blocks.
+    A frame that is an octree comes in blocks.  A damaged frame is left out and told in ``gaps``,
+    where there is such a list; elsewhere it raises DamagedError.
     """
     sequence, up = recording.manifest.id, recording.manifest.T_room_local[1, :3]
     tracks: dict[int, list[dict[str, Any]]] = {}
     for track in store.tracks(sequence):
         tracks.setdefault(int(track["frame"]), []).append(track)
     for index in frames:
+        try:
+            large = _open(recording, index)
+        except DamagedError as error:
+            if gaps is None:
+                raise
+            gaps.append(str(error))
+            continue
         kept = KeptAnnotation(store, sequence, index)
         read = partial(_blocks, recording, index, kept, tracks.get(index, []), up)
-        if not recording[index].large:
+        if not large:
             yield from read()
             continue
         yield BlockedFrame(
@@ -71,6 +101,13 @@ def labeled_frames(store: LabelStore, recording: Sequence, frames: range) -> Ite
         )
 
 
+def _open(recording: Sequence, index: int) -> bool:
+    """Compare a frame with its checksums; whether it is an octree.  Raises DamagedError."""
+    stored = recording[index]
+    stored.verify(EXPORTED)
+    return stored.large
+
+
 def _blocks(
     recording: Sequence,
     index: int,
@@ -82,7 +119,7 @@ def _blocks(
     stored = recording[index]
 
     def read(first: int, stop: int) -> Columns:
-        columns = stored.read_source(first, stop, (*SENT, "instance"))
+        columns = stored.read_source(first, stop, EXPORTED)
         return columns | kept.read(first, stop)
 
     for columns in source_blocks(stored, read):
@@ -100,9 +137,13 @@ def _blocks(
 def layer_blocks(
     store: LabelStore, recording: Sequence, index: int, layer: str
 ) -> tuple[Iterator[NDArray[Any]], int]:
-    """A layer of a frame in source order, consecutive blocks, and the revision it is of."""
+    """A layer of a frame in source order, consecutive blocks, and the revision it is of.
+
+    Raises DamagedError, at once, unless the order of the points is as it was imported.
+    """
     require_layer(layer)
     stored = recording[index]
+    stored.verify(())
     kept = KeptAnnotation(store, recording.manifest.id, index, (layer,))
     return (columns[layer] for columns in source_blocks(stored, kept.read)), kept.revision
 

@@ -13,8 +13,8 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Points, Selector, Stroke
-from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import StoredFrame
 from pointbrush.work.changing import Changing
 from pointbrush.work.seen import Seen
 
@@ -22,7 +22,7 @@ from pointbrush.work.seen import Seen
 def frame_points(frame: StoredFrame) -> Points:
     """The view of a stored frame that selection works on."""
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
-    large = frame.count > LARGE_POINTS
+    large = frame.large
     return Points(
         xyz=frame.xyz,
         blocks=frame.blocks,
@@ -74,7 +74,11 @@ class LiveStroke:
         self._sampled = False
 
     def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
-        """Take in samples (``origin``, ``direction``) and return how many points are touched."""
+        """Take in samples (``origin``, ``direction``) and return how many points are touched.
+
+        Raises DamagedError when the frame's files have been cut short meanwhile.
+        """
+        self._recording[self.frame].look()
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
         for fresh in self._selector.add(stroke):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti
 from pointbrush.formats.exports.labeled import (
     BlockedFrame,
@@ -33,6 +34,9 @@ class Export:
     endings: tuple[str, ...] = ()
 
 
+GAPS = "gaps.json"
+"""In a streamed export: which frames are missing, and why; absent when none is."""
+
 _ALL = (
     Export("ply", "PLY with labels", points.write_plys, (".ply",)),
     Export("npz", "NumPy arrays", points.write_npzs, (".npz",)),
@@ -53,12 +57,16 @@ def export(
     frames: Iterable[ExportFrame],
     palette: Sequence[PaletteEntry],
     out: Path | BinaryIO,
+    gaps: list[str] | None = None,
 ) -> None:
     """Write frames and palette to a new folder, a .zip, a single file, or a stream (as zip).
 
     Points are in source order, deleted ones left out.  Written beside the target and renamed
     when whole: nothing is half-written.  Raises BadInputError for an unknown format, a folder
     that is not empty, or a single file for several frames.
+
+    A damaged frame raises DamagedError, unless there is a list of ``gaps``, for a stream that has
+    begun: what is missing is told there, by ``frames`` too, and written as ``gaps.json``.
     """
     if format not in EXPORTS:
         raise BadInputError(f"format: expected one of {', '.join(EXPORTS)}, got {format!r}")
@@ -70,11 +78,20 @@ def export(
     else:
         context = folder_output(out)
     with context as output:
-        entry.write(frames, Palette(palette), output)
+        try:
+            entry.write(frames, Palette(palette), output)
+        except DamagedError as error:
+            if gaps is None:
+                raise
+            gaps.append(f"{error}; nothing was written of it, nor of what comes after it")
+        if gaps:
+            with output.file(GAPS) as file:
+                file.write(json.dumps({"gaps": gaps}, indent=1, ensure_ascii=False).encode())
 
 
 __all__ = [
     "EXPORTS",
+    "GAPS",
     "BlockedFrame",
     "Export",
     "ExportFrame",

@@ -1,0 +1,159 @@
+"""Comparing a recording's files with the checksums they were imported with, once in each process.
+
+A file is compared again when it has changed (inode, size or time).  Small files are compared before
+they are used; large ones, and what is only looked up in, by a thread in the background.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+import time
+from collections import OrderedDict
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+from pointbrush.errors import DamagedError
+
+log = logging.getLogger(__name__)
+
+PIECE_BYTES = 1 << 22
+BACKGROUND_SHARE = 0.25
+"""Share of one core, and of the disk's time, that comparing in the background may take."""
+REMEMBERED = 65_536
+"""Files whose outcome is kept; about 250 bytes each."""
+
+
+class Stamp(NamedTuple):
+    """Which state of a file this is."""
+
+    inode: int
+    size: int
+    time: int
+
+
+def stamp_of(path: Path) -> Stamp:
+    """The state of a file; raises DamagedError when it is missing or cannot be looked at."""
+    try:
+        found = path.stat()
+    except OSError as error:
+        raise DamagedError(f"expected the file {path.name}, got: {error.strerror}") from error
+    return Stamp(found.st_ino, found.st_size, found.st_mtime_ns)
+
+
+_SOUND = Stamp(0, 0, 0), ""
+
+
+class Verifier:
+    """Remembers which files are as they were imported; thread-safe."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._outcomes: OrderedDict[str, tuple[Stamp, str]] = OrderedDict()
+        self._later: queue.SimpleQueue[tuple[Path, str]] = queue.SimpleQueue()
+        self._queued: set[Path] = set()
+        self._thread: threading.Thread | None = None
+
+    def refuse_damaged(self, path: Path) -> None:
+        """Raise DamagedError when a file is known to be damaged; costs a look into a table."""
+        stamp, problem = self._outcomes.get(str(path), _SOUND)
+        if problem and stamp_of(path) == stamp:
+            raise DamagedError(problem)
+        if problem:
+            self._forget(path)
+
+    def suspects(self, path: Path) -> bool:
+        """Whether a file was found to be damaged in this or an earlier state."""
+        return bool(self._outcomes.get(str(path), _SOUND)[1])
+
+    def knows(self, path: Path, stamp: Stamp) -> bool:
+        """Whether the file in this state was compared; raises DamagedError when it is damaged."""
+        outcome = self._outcomes.get(str(path))
+        if outcome is None or outcome[0] != stamp:
+            return False
+        if outcome[1]:
+            raise DamagedError(outcome[1])
+        return True
+
+    def require(self, path: Path, checksum: str | None) -> Stamp:
+        """Compare a file now, unless it was; raises DamagedError.  No checksum: it must be there.
+
+        Two threads may compare the same file at once.
+        """
+        stamp = stamp_of(path)
+        if checksum is not None and not self.knows(path, stamp):
+            self._compare(path, checksum, stamp, share=1.0)
+            self.refuse_damaged(path)
+        return stamp
+
+    def require_bytes(self, path: Path, stamp: Stamp, data: bytes, checksum: str | None) -> None:
+        """Compare what was read of a file in the state ``stamp``; raises DamagedError."""
+        if checksum is None or self.knows(path, stamp):
+            return
+        self._remember(path, stamp, sha256(data).hexdigest(), checksum)
+        self.knows(path, stamp)
+
+    def soon(self, path: Path, checksum: str | None) -> None:
+        """Compare a file in the background, unless it was; ``refuse_damaged`` then knows."""
+        if checksum is None or self.knows(path, stamp_of(path)):
+            return
+        with self._lock:
+            if path in self._queued:
+                return
+            self._queued.add(path)
+            if self._thread is None:
+                self._thread = threading.Thread(
+                    target=self._run, name="pointbrush-verifier", daemon=True
+                )
+                self._thread.start()
+        self._later.put((path, checksum))
+
+    def _run(self) -> None:
+        while True:
+            path, checksum = self._later.get()
+            try:
+                stamp = stamp_of(path)
+                if not self.knows(path, stamp):
+                    self._compare(path, checksum, stamp, BACKGROUND_SHARE)
+            except DamagedError:
+                pass  # deleted meanwhile, or found by somebody else
+            except Exception:
+                log.exception("%s could not be compared with its checksum", path)
+            with self._lock:
+                self._queued.discard(path)
+
+    def _compare(self, path: Path, checksum: str, stamp: Stamp, share: float) -> None:
+        """Read the whole file, taking ``share`` of the time, and note the outcome."""
+        found = sha256()
+        try:
+            with path.open("rb") as file:
+                started = time.monotonic()
+                while piece := file.read(PIECE_BYTES):
+                    found.update(piece)
+                    if share < 1.0:
+                        time.sleep((time.monotonic() - started) * (1 / share - 1))
+                        started = time.monotonic()
+        except OSError as error:
+            raise DamagedError(f"expected the file {path.name}, got: {error.strerror}") from error
+        self._remember(path, stamp, found.hexdigest(), checksum)
+
+    def _remember(self, path: Path, stamp: Stamp, found: str, checksum: str) -> None:
+        problem = ""
+        if found != checksum:
+            problem = f"the bytes of {path.name} are not those that were imported"
+            log.info("%s: expected checksum %s, got %s", path, checksum, found)
+        with self._lock:
+            self._outcomes[str(path)] = stamp, problem
+            self._outcomes.move_to_end(str(path))
+            while len(self._outcomes) > REMEMBERED:
+                self._outcomes.popitem(last=False)
+
+    def _forget(self, path: Path) -> None:
+        with self._lock:
+            self._outcomes.pop(str(path), None)
+
+
+verifier = Verifier()
+"""The process's own."""
