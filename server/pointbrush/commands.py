@@ -38,6 +38,8 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG00
     from pointbrush.web.server import run
 
     with closing(Workspace(settings)) as workspace, suppress(KeyboardInterrupt):
+        if workspace.read_only:
+            print(f"pointbrush: {workspace.read_only}", file=sys.stderr, flush=True)
         run(workspace, settings)
 
 

@@ -27,7 +27,8 @@ class Settings:
     """The options of one run; ``Settings.load`` reads them."""
 
     workspace: Path = field(
-        default=Path("pointbrush-workspace"), metadata=_help("folder of recordings and labels")
+        default=Path("pointbrush-workspace"),
+        metadata=_help("folder of recordings and labels; may be read-only"),
     )
     host: str = field(default="127.0.0.1", metadata=_help("address to listen on"))
     port: int = field(

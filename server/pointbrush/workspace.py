@@ -18,6 +18,7 @@ from pointbrush.errors import (
     ConflictError,
     ForbiddenError,
     NotFoundError,
+    ReadOnlyError,
 )
 from pointbrush.formats import EXPORTS, export
 from pointbrush.jobs import ENDED, Job, JobRunner
@@ -62,12 +63,28 @@ class Workspace:
         )
         self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
         self._imports.complete(self.sequences())
+        self.store.seal()
 
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""
         self.runner.close()
         self._unsubscribe()
         self.store.close()
+
+    @property
+    def read_only(self) -> str:
+        """What cannot be changed here, in a sentence; empty where everything can."""
+        found = []
+        for part in (self.library, self.store):
+            try:
+                part.require_writable()
+            except ReadOnlyError as error:
+                found.append(str(error))
+        return "; ".join(found)
+
+    def require_importable(self) -> None:
+        """Raise ReadOnlyError where nothing can be imported: before an upload is taken in."""
+        self.library.require_writable()
 
     def expect_tracking(self) -> None:
         """Have a worker process made ready for a run, unless jobs have begun one already."""
@@ -334,15 +351,18 @@ class Workspace:
     ) -> None:
         """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
 
-        Raises BadInputError for an unknown format or range.
+        Raises BadInputError for an unknown format or range, DamagedError for a damaged frame: at a
+        Path nothing is left then, a stream has not begun, or goes on and names the gap.
         """
         recording = self.recording(sequence)
         if export_format not in EXPORTS:
             known = ", ".join(sorted(EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
         chosen = exporting.parse_frames(frames, len(recording))
-        labeled = exporting.labeled_frames(self.store, recording, chosen)
-        export(export_format, labeled, self.store.palette(sequence), out)
+        exporting.require_whole(recording, chosen)
+        gaps: list[str] | None = None if isinstance(out, Path) else []
+        labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
+        export(export_format, labeled, self.store.palette(sequence), out, gaps)
 
     def jobs(self) -> list[Job]:
         """All remembered jobs, newest first."""

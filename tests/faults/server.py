@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -21,11 +21,12 @@ PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
 class ServerProcess:
     """A running server; what it said on stderr is kept."""
 
-    def __init__(self, workspace: Path, **environment: str) -> None:
+    def __init__(self, workspace: Path, *, prefix: Sequence[str] = (), **environment: str) -> None:
+        """``prefix``: the command that runs the server's command, as another user say."""
         self.workspace = workspace
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 – closed with the process
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
+            [*prefix, sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
             stdout=subprocess.PIPE,
             stderr=self._stderr,
             text=True,
@@ -78,9 +79,11 @@ class ServerProcess:
 
 
 @contextmanager
-def running(workspace: Path, **environment: str) -> Iterator[ServerProcess]:
+def running(
+    workspace: Path, *, prefix: Sequence[str] = (), **environment: str
+) -> Iterator[ServerProcess]:
     """A server until the context ends, which kills it if nobody else has."""
-    server = ServerProcess(workspace, **environment)
+    server = ServerProcess(workspace, prefix=prefix, **environment)
     try:
         yield server
     finally:

@@ -23,11 +23,14 @@ from sqlalchemy import (
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import URL
 
-from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
+from pointbrush.labels.private_copy import PrivateCopy
+from pointbrush.permissions import file_writable, writable
 
 BUSY_SECONDS = 10.0
 """How long a SQLite writer waits for another process's transaction."""
 KEEPALIVE_PROBES = 3
+READ_ONLY = "the labels are read-only here: they can be looked at and exported, not changed"
 CHUNK = 500
 """Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
 
@@ -60,10 +63,17 @@ class Database:
     def __init__(self, url: str, limits: Limits | None = None) -> None:
         """Open ``sqlite:///path`` or ``postgresql://…``.
 
+        A SQLite file that may not be written is opened as a private copy, which can be brought up
+        to date; ``seal`` it before anybody edits.
+
         Raises BadInputError for another URL, UnavailableError when it cannot be reached.
         """
         self.url = _parse(url)
         self.sqlite = self.url.get_backend_name() == "sqlite"
+        self._copy = _private_copy(Path(str(self.url.database))) if self.sqlite else None
+        self._sealed = False
+        if self._copy is not None:
+            self.url = self.url.set(database=str(self._copy.path))
         # SQLite has one writer; waiting here is fair and immediate, its own waiting is polling.
         self._writer: contextlib.AbstractContextManager[Any] = (
             threading.Lock() if self.sqlite else contextlib.nullcontext()
@@ -91,6 +101,19 @@ class Database:
         waits = patience(self.url, self.limits)
         return psycopg.connect(*args, **{**fields, **waits}, autocommit=True)
 
+    def seal(self) -> None:
+        """Refuse to write from now on, if this is a private copy: it would be lost."""
+        self._sealed = self._copy is not None
+
+    def require_writable(self) -> None:
+        """Raise ReadOnlyError when nothing can be written; UnavailableError."""
+        if self._sealed:
+            raise ReadOnlyError(READ_ONLY)
+        if not self.sqlite:
+            with self.read() as connection:
+                if connection.execute(text("SHOW transaction_read_only")).scalar() == "on":
+                    raise ReadOnlyError(READ_ONLY)
+
     @contextlib.contextmanager
     def read(self) -> Iterator[Connection]:
         """A transaction that sees one consistent state; raises UnavailableError."""
@@ -104,8 +127,10 @@ class Database:
     def write(self) -> Iterator[Connection]:
         """A transaction that is on the disk when this ends; raises UnavailableError.
 
-        Any error rolls it back.
+        Any error rolls it back.  Raises ReadOnlyError where nothing can be written.
         """
+        if self._sealed:
+            raise ReadOnlyError(READ_ONLY)
         with self._writer, _translated(), self.engine.connect() as connection:
             connection = connection.execution_options(writes=True)
             try:
@@ -141,6 +166,15 @@ class Database:
     def close(self) -> None:
         """Close all connections."""
         self.engine.dispose()
+        if self._copy is not None:
+            self._copy.close()
+
+
+def _private_copy(path: Path) -> PrivateCopy | None:
+    """A copy of a database that may not be written here; None when it may."""
+    if path.exists():
+        return None if file_writable(path) else PrivateCopy(path)
+    return PrivateCopy(path) if path.parent.is_dir() and not writable(path.parent) else None
 
 
 @contextlib.contextmanager
@@ -148,6 +182,8 @@ def _translated() -> Iterator[None]:
     try:
         yield
     except (exc.DBAPIError, exc.TimeoutError) as error:
+        if isinstance(getattr(error, "orig", None), psycopg.errors.ReadOnlySqlTransaction):
+            raise ReadOnlyError(READ_ONLY) from error
         raise _unavailable(error) from error
 
 

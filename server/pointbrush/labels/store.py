@@ -53,6 +53,14 @@ class LabelStore:
             raise
         self.tokens = Tokens(self._database)
 
+    def seal(self) -> None:
+        """Refuse edits from now on, where the database may not be written: see ``Database``."""
+        self._database.seal()
+
+    def require_writable(self) -> None:
+        """Raise ReadOnlyError where no edit can be made."""
+        self._database.require_writable()
+
     def close(self) -> None:
         """Finish background work and close the connections."""
         self._sessions.close()

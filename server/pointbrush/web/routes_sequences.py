@@ -127,6 +127,7 @@ async def import_sequence(
     request: Request, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
+    await run_in_threadpool(workspace.require_importable)
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == "multipart/form-data":
         job = await _import_upload(request, workspace, who.author)

@@ -15,7 +15,8 @@ from pathlib import Path
 import trustme
 from cryptography import x509
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, ReadOnlyError
+from pointbrush.permissions import writable
 from pointbrush.settings import Settings
 
 CERTIFICATE_DAYS = 90
@@ -44,6 +45,11 @@ def certificate(settings: Settings) -> Certificate | None:
     kept = Certificate(folder / "server.pem", folder / "server.key", folder / "authority.pem")
     names = machine_names(settings)
     if not _usable(kept.certfile, names):
+        if not writable(folder if folder.is_dir() else folder.parent):
+            raise ReadOnlyError(
+                f"tls: expected a folder to keep a certificate in, {folder} is read-only; give "
+                "one by --certfile and --keyfile"
+            )
         _issue(folder, names)
     return kept
 

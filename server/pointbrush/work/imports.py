@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import NotFoundError, ReadOnlyError
 from pointbrush.formats import source_name
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import LabelStore
@@ -17,6 +18,8 @@ from pointbrush.work import importing
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.library import Library
 from pointbrush.worker import Work
+
+log = logging.getLogger(__name__)
 
 
 class Imports:
@@ -37,10 +40,16 @@ class Imports:
     def complete(self, manifests: Iterable[Manifest]) -> None:
         """Do what a server that was killed as an import ended has left out."""
         for manifest in manifests:
-            self._store.register(manifest.id, manifest.points)
-            if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
-                recording = self._library.recording(manifest.id)
-                importing.import_source_labels(self._store, recording)
+            try:
+                self._complete(manifest)
+            except ReadOnlyError:
+                log.warning("%s: its import was not completed, and cannot be here", manifest.id)
+
+    def _complete(self, manifest: Manifest) -> None:
+        self._store.register(manifest.id, manifest.points)
+        if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
+            recording = self._library.recording(manifest.id)
+            importing.import_source_labels(self._store, recording)
 
     def of_paths(
         self,

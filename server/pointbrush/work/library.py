@@ -8,7 +8,8 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError, ReadOnlyError
+from pointbrush.permissions import writable
 from pointbrush.sequences import Manifest, clean_temporary, open_sequence, update_manifest
 from pointbrush.sequences import Sequence as Recording
 
@@ -32,6 +33,14 @@ class Library:
         self._lock = threading.Lock()
         self._open: dict[str, tuple[Stamp, Recording]] = {}
         self._reserved: set[str] = set()
+
+    def require_writable(self) -> None:
+        """Raise ReadOnlyError when no recording can be made, changed or removed here."""
+        if not writable(self.folder):
+            raise ReadOnlyError(
+                "the workspace's folder is read-only here: recordings can be looked at and "
+                "exported, not imported, changed or removed"
+            )
 
     def manifests(self) -> list[Manifest]:
         """What each recording is, by name."""
@@ -60,6 +69,7 @@ class Library:
     def update(self, sequence: str, **fields: Any) -> Manifest:
         """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
         self.recording(sequence)
+        self.require_writable()
         with self._lock:
             update_manifest(self.folder / sequence, **fields)
             self._open.pop(sequence, None)
@@ -68,6 +78,7 @@ class Library:
     def remove(self, sequence: str) -> None:
         """Delete a recording's folder."""
         self.recording(sequence)
+        self.require_writable()
         # Renamed first: a half-deleted folder must never look like a recording.
         doomed = self.folder / f".deleted-{sequence}"
         shutil.rmtree(doomed, ignore_errors=True)
@@ -83,7 +94,11 @@ class Library:
             shutil.rmtree(path, ignore_errors=True)
 
     def reserve(self, name: str) -> str:
-        """A readable, URL-safe id made from ``name``; nobody else gets it until released."""
+        """A readable, URL-safe id made from ``name``; nobody else gets it until released.
+
+        Raises ReadOnlyError where nothing can be imported.
+        """
+        self.require_writable()
         slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
         with self._lock:
             candidate, number = slug, 1

@@ -7,13 +7,14 @@ import tempfile
 from pathlib import Path
 
 from pointbrush.errors import UnavailableError
+from pointbrush.permissions import FORBIDDEN
 
 LEAST_ROOM = 32 << 20
 """Bytes on the disk below which a server is not ready for new work."""
 
 
 def require_room(folder: Path) -> None:
-    """Raise UnavailableError unless ``folder`` can be written and has room; names no path."""
+    """Raise UnavailableError unless ``folder`` has room, or is read-only; names no path."""
     try:
         free = shutil.disk_usage(folder).free
         if free < LEAST_ROOM:
@@ -24,6 +25,8 @@ def require_room(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(4096))
     except OSError as error:
+        if error.errno in FORBIDDEN:
+            return  # served for viewing: no new work will need room
         raise UnavailableError(
             f"expected a workspace that can be written: {error.strerror}"
         ) from None

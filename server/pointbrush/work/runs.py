@@ -50,6 +50,7 @@ class Runs:
 
     def start(self, recording: Recording, request: TrackRequest, author: str, edit: str) -> Job:
         """See ``Workspace.track``; ``edit`` is the id of the run's edit."""
+        self._store.require_writable()
         sequence, overwrite = recording.manifest.id, request.options.overwrite
         tracking.require_method(request.method)
         if overwrite not in tracking.OVERWRITE:
