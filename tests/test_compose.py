@@ -46,3 +46,21 @@ def test_the_dockerfile_is_where_compose_looks_and_copies_what_exists() -> None:
     text = (ROOT / build["dockerfile"]).read_text()
     assert "USER pointbrush" in text
     assert (ROOT / "constraints.txt").is_file()
+
+
+def test_the_build_context_holds_only_what_the_wheel_is_built_of() -> None:
+    lines = (ROOT / ".dockerignore").read_text().splitlines()
+    rules = [line for line in lines if line and not line.startswith("#")]
+    assert rules[0] == "*"  # what is not named stays out: recordings, workspaces, .env
+    let_in = {rule[1:] for rule in rules if rule.startswith("!")}
+    assert let_in == {
+        "pyproject.toml", "README.md", "LICENSE", "constraints.txt", "server", "webxr_client",
+    }  # fmt: skip
+    assert all((ROOT / name).exists() for name in let_in)
+    assert {"**/node_modules", "**/.env*", "**/*.key", "**/*.sqlite*"} <= set(rules)
+
+
+def test_the_health_check_works_with_and_without_tls() -> None:
+    text = (ROOT / "server" / "Dockerfile").read_text()
+    assert '"-m", "pointbrush.web.health"' in text
+    assert "http://" not in text

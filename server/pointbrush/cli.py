@@ -6,6 +6,7 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import Field
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,9 @@ from typing import Any
 
 from pointbrush import __version__
 from pointbrush import commands as do
+from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.private import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
 
@@ -25,9 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0, 2 for a usage error, 1 for any other."""
     given = parser().parse_args(arguments)
     try:
+        if arguments is None:
+            hide_password(given.database if "database" in given else None)
         chosen = {o.name: getattr(given, o.name, None) for o in options()}
         command: Command = given.command
-        command(given, Settings.load(chosen))
+        # What is exported is its user's to share.
+        with nullcontext() if command is do.export else private_files():
+            command(given, Settings.load(chosen))
     except PointbrushError as error:
         print(f"pointbrush: {error.whole}", file=sys.stderr)
         return 1
@@ -64,7 +71,7 @@ def parser() -> argparse.ArgumentParser:
     import__.add_argument(
         "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
     )
-    _settings(import__, "workspace", "database", "max_frame_points")
+    _settings(import__, "workspace", "database", "database_password_file", "max_frame_points")
 
     _settings(_command(commands, "serve", do.serve, "serve the page, REST and the socket"), *SERVE)
 
@@ -95,25 +102,25 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument(
         "--stop-unsure", action="store_true", help="end the run where a label is doubtful"
     )
-    _settings(track_, "workspace", "database", "workers", "scheduler")
+    _settings(track_, "workspace", "database", "database_password_file", "workers", "scheduler")
 
     export_ = _command(commands, "export", do.export, "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
-    _settings(export_, "workspace", "database")
+    _settings(export_, "workspace", "database", "database_password_file")
 
     info_ = _command(commands, "info", do.info, "what is in the workspace")
     info_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
-    _settings(info_, "workspace", "database")
+    _settings(info_, "workspace", "database", "database_password_file")
 
     token_ = _command(commands, "token", do.token, "who gets in")
     token_.add_argument("action", choices=("add", "list", "revoke"), help="what to do")
     token_.add_argument("name", nargs="?", help="the person (add) or the token's id (revoke)")
     token_.add_argument("--role", default="annotator", help=f"one of {', '.join(ROLES)}")
     token_.add_argument("--days", type=_positive, help="days until it expires")
-    _settings(token_, "workspace", "database")
+    _settings(token_, "workspace", "database", "database_password_file")
 
     review_ = _command(commands, "review", do.review, "step through labels and doubts in viser")
     review_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -123,15 +130,15 @@ def parser() -> argparse.ArgumentParser:
         default=8081,
         help="port to listen on",
     )
-    _settings(review_, "workspace", "database")
+    _settings(review_, "workspace", "database", "database_password_file")
 
     check_ = _command(commands, "check", do.check, "verify recordings, journal and annotations")
     check_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
-    _settings(check_, "workspace", "database")
+    _settings(check_, "workspace", "database", "database_password_file")
 
     backup_ = _command(commands, "backup", do.backup, "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
-    _settings(backup_, "workspace", "database")
+    _settings(backup_, "workspace", "database", "database_password_file")
 
     restore_ = _command(commands, "restore", do.restore, "make a workspace from a backup")
     restore_.add_argument("source", type=Path, help="the folder of a backup")
@@ -146,7 +153,7 @@ SERVE = (
     "workspace", "host", "port", "token", "database", "workers", "scheduler", "tls", "certfile",
     "keyfile", "insecure", "import_roots", "allowed_hosts", "max_upload", "max_frame_points",
     "exports", "exports_per_person", "stall_seconds", "body_seconds", "upload_seconds",
-    "statement_seconds", "keepalive_seconds",
+    "statement_seconds", "keepalive_seconds", "database_password_file",
 )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import restore_backup
@@ -165,6 +166,8 @@ def check(given: argparse.Namespace, settings: Settings) -> None:
         if problems:
             raise PointbrushError(f"{len(problems)} problems found")
         print(f"{len(wanted)} recordings and their labels are sound")
+        if open_to_others(settings.workspace):
+            print("other users of this machine may read the workspace: chmod -R go= it")
 
 
 def backup(given: argparse.Namespace, settings: Settings) -> None:

@@ -70,14 +70,16 @@ class JobRunner:
         notify: Callable[[Job], None],
         workers: int = 2,
         scheduler: str = "",
+        public: Callable[[str], str] = str,
     ) -> None:
         """``notify(job)`` is called at every change, from the runner's threads.
 
         With a Dask ``scheduler`` (tcp://host:port) jobs run on its workers, which report to this
         machine's address on the way there; else on ``workers`` processes of this machine.
+        ``public`` takes from an error's text what clients should not read.
         Raises BadInputError or UnavailableError when there is no such scheduler.
         """
-        self._notify = notify
+        self._notify, self._public = notify, public
         self._make_executor: Callable[[], Executor]
         self._executor: Executor | None = None
         host = "127.0.0.1"
@@ -248,7 +250,7 @@ class JobRunner:
             elif running.cancelled or isinstance(error, CancelledError):
                 self._end(job_id, running, cancelled=True)
             else:
-                self._change(job_id, state="failed", error=_sentence(error))
+                self._change(job_id, state="failed", error=self._public(_sentence(error)))
         finally:
             if running.done is not None:
                 running.done(self.job(job_id))
@@ -260,7 +262,7 @@ class JobRunner:
         try:
             summary = running.finish(self.job(job_id), cancelled)
         except Exception as error:
-            self._change(job_id, state="failed", error=_sentence(error))
+            self._change(job_id, state="failed", error=self._public(_sentence(error)))
         else:
             state: JobState = "cancelled" if cancelled else "done"
             progress = self.job(job_id).progress if cancelled else 1.0

@@ -6,8 +6,10 @@ import os
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
+from getpass import getuser
 from pathlib import Path
 from typing import Any, get_type_hints
+from urllib.parse import quote
 
 from pointbrush.errors import BadInputError
 
@@ -39,6 +41,9 @@ class Settings:
     )
     database: str = field(
         default="", metadata=_help("database URL; empty is SQLite inside the workspace")
+    )
+    database_password_file: str = field(
+        default="", metadata=_help("file that holds the password of the database's user")
     )
     workers: int = field(default=2, metadata=_help("local processes for jobs"))
     scheduler: str = field(
@@ -123,8 +128,25 @@ class Settings:
 
     @property
     def database_url(self) -> str:
-        """The database's URL, with the default filled in."""
-        return self.database or f"sqlite:///{(self.workspace / 'labels.sqlite').absolute()}"
+        """The database's URL, with the default and the password filled in.
+
+        Raises BadInputError when the file of the password cannot be read.
+        """
+        if not self.database:
+            return f"sqlite:///{(self.workspace / 'labels.sqlite').absolute()}"
+        if not self.database_password_file:
+            return self.database
+        try:
+            password = Path(self.database_password_file).read_text(encoding="utf-8").rstrip("\r\n")
+        except (OSError, ValueError):
+            raise BadInputError(
+                f"database_password_file: expected a readable file, got "
+                f"{self.database_password_file}"
+            ) from None
+        scheme, _, place = self.database.partition("://")
+        user, at, server = place.rpartition("@")
+        name = user.partition(":")[0] or quote(getuser(), safe="")
+        return f"{scheme}://{name}:{quote(password, safe='')}@{server if at else place}"
 
     @property
     def roots(self) -> list[Path]:

@@ -10,6 +10,7 @@ from multiprocessing.connection import Client, Connection
 from typing import Any, Protocol
 
 from pointbrush.errors import CancelledError
+from pointbrush.private import private_files
 
 NICENESS = 5
 """By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
@@ -76,7 +77,7 @@ def _end_after(parent: Any) -> None:
 
 def run_work(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
     """Do a job's work in this process, which talks to its runner at ``address``."""
-    with Client(address, authkey=key) as connection:
+    with private_files(), Client(address, authkey=key) as connection:
         connection.send(job_id)
         connection.recv()  # "start"; EOFError when the job is no longer wanted
         return work(Channel(connection))

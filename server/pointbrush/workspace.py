@@ -23,6 +23,7 @@ from pointbrush.errors import (
 from pointbrush.formats import EXPORTS, export
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Limits
+from pointbrush.private import ServerPaths, make_private
 from pointbrush.sequences import Manifest, verify
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
@@ -49,14 +50,19 @@ class Workspace:
         Raises BadInputError when the folder cannot be used, UnavailableError without database.
         """
         self.settings = settings
+        self.paths = ServerPaths(settings.workspace, *settings.roots)
         self.library = Library(settings.workspace.absolute() / "sequences")
         self.library.clean()
+        make_private(settings.workspace)
         self._listeners = Listeners()
         limits = Limits(settings.statement_seconds, settings.keepalive_seconds)
         self.store = LabelStore(settings.database_url, limits=limits)
         self._unsubscribe = self.store.subscribe(self._publish)
         self.runner = JobRunner(
-            self._publish, workers=settings.workers, scheduler=settings.scheduler
+            self._publish,
+            workers=settings.workers,
+            scheduler=settings.scheduler,
+            public=self.paths.hide,
         )
         self._imports = Imports(
             self.library, self.store, self.runner, self._publish, settings.max_frame_points

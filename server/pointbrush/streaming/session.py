@@ -45,7 +45,9 @@ class ViewerSession(Viewer):
         shared: bool,
     ) -> None:
         """``shared``: several people may use this token, so the name in ``hello`` is the author."""
-        super().__init__(send, author=author, role=role, load=hub.load)
+        super().__init__(
+            send, author=author, role=role, load=hub.load, public=hub.workspace.paths.hide
+        )
         self.hub, self._shared = hub, shared
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)

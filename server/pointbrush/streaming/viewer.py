@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import uuid
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Protocol
 
 from pointbrush.errors import BadInputError, PointbrushError
@@ -40,8 +40,10 @@ class Viewer(ABC):
         author: str,
         role: messages.Role,
         load: Load,
+        public: Callable[[str], str],
     ) -> None:
-        """``load``: what the server has time for."""
+        """``load``: what the server has time for; ``public``: what clients may read of a text."""
+        self.public = public
         self.send = send
         self.id = uuid.uuid4().hex[:16]
         self.author, self.role = author, role
@@ -74,7 +76,7 @@ class Viewer(ABC):
     def refuse(self, error: PointbrushError, about: str | None = None) -> None:
         """Answer with an error."""
         message = messages.Error(
-            title=error.title, detail=str(error), status=status_of(error), about=about
+            title=error.title, detail=self.public(str(error)), status=status_of(error), about=about
         )
         self.outbox.reply(encode(message))
 

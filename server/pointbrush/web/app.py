@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import secrets
-import shutil
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -34,6 +33,7 @@ from pointbrush.web.exports import Exports
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
+from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 RESOURCES = (
@@ -59,6 +59,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
+    app.state.uploads = Uploads(settings.workspace.absolute())
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
@@ -78,11 +79,14 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
 
 @asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
-    # What an interrupted run left half-uploaded belongs to nobody.
-    shutil.rmtree(routes_sequences.uploads(app.state.settings), ignore_errors=True)
-    async with Hub(app.state.workspace, app.state.metrics).running() as hub:
-        app.state.hub = hub
-        yield
+    uploads: Uploads = app.state.uploads
+    uploads.open()
+    try:
+        async with Hub(app.state.workspace, app.state.metrics).running() as hub:
+            app.state.hub = hub
+            yield
+    finally:
+        uploads.close()
 
 
 def describe(app: FastAPI) -> dict[str, Any]:

@@ -71,7 +71,10 @@ async def _ours(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, errors.PointbrushError)  # noqa: S101 – registered for this class
     if isinstance(error, errors.DamagedError):
         logger.error("%s: %s", request.url.path, error)
-    return problem_of(error)
+    if error.private:
+        logger.warning("%s %s: %s", request.method, request.url.path, error.whole)
+    detail = request.app.state.workspace.paths.hide(str(error))
+    return problem(status_of(error), detail, error.title)
 
 
 async def _invalid(_request: Request, error: Exception) -> JSONResponse:

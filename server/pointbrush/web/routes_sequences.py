@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-import uuid
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,6 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.jobs import Job
-from pointbrush.settings import Settings
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError
 from pointbrush.web.auth import Caller
@@ -31,6 +29,7 @@ from pointbrush.web.schemas import (
     SequencePatch,
 )
 from pointbrush.web.schemas_work import ImportBody, JobOut
+from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["sequences"])
@@ -162,13 +161,9 @@ def _import_path(workspace: Workspace, body: ImportBody, owner: str) -> Job:
     )
 
 
-def uploads(settings: Settings) -> Path:
-    """Where uploads wait for their import, on the workspace's own disk."""
-    return settings.workspace.absolute() / "uploads"
-
-
 async def _import_upload(request: Request, workspace: Workspace, owner: str) -> Job:
-    folder = uploads(workspace.settings) / uuid.uuid4().hex
+    uploads: Uploads = request.app.state.uploads
+    folder = uploads.new()
     try:
         async with request.form(
             max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD

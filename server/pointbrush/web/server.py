@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import gc
 import ipaddress
+import os
 import signal
 import socket
 import sys
+import tempfile
 import threading
 from pathlib import Path
 
@@ -43,6 +45,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
     # takes it dozens of times, beside an event loop that sends all the time.
     sys.setswitchinterval(SWITCH_SECONDS)
     app = create_app(workspace, settings)
+    keep_off_memory(app.state.uploads.temporary)
     tls = certificate(settings)
     require_safe(settings, tls)
     app.state.certificate = tls
@@ -169,6 +172,17 @@ def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
         print(f"the headset's warning about the certificate is explained at {trust}")
         print(f"fingerprint of its authority: {fingerprint(authority)}")
     sys.stdout.flush()
+
+
+def keep_off_memory(temporary: Path) -> None:
+    """Put temporary files, of worker processes too, on the workspace's disk.
+
+    The system's folder for them is often memory, which an upload would fill.  An operator who
+    names another in TMPDIR has it their way.
+    """
+    if "TMPDIR" not in os.environ:
+        os.environ["TMPDIR"] = str(temporary)
+        tempfile.tempdir = None
 
 
 def settle_memory() -> None:

@@ -36,7 +36,7 @@ class TrackingWork:
     """Picklable run; hands each FrameResult over as an item."""
 
     path: Path
-    database: str
+    database: str = field(repr=False)  # may hold a password
     start: int
     stop: int
     seeds: tuple[Seed, ...]

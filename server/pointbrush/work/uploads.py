@@ -1,0 +1,93 @@
+"""Folders of running servers: each keeps a heartbeat, and what has none is nobody's any more."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import threading
+import uuid
+from pathlib import Path
+
+BEAT_SECONDS = 5.0
+STALE_SECONDS = 60.0
+"""A server whose heartbeat is older has ended without a word."""
+ALIVE = "alive"
+
+
+class Uploads:
+    """One server's uploads and temporary files, on the workspace's own disk.
+
+    ``uploads/OWNER.ID`` waits for its import; ``servers/OWNER`` holds the heartbeat and temporary
+    files.  Several servers on a workspace leave each other's alone.
+    """
+
+    def __init__(self, workspace: Path) -> None:
+        self._servers, self._uploads = workspace / "servers", workspace / "uploads"
+        self.owner = uuid.uuid4().hex
+        self.temporary = self._servers / self.owner / "temporary"
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="pointbrush-beat", daemon=True)
+
+    def open(self) -> None:
+        """Begin the heartbeat, and remove what servers without one have left."""
+        if self._beat():
+            self.clean()
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the heartbeat; nothing of this server stays."""
+        self._stop.set()
+        self._thread.join()
+        for folder in self._uploads.glob(f"{self.owner}.*"):
+            shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(self._servers / self.owner, ignore_errors=True)
+
+    def new(self) -> Path:
+        """Return the folder for one upload, which is not there yet."""
+        return self._uploads / f"{self.owner}.{uuid.uuid4().hex}"
+
+    def clean(self) -> None:
+        """Remove what belongs to no server that is alive."""
+        # Times of the same disk are compared, whatever the clocks of its servers say.
+        now = (self._servers / self.owner / ALIVE).stat().st_mtime
+        alive = {self.owner}
+        for server in self._servers.iterdir():
+            if now - _last_beat(server) < STALE_SECONDS:
+                alive.add(server.name)
+            elif server.name != self.owner:
+                shutil.rmtree(server, ignore_errors=True)
+        if self._uploads.is_dir():
+            for upload in self._uploads.iterdir():
+                if upload.name.partition(".")[0] not in alive:
+                    shutil.rmtree(upload, ignore_errors=True)
+
+    def _beat(self) -> bool:
+        """Write the heartbeat; False where the disk cannot be written."""
+        try:
+            self.temporary.mkdir(parents=True, exist_ok=True)
+            (self._servers / self.owner / ALIVE).touch()
+        except OSError:
+            return False
+        return True
+
+    def _run(self) -> None:
+        while not self._stop.wait(BEAT_SECONDS):
+            # A full disk takes no new heartbeat for a while; the next one may fit.
+            with contextlib.suppress(OSError):
+                if self._beat():
+                    self.clean()
+
+
+def _last_beat(server: Path) -> float:
+    try:
+        return (server / ALIVE).stat().st_mtime
+    except OSError:
+        return _made(server)
+
+
+def _made(server: Path) -> float:
+    """A server that begins has its folder before its first heartbeat."""
+    try:
+        return server.stat().st_mtime
+    except OSError:
+        return float("-inf")
