@@ -1,5 +1,6 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../actions';
+import { DESK_WAYS } from '../tools/ways';
 
 export interface KeyBinding {
   /** `KeyboardEvent.key` values, lower case; `ctrl+`, `shift+` and `alt+` before them. */
@@ -95,9 +96,13 @@ export const KEYS: readonly KeyBinding[] = [
     },
   },
   { keys: ['e'], shown: 'E', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
-  { keys: ['f'], shown: 'F', what: 'Fill', group: 'Tools', run: () => actions.setShape('fill') },
-  { keys: ['g'], shown: 'G', what: 'Ground', group: 'Tools', run: () => actions.setShape('plane') },
-  { keys: ['o'], shown: 'O', what: 'Lasso', group: 'Tools', run: () => actions.setShape('lasso') },
+  ...DESK_WAYS.filter(({ shape }) => shape !== 'brush').map(({ shape, desk }): KeyBinding => ({
+    keys: [desk.key.toLowerCase()],
+    shown: desk.key,
+    what: desk.label,
+    group: 'Tools',
+    run: () => actions.setShape(shape),
+  })),
   {
     keys: ['x'],
     shown: 'X',

@@ -3,19 +3,11 @@ import { Color, Vector3 } from 'three';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
-import { activeLabel, isStroke, state } from '../state';
+import { isStroke, state } from '../state';
+import { brushColor } from '../tools/brush';
+import { deskWay } from '../tools/ways';
 import type { Aim } from './aim';
 import { BrushRing } from './cursor';
-
-const TOOL_COLORS = { erase: '#e8edf2', delete: '#ff5d5d', restore: '#7ddc8f' } as const;
-
-export function toolColor(): string {
-  const tool = state.tool.peek();
-  if (tool === 'paint') return activeLabel.peek()?.color ?? '#ffffff';
-  return tool === 'erase' || tool === 'delete' || tool === 'restore'
-    ? TOOL_COLORS[tool]
-    : '#ffffff';
-}
 
 export class BrushLight {
   /** Where the brush is on the surface, room coordinates; null off the recording. */
@@ -35,7 +27,7 @@ export class BrushLight {
   /** Show the brush where the cursor is now. */
   update(): void {
     const tool = state.tool.peek();
-    const { shape, radius } = state.brush.peek();
+    const { radius } = state.brush.peek();
     const painting = isStroke(tool);
     const hit = this.aim.hit(painting ? radius : 0.03);
     const frame = this.aim.frame();
@@ -45,7 +37,7 @@ export class BrushLight {
     }
     let points = 0;
     if (tool === 'floor') this.show(hit, FLOOR_SPOT);
-    else if (painting && shape !== 'lasso') {
+    else if (painting && deskWay().samples !== 'drawn') {
       this.show(hit, radius);
       inCapsule(frame, hit.position, hit.position, radius, () => (points += 1));
     } else this.putOut();
@@ -54,14 +46,14 @@ export class BrushLight {
 
   private show(hit: Hit, radius: number): void {
     const { uniforms, camera } = this.viewer;
-    const { shape, onlyUnlabeled, through } = state.brush.peek();
-    this.color.set(toolColor());
+    const { onlyUnlabeled, through } = state.brush.peek();
+    this.color.set(brushColor());
     this.at = this.aim.roomPosition(hit);
     this.ring.show(this.at, radius, this.color, camera, this.aim.pixelAt(hit.distance));
     // As the points' shader mixes colours: with gamma.
     uniforms.setBrushColour(this.color.convertLinearToSRGB());
     uniforms.setOnlyUnlabeled(state.tool.peek() === 'paint' && onlyUnlabeled);
-    if (through && shape === 'brush' && state.tool.peek() !== 'floor') {
+    if (through && deskWay().through && state.tool.peek() !== 'floor') {
       const { origin, direction } = this.aim.ray();
       uniforms.lightRay(this.place.fromArray(origin), this.way.fromArray(direction), radius);
     } else uniforms.lightBall(this.place.fromArray(hit.position), radius);

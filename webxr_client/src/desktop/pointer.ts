@@ -4,13 +4,14 @@ import { actions } from '../actions';
 import { type CloudFrame } from '../cloud/frame';
 import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
-import type { Brush } from '../protocol/messages';
-import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
+import { state } from '../state';
+import { brushColor, brushFor } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
 import type { Stroke, Strokes } from '../tools/strokes';
+import { deskWay } from '../tools/ways';
 import { Aim } from './aim';
 import type { DeskCamera } from './camera';
-import { BrushLight, toolColor } from './light';
+import { BrushLight } from './light';
 
 export interface PointerDeps {
   readonly viewer: Viewer;
@@ -25,7 +26,6 @@ type Drag = 'turn' | 'pan' | 'stroke' | 'lasso';
 /** Dabs lie this part of the brush's radius apart on screen. */
 const DAB_SPACING = 0.4;
 const MAX_DABS = 48;
-const WIRE = { brush: 'ray', fill: 'grow', plane: 'plane', lasso: 'lasso' } as const;
 
 export class DeskPointer {
   private drag: Drag | null = null;
@@ -153,44 +153,17 @@ export class DeskPointer {
 
   // ── strokes ────────────────────────────────────────────────────────────────────────────────
 
-  /** The brush of the settings, or null with a word to the user. */
-  private brush(): Brush | null {
-    const tool = state.tool.peek();
-    if (!isStroke(tool)) return null;
-    const { shape, radius, onlyUnlabeled, through } = state.brush.peek();
-    const label = tool === 'paint' ? state.activeLabel.peek() : 0;
-    if (tool === 'paint' && label === 0) {
-      notify('info', 'Choose a label first', 'Make one with the + beside “Labels”, or press N.');
-      return null;
-    }
-    if (tool === 'paint' && activeLabel.peek()?.locked) {
-      notify('info', 'This label is locked', 'Unlock it, or choose another one.');
-      return null;
-    }
-    if (tool === 'paint' && activeLabelHidden.peek()) {
-      notify('info', 'This label is hidden', 'Show it, or choose another one.');
-      return null;
-    }
-    const wire = WIRE[shape];
-    return { label, tool, shape: wire, radius, only_unlabeled: onlyUnlabeled, through };
-  }
-
   private beginStroke(): Drag | null {
     const frame = this.aim.frame();
     const info = state.sequence.peek();
     if (!frame || !info) return null;
-    if (state.brush.peek().shape !== 'lasso' && !this.aim.hit(state.brush.peek().radius))
-      return 'turn';
-    if (!canEdit.peek()) {
-      notify('info', 'You are a viewer here', 'Ask for an annotator’s token to paint.');
-      return null;
-    }
-    const brush = this.brush();
+    const way = deskWay();
+    const { radius } = state.brush.peek();
+    if (way.samples !== 'drawn' && !this.aim.hit(radius)) return 'turn';
+    const brush = brushFor(way, radius);
     if (!brush) return null;
-    // Painting on a moving picture would paint what one no longer sees.
-    if (state.playing.peek()) actions.pause();
-    if (brush.shape === 'lasso') {
-      this.lasso.begin(this.aim.x, this.aim.y, toolColor());
+    if (way.samples === 'drawn') {
+      this.lasso.begin(this.aim.x, this.aim.y, brushColor());
       return 'lasso';
     }
     this.stroke = this.deps.strokes.begin(frame, brush, info.shift);
@@ -200,8 +173,7 @@ export class DeskPointer {
 
   /** Dabs between the last place and this one, close enough to make a line. */
   private dabsTo(x: number, y: number): void {
-    const { shape } = state.brush.peek();
-    if (!this.stroke || shape === 'fill' || shape === 'plane') return;
+    if (!this.stroke || deskWay().samples !== 'path') return;
     const distance = Math.hypot(x - this.last.x, y - this.last.y);
     if (distance < 0.5) return;
     const gap = Math.max(2, this.radiusPixels() * DAB_SPACING);
@@ -226,7 +198,7 @@ export class DeskPointer {
     const polygon = this.lasso.end();
     const frame = this.aim.frame();
     const info = state.sequence.peek();
-    const brush = this.brush();
+    const brush = polygon && brushFor(deskWay(), state.brush.peek().radius);
     if (!polygon || !frame || !info || !brush) return;
     const stroke = { ...brush, polygon, matrix: this.aim.clipFromSource(info) };
     this.deps.strokes.begin(frame, stroke, info.shift).end();

@@ -3,33 +3,12 @@ import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { floorPlaces } from '../engine/floor';
-import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type BrushShape, type ColorMode } from '../state'; // prettier-ignore
+import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
+import { DESK_WAYS, deskWay } from '../tools/ways';
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
-import type { IconName } from './icons';
 import { Popover } from './popover';
-
-interface ShapeEntry {
-  shape: BrushShape;
-  icon: IconName;
-  label: string;
-  tip: string;
-  keys: string;
-}
-
-const SHAPES: readonly ShapeEntry[] = [
-  { shape: 'brush', icon: 'brush', label: 'Brush', tip: 'A ball on the surface', keys: 'B' },
-  { shape: 'fill', icon: 'fill', label: 'Fill', tip: 'The region that hangs together', keys: 'F' },
-  {
-    shape: 'plane',
-    icon: 'plane',
-    label: 'Ground',
-    tip: 'A floor, a wall: all that is flat',
-    keys: 'G',
-  },
-  { shape: 'lasso', icon: 'lasso', label: 'Lasso', tip: 'Everything inside an outline', keys: 'O' },
-];
 
 const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['rgb', 'Colour', 'rgb'],
@@ -94,28 +73,29 @@ function FloorOptions() {
 
 function BrushOptions() {
   const brush = state.brush.value;
+  const way = deskWay(brush.shape);
   return (
     <>
       <div class="segmented" role="radiogroup" aria-label="Shape">
-        {SHAPES.map(({ shape, icon, label, tip, keys }) => (
+        {DESK_WAYS.map(({ shape, icon, desk }) => (
           <button
             key={shape}
             type="button"
             role="radio"
             class="button"
             aria-checked={brush.shape === shape}
-            data-tip={tip}
-            data-keys={keys}
+            data-tip={desk.tip}
+            data-keys={desk.key}
             onClick={() => actions.setShape(shape)}
           >
             <Icon name={icon} />
-            {label}
+            {desk.label}
           </button>
         ))}
       </div>
-      {brush.shape !== 'lasso' && (
+      {way.size !== null && (
         <Slider
-          label={brush.shape === 'brush' ? 'Radius' : 'Reach'}
+          label={way.size}
           value={brush.radius}
           min={RADIUS_MIN}
           max={RADIUS_MAX}
@@ -134,7 +114,7 @@ function BrushOptions() {
           onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}
         />
       )}
-      {brush.shape === 'brush' && (
+      {way.through && (
         <Check
           label="Through"
           tip="Also points behind the first surface"

@@ -2,6 +2,7 @@
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Line, LineBasicMaterial, Matrix4, Quaternion, Vector3 } from 'three'; // prettier-ignore
 import type { Viewer } from '../cloud/viewer';
 import type { Brush, SequenceInfo } from '../protocol/messages';
+import type { Way } from '../tools/ways';
 import type { Hand } from './hand';
 import { AirLasso } from './lasso';
 import type { Place } from './place';
@@ -11,11 +12,9 @@ const SMALLEST = 0.005;
 /** Twelve edges as one line; bits choose between the corners' x, y and z. */
 const BOX_PATH = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4] as const;
 
-export type AirWay = 'lasso' | 'box';
-
 export class AirShape {
   readonly line: Line<BufferGeometry, LineBasicMaterial>;
-  private way: AirWay = 'lasso';
+  private boxes = false;
   private readonly lasso = new AirLasso();
   private readonly start = new Vector3();
   private readonly from = new Vector3();
@@ -34,8 +33,8 @@ export class AirShape {
     this.line.visible = false;
   }
 
-  begin(way: AirWay, tip: Vector3): void {
-    this.way = way;
+  begin(way: Way, tip: Vector3): void {
+    this.boxes = way.name === 'box';
     this.lasso.begin();
     this.start.copy(tip);
     this.from.copy(tip);
@@ -43,7 +42,7 @@ export class AirShape {
   }
 
   go(tip: Vector3, other: Hand): void {
-    if (this.way === 'box') this.stretch(tip, other);
+    if (this.boxes) this.stretch(tip, other);
     else if (this.lasso.add(tip)) this.drawLast(tip);
   }
 
@@ -62,7 +61,7 @@ export class AirShape {
 
   /** What a stroke of this shape says besides its brush; null when it encloses nothing. */
   end(eye: Vector3, info: SequenceInfo): Partial<Brush> | null {
-    if (this.way === 'lasso') return this.lasso.end(eye, this.place.localFromScene, info);
+    if (!this.boxes) return this.lasso.end(eye, this.place.localFromScene, info);
     return this.box(info);
   }
 

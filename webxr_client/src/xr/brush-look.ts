@@ -4,8 +4,9 @@ import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
 import { FLOOR_SPOT } from '../engine/floor';
 import { isStroke, state } from '../state';
+import { brushColor } from '../tools/brush';
+import type { Way } from '../tools/ways';
 import { seenIn, type Seen } from '../tools/seen';
-import { brushColor, type Way } from './brush';
 import type { Hand } from './hand';
 import type { Place } from './place';
 import { tint } from './tint';
@@ -54,8 +55,8 @@ export class BrushLook {
     const tool = state.tool.peek();
     const floor = tool === 'floor';
     const brushes = visible && (floor || isStroke(tool));
-    const drawn = !floor && (way === 'lasso' || way === 'box');
-    const far = floor || way === 'ray' || way === 'plane';
+    const drawn = !floor && way.samples === 'drawn';
+    const far = floor || way.far;
     this.ball.visible = brushes && !far;
     this.ball.position.copy(tip);
     const { scale } = this.ball;
@@ -66,7 +67,7 @@ export class BrushLook {
       return this.newColor();
     }
     uniforms.setOnlyUnlabeled(tool === 'paint' && state.brush.peek().onlyUnlabeled);
-    const through = !floor && way === 'ray' && state.brush.peek().through;
+    const through = !floor && way.through && state.brush.peek().through;
     if (far) this.followRay(hand, floor ? FLOOR_SPOT : radius[0]!, now, through);
     else {
       this.reach[0] = -1;

@@ -7,7 +7,7 @@ import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../listeners';
 import { notify, state } from '../state';
-import { currentWay } from './brush';
+import { roomWay } from '../tools/ways';
 import { Buttons } from './buttons';
 import { Controllers } from './controllers';
 import { faceEyes } from './facing';
@@ -227,7 +227,7 @@ export class Cockpit {
     const { world } = this.engine.viewer;
     const was = this.grab.active;
     // Both triggers make a box between the hands.
-    const busy = this.painter.painting || currentWay() === 'box';
+    const busy = this.painter.painting || roomWay().name === 'box';
     const grown = this.grab.update(
       world,
       this.controllers.holds(left, busy) ? left.place : null,

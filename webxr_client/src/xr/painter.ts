@@ -5,10 +5,11 @@ import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush, StrokeResult } from '../protocol/messages';
 import { isStroke, state } from '../state';
+import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
 import type { Stroke } from '../tools/strokes';
+import { roomWay, wayOf, type Way } from '../tools/ways';
 import { AirShape } from './air';
-import { brushFor, currentWay, refusal, type Way } from './brush';
 import { BrushLook } from './brush-look';
 import type { Hand } from './hand';
 import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from './haptics';
@@ -30,7 +31,7 @@ export class Painter {
   private readonly look: BrushLook;
   private readonly air: AirShape;
   private stroke: Stroke | null = null;
-  private way: Way = 'ball';
+  private way: Way = wayOf('ball');
   private level: Level = 0;
   /** The trigger went down to point at something once, and is not up again. */
   private pointing = false;
@@ -94,7 +95,7 @@ export class Painter {
     this.aimTip(hand);
     if (level !== this.level) this.turnTo(level, hand, head);
     if (this.level > 0) this.go(hand, other, now);
-    const way = this.level > 0 ? this.way : currentWay();
+    const way = this.level > 0 ? this.way : roomWay();
     const color = this.look.show(usable && !blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.material.color.set(color);
   }
@@ -126,13 +127,13 @@ export class Painter {
     if (level === 0) return;
     if (before === 0) this.pointing = !isStroke(state.tool.peek());
     if (this.pointing) {
-      this.way = 'ball';
+      this.way = wayOf('ball');
       if (before === 0) this.pointAt(hand);
       return;
     }
-    this.way = currentWay();
+    this.way = roomWay();
     if (before === 0 && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
-    if (this.way === 'lasso' || this.way === 'box') {
+    if (this.way.samples === 'drawn') {
       this.air.begin(this.way, this.tip);
       return;
     }
@@ -148,7 +149,7 @@ export class Painter {
   }
 
   private go(hand: Hand, other: Hand, now: number): void {
-    if (this.way === 'lasso' || this.way === 'box') {
+    if (this.way.samples === 'drawn') {
       this.air.go(this.tip, other);
       return;
     }
@@ -173,26 +174,22 @@ export class Painter {
   private aimSample(hand: Hand, now: number): boolean {
     const { place, local, aim, last } = this;
     place.directionToLocal(hand.direction, aim);
-    if (this.way === 'plane') {
-      place.toLocal(hand.origin, local);
-      // Once a press.
-      return Number.isNaN(this.last.x);
-    }
-    if (this.way === 'ray') {
-      if (now - this.lastRay < RAY_EVERY_MS) return false;
+    const once = this.way.samples === 'once';
+    if (this.way.far) {
+      if (!once && now - this.lastRay < RAY_EVERY_MS) return false;
       this.lastRay = now;
       place.toLocal(hand.origin, local);
-      return true;
+      return !once || Number.isNaN(this.last.x);
     }
     place.toLocal(this.tip, local);
-    if (this.way === 'ball') {
+    if (!once) {
       const x = last.x - local.x;
       const y = last.y - local.y;
       const z = last.z - local.z;
       const step = SAMPLE_STEP * this.radius[0]!;
       return !(x * x + y * y + z * z < step * step);
     }
-    // Fill: from outside of the ball inwards, so that the nearest surface is met; once a press.
+    // From outside of the ball inwards, so that the nearest surface is met.
     local.addScaledVector(aim, -this.radius[0]!);
     return Number.isNaN(this.last.x);
   }
@@ -203,7 +200,7 @@ export class Painter {
     this.stroke = null;
     this.air.hide();
     const info = state.sequence.peek();
-    const drawn = this.level > 0 && (this.way === 'lasso' || this.way === 'box');
+    const drawn = this.level > 0 && this.way.samples === 'drawn';
     if (drawn && eye && info) {
       const shape = this.air.end(eye, info);
       const brush = shape && brushFor(this.way, this.radius[0]!);

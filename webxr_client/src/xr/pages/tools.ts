@@ -3,7 +3,7 @@ import { actions } from '../../actions';
 import { metres } from '../../panels/format';
 import type { IconName } from '../../panels/icons';
 import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../../state';
-import { currentWay, type Way } from '../brush';
+import { roomWay, WAYS, type Way } from '../../tools/ways';
 import { change, xrSettings } from '../settings';
 import type { Ui } from '../ui';
 
@@ -12,15 +12,6 @@ const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
   ['erase', 'eraser', 'Erase'],
   ['delete', 'noise', 'Delete'],
   ['restore', 'restore', 'Restore'],
-];
-
-const WAYS: readonly (readonly [Way, IconName, string])[] = [
-  ['ball', 'brush', 'Ball'],
-  ['ray', 'target', 'Ray'],
-  ['fill', 'fill', 'Fill'],
-  ['lasso', 'lasso', 'Lasso'],
-  ['box', 'view', 'Box'],
-  ['plane', 'plane', 'Ground'],
 ];
 
 export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
@@ -32,12 +23,12 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
     ui.button(x + column * half, top + line * em * 2.3, half - em * 0.2, em * 2.1,
       { icon, text, on: tool === id, strong: true, align: 'left' }, () => actions.setTool(id));
   }); // prettier-ignore
-  const way = currentWay();
+  const way = roomWay();
   const third = inner / 3;
-  WAYS.forEach(([id, icon, text], i) => {
+  WAYS.forEach((one, i) => {
     const [column, line] = [i % 3, Math.floor(i / 3)];
     ui.button(x + column * third, top + em * (5 + 2.3 * line), third - em * 0.2, em * 2.1,
-      { icon, text, on: way === id, strong: true, align: 'left' }, () => chooseWay(id));
+      { icon: one.icon, text: one.label, on: way === one, strong: true, align: 'left' }, () => chooseWay(one));
   }); // prettier-ignore
   drawBrush(ui, x, top, inner, way);
 }
@@ -46,7 +37,7 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
   const { em } = ui;
   const { radius, onlyUnlabeled, through } = state.brush.peek();
   const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
-  const name = way === 'fill' || way === 'plane' ? 'Reach' : 'Radius';
+  const name = way.size ?? 'Radius';
   ui.slider(
     x + em * 0.4,
     top + em * 9.8,
@@ -72,10 +63,6 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
 }
 
 export function chooseWay(way: Way): void {
-  if (way === 'fill' || way === 'plane' || way === 'lasso') {
-    actions.setShape(way);
-    return;
-  }
-  change({ tip: way });
-  actions.setShape('brush');
+  if (way.name === 'ball' || way.name === 'ray' || way.name === 'box') change({ tip: way.name });
+  actions.setShape(way.shape);
 }

@@ -1,57 +1,40 @@
-/** What a stroke of the headset sends: the store's settings in the words of the wire. */
+/** What a stroke sends: the store's settings in the words of the wire. */
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
-import { xrSettings } from './settings';
+import type { Way } from './ways';
 
-export type Way = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
-
-const SHAPES = {
-  ball: 'sphere',
-  ray: 'ray',
-  fill: 'grow',
-  plane: 'plane',
-  lasso: 'lasso',
-  box: 'box',
-} as const;
-
-/** How the next stroke takes points. */
-export function currentWay(): Way {
-  const { shape } = state.brush.peek();
-  return shape === 'brush' ? xrSettings.peek().tip : shape;
-}
-
-/** Why one cannot paint now, or null. */
-export function refusal(): string | null {
+/** Why one cannot paint now, and what to do about it; null when one can. */
+export function refusal(): readonly [title: string, detail: string] | null {
   const tool = state.tool.peek();
-  if (!canEdit.peek()) return 'You are a viewer here';
+  if (!canEdit.peek()) return ['You are a viewer here', 'Ask for an annotator’s token to paint.'];
   if (tool !== 'paint') return null;
-  if (!activeLabel.peek()) return 'Choose or make a label first';
-  if (activeLabel.peek()?.locked) return 'This label is locked';
-  return activeLabelHidden.peek() ? 'This label is hidden' : null;
+  const label = activeLabel.peek();
+  if (!label) return ['Choose a label first', 'Make one with the + beside “Labels”, or press N.'];
+  if (label.locked) return ['This label is locked', 'Unlock it, or choose another one.'];
+  if (activeLabelHidden.peek()) return ['This label is hidden', 'Show it, or choose another one.'];
+  return null;
 }
 
 /** The brush for a stroke with `radius` (metres of the recording), or null after saying why. */
 export function brushFor(way: Way, radius: number): Brush | null {
   const tool = state.tool.peek();
+  if (!isStroke(tool)) return null;
   const no = refusal();
   if (no !== null) {
-    notify('info', no, '');
+    notify('info', ...no);
     return null;
   }
-  if (!isStroke(tool)) return null;
   const { onlyUnlabeled, through } = state.brush.peek();
-  const shape = SHAPES[way];
-  const label = tool === 'paint' ? state.activeLabel.peek() : 0;
   // Painting on a moving picture would paint what one no longer sees.
   if (state.playing.peek()) actions.pause();
   return {
-    label,
+    label: tool === 'paint' ? state.activeLabel.peek() : 0,
     tool,
-    shape,
+    shape: way.wire,
     radius,
     only_unlabeled: onlyUnlabeled,
-    through: through && way === 'ray',
+    through: through && way.through,
   };
 }
 

@@ -1,0 +1,129 @@
+/**
+ * The ways of taking points, one object each: tool bar, keys, pointer, controller and palette are
+ * made from this table.
+ */
+import type { IconName } from '../panels/icons';
+import type { Brush } from '../protocol/messages';
+import { state, type BrushShape } from '../state';
+import { xrSettings } from '../xr/settings';
+
+export type WayName = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
+
+export interface Way {
+  readonly name: WayName;
+  /** The setting of the brush that it belongs to. */
+  readonly shape: BrushShape;
+  /** What strokes call it. */
+  readonly wire: NonNullable<Brush['shape']>;
+  readonly icon: IconName;
+  /** On the palette in the room, and at the desk where it is there. */
+  readonly label: string;
+  readonly desk: { readonly label: string; readonly tip: string; readonly key: string } | null;
+  /** What a pressed button or trigger gives: a path, one place, or something drawn. */
+  readonly samples: 'path' | 'once' | 'drawn';
+  /** In the headset: takes what is at the tip, or what the ray meets first. */
+  readonly far: boolean;
+  /** The name of its size; null when it has none. */
+  readonly size: 'Radius' | 'Reach' | null;
+  /** It can reach points behind the first surface. */
+  readonly through: boolean;
+}
+
+export const WAYS: readonly Way[] = [
+  {
+    name: 'ball',
+    shape: 'brush',
+    wire: 'sphere',
+    icon: 'brush',
+    label: 'Ball',
+    desk: null,
+    samples: 'path',
+    far: false,
+    size: 'Radius',
+    through: false,
+  },
+  {
+    name: 'ray',
+    shape: 'brush',
+    wire: 'ray',
+    icon: 'target',
+    label: 'Ray',
+    desk: { label: 'Brush', tip: 'A ball on the surface', key: 'B' },
+    samples: 'path',
+    far: true,
+    size: 'Radius',
+    through: true,
+  },
+  {
+    name: 'fill',
+    shape: 'fill',
+    wire: 'grow',
+    icon: 'fill',
+    label: 'Fill',
+    desk: { label: 'Fill', tip: 'The region that hangs together', key: 'F' },
+    samples: 'once',
+    far: false,
+    size: 'Reach',
+    through: false,
+  },
+  {
+    name: 'lasso',
+    shape: 'lasso',
+    wire: 'lasso',
+    icon: 'lasso',
+    label: 'Lasso',
+    desk: { label: 'Lasso', tip: 'Everything inside an outline', key: 'O' },
+    samples: 'drawn',
+    far: false,
+    size: null,
+    through: false,
+  },
+  {
+    name: 'box',
+    shape: 'brush',
+    wire: 'box',
+    icon: 'view',
+    label: 'Box',
+    desk: null,
+    samples: 'drawn',
+    far: false,
+    size: null,
+    through: false,
+  },
+  {
+    name: 'plane',
+    shape: 'plane',
+    wire: 'plane',
+    icon: 'plane',
+    label: 'Ground',
+    desk: { label: 'Ground', tip: 'A floor, a wall: all that is flat', key: 'G' },
+    samples: 'once',
+    far: true,
+    size: 'Reach',
+    through: false,
+  },
+];
+
+/** A way at the desk. */
+export type DeskWay = Way & { readonly desk: NonNullable<Way['desk']> };
+
+/** In the order of the tool bar. */
+export const DESK_WAYS: readonly DeskWay[] = WAYS.filter(
+  (way): way is DeskWay => way.desk !== null,
+);
+
+export function wayOf(name: WayName): Way {
+  return WAYS.find((way) => way.name === name)!;
+}
+
+/** What the hand in the room takes points by. */
+export function roomWay(): Way {
+  const { shape } = state.brush.peek();
+  const tip = xrSettings.peek().tip;
+  return WAYS.find((way) => way.shape === shape && (shape !== 'brush' || way.name === tip))!;
+}
+
+/** What the mouse takes points by. */
+export function deskWay(shape: BrushShape = state.brush.peek().shape): DeskWay {
+  return DESK_WAYS.find((way) => way.shape === shape)!;
+}
