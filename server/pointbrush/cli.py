@@ -132,8 +132,16 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(review_, "workspace", "database", "database_password_file")
 
-    check_ = _command(commands, "check", do.check, "verify recordings, journal and annotations")
+    check_ = _command(
+        commands, "check", do.check, "verify recordings, database, journal and annotations"
+    )
     check_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
+    check_.add_argument(
+        "--repair",
+        action="store_true",
+        help="make anew what can be (indexes, snapshots, counts, palette, tracks, missing "
+        "checksums) and say what cannot; stop servers first",
+    )
     _settings(check_, "workspace", "database", "database_password_file")
 
     backup_ = _command(commands, "backup", do.backup, "copy a workspace, also one that is in use")

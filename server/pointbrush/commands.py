@@ -11,7 +11,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
-from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.labels import check_database
 from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
@@ -157,10 +158,23 @@ def review(given: argparse.Namespace, settings: Settings) -> None:
 
 
 def check(given: argparse.Namespace, settings: Settings) -> None:
-    """Print what is wrong in the workspace; an error when anything is."""
-    with closing(Workspace(settings)) as workspace:
+    """Print what is wrong in the workspace, mend it if told to; an error when anything is left."""
+    try:
+        workspace = Workspace(settings)
+    except UnavailableError:
+        for problem in check_database(settings.database_url):
+            print(problem)
+        raise
+    with closing(workspace):
         wanted = [given.sequence] if given.sequence else [m.id for m in workspace.sequences()]
-        problems = [f"{name}: {line}" for name in wanted for line in workspace.check(name)]
+        if given.repair:
+            repaired = workspace.repair(wanted)
+            for line in repaired.rebuilt:
+                print(f"rebuilt: {line}")
+            problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
+        else:
+            problems = workspace.check_database()
+            problems += [f"{name}: {line}" for name in wanted for line in workspace.check(name)]
         for problem in problems:
             print(problem)
         if problems:

@@ -24,12 +24,13 @@ from pointbrush.formats import EXPORTS, export
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Limits
 from pointbrush.private import ServerPaths, make_private
-from pointbrush.sequences import Manifest, verify
+from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
-from pointbrush.work import accepting, exporting, flooring, layers
+from pointbrush.work import accepting, checking, exporting, flooring, layers
 from pointbrush.work.backup import make_backup
+from pointbrush.work.checking import Repaired
 from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
 from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
@@ -388,8 +389,16 @@ class Workspace:
 
     def check(self, sequence: str) -> list[str]:
         """What is wrong with a recording's files, its journal or its annotations; [] if sound."""
-        recording = self.recording(sequence)
-        return verify(recording.path) + self.store.check(sequence)
+        self.recording(sequence)
+        return checking.check_recording(self.library, self.store, sequence)
+
+    def check_database(self) -> list[str]:
+        """What is wrong with the label database itself; [] if all of it can be read."""
+        return self.store.integrity()
+
+    def repair(self, sequences: Collection[str]) -> Repaired:
+        """Make anew what can be of what is wrong; see ``checking.repair``."""
+        return checking.repair(self.library, self.store, sequences)
 
     def ready_checks(self) -> dict[str, Callable[[], None]]:
         """Return a check of each part that work needs; it raises UnavailableError."""

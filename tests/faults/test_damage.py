@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 import uuid
@@ -270,3 +271,50 @@ def test_a_frame_damaged_while_it_is_exported_is_a_named_gap(tmp_path: Path) -> 
         assert len(gaps) == 1
         assert f"frame {FRAMES - 1} is damaged" in gaps[0]
     assert "Traceback" not in server.stderr
+
+
+def run_check(workspace: Path, *flags: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "pointbrush.cli", "check", *flags]
+    return subprocess.run([*command, "--workspace", str(workspace)], capture_output=True, text=True)
+
+
+def test_check_tells_what_is_wrong_and_repairs_what_it_can(server: ServerProcess) -> None:
+    with server.api() as api:
+        assert stroke(api, 0).json()["changed"] > 0
+    assert server.stop() == 0
+    workspace, folder = server.workspace, server.workspace / "sequences" / SEQUENCE
+    assert "are sound" in run_check(workspace).stdout
+
+    flip(folder / "frames" / "000001.wire")
+    with sqlite3.connect(workspace / "labels.sqlite") as connection:
+        connection.execute("UPDATE counts SET points = points + 1")
+    connection.close()
+    (folder / "checksums.json").rename(folder.parent / "kept")
+    told = run_check(workspace)
+    assert told.returncode == 1
+    assert "counts: frame 0, label 1" in told.stdout
+    assert "changed bytes of the frames cannot be noticed" in told.stdout
+    (folder.parent / "kept").rename(folder / "checksums.json")
+    mended = run_check(workspace, "--repair")
+    assert mended.returncode == 1
+    assert f"rebuilt: {SEQUENCE}: counts: frame 0, label 1" in mended.stdout
+    assert f"cannot be rebuilt: {SEQUENCE}: frames/000001.wire" in mended.stdout
+
+    flip(folder / "frames" / "000001.wire")
+    assert "are sound" in run_check(workspace).stdout
+    (folder / "checksums.json").unlink()
+    mended = run_check(workspace, "--repair")
+    assert (mended.returncode, "are sound" in mended.stdout) == (0, True), mended.stdout
+    assert "had no checksums" in mended.stdout
+
+    path = workspace / "labels.sqlite"
+    content = bytearray(path.read_bytes())
+    size = int.from_bytes(content[16:18], "big")
+    for start in range(3 * size, len(content), 2 * size):
+        content[start : start + size] = bytes(size)
+    path.write_bytes(content)
+    for flags in ((), ("--repair",)):
+        told = run_check(workspace, *flags)
+        assert told.returncode == 1
+        assert "database: " in told.stdout, (told.stdout, told.stderr)
+        assert "Traceback" not in told.stderr

@@ -5,6 +5,7 @@
 
 from pointbrush.labels.backup import restore
 from pointbrush.labels.database import Limits
+from pointbrush.labels.integrity import check_database
 from pointbrush.labels.store import LabelStore
 from pointbrush.labels.tokens import Token, Tokens
 from pointbrush.labels.types import (
@@ -31,5 +32,6 @@ __all__ = [
     "Token",
     "Tokens",
     "Write",
+    "check_database",
     "restore",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Generator, Iterator
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -40,115 +41,137 @@ from pointbrush.labels.schema import (
 from pointbrush.labels.state import NONE, FrameLabel, SequenceState
 
 
-def check(connection: Connection, state: SequenceState) -> list[str]:
-    """What is wrong with a sequence, one sentence each; nothing is repaired."""
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that is wrong, in a sentence; ``derived``: it can be made anew by the journal."""
+
+    text: str
+    derived: bool
+
+
+def check(connection: Connection, state: SequenceState) -> list[Finding]:
+    """What is wrong with a sequence; nothing is repaired."""
+    tally = Tally(connection, state)
     return [
         *_check_numbers(connection, state),
-        *_check_points(connection, state),
+        *tally.findings(),
+        *_check_counts(connection, state, tally.counts),
         *_check_palette(connection, state),
         *_check_tracks(connection, state),
     ]
 
 
-def _check_numbers(connection: Connection, state: SequenceState) -> Iterator[str]:
+def _check_numbers(connection: Connection, state: SequenceState) -> Iterator[Finding]:
     query = select(func.count(), func.min(edits.c.revision), func.max(edits.c.revision))
     found, first, last = connection.execute(query.where(edits.c.sequence == state.number)).one()
     expected = (state.revision, 1, state.revision) if state.revision else (0, None, None)
     if (found, first, last) != expected:
-        yield (
+        yield Finding(
             f"journal: expected revisions 1 to {state.revision}, got {found} edits from "
-            f"{first} to {last}"
+            f"{first} to {last}",
+            derived=False,
         )
 
 
-def _check_points(connection: Connection, state: SequenceState) -> Iterator[str]:
-    in_force = set(
-        connection.execute(
-            select(edits.c.revision).where(
-                edits.c.sequence == state.number, edits.c.state.in_(IN_FORCE)
-            )
-        ).scalars()
-    )
-    tally: dict[FrameLabel, tuple[int, ...]] = {}
-    table = edit_blocks.c
-    columns = (table.frame, table.block, table.layer)
-    query = select(*columns).where(table.sequence == state.number)
-    places = connection.execute(query.distinct().order_by(*columns)).all()
-    for (frame, block), group in groupby(places, lambda row: (row.frame, row.block)):
-        values = np.zeros(1, np.uint64)
-        for _, _, layer in group:
-            states = yield from _check_place(connection, state, (frame, layer, block), in_force)
-            bits = DELETED_BIT if layer == DELETION else VALUE_BITS & ~DELETED_BIT
-            values = values | (states & bits)
-        for label, found in tally_labels(values):
-            old = tally.get((frame, label), NONE)
-            tally[frame, label] = tuple(a + b for a, b in zip(old, found, strict=True))
-    yield from _check_counts(connection, state, tally)
+class Tally:
+    """Counts of labels by a replay of the journal; ``findings`` makes them on its way."""
+
+    def __init__(self, connection: Connection, state: SequenceState) -> None:
+        self._connection, self._state = connection, state
+        self.counts: dict[FrameLabel, tuple[int, ...]] = {}
+
+    def findings(self) -> Iterator[Finding]:
+        """What is wrong with the journal of points and its snapshots, block by block."""
+        connection, state = self._connection, self._state
+        in_force = set(
+            connection.execute(
+                select(edits.c.revision).where(
+                    edits.c.sequence == state.number, edits.c.state.in_(IN_FORCE)
+                )
+            ).scalars()
+        )
+        table = edit_blocks.c
+        columns = (table.frame, table.block, table.layer)
+        query = select(*columns).where(table.sequence == state.number)
+        places = connection.execute(query.distinct().order_by(*columns)).all()
+        for (frame, block), group in groupby(places, lambda row: (row.frame, row.block)):
+            values = np.zeros(1, np.uint64)
+            for _, _, layer in group:
+                states = yield from _check_place(connection, state, (frame, layer, block), in_force)
+                bits = DELETED_BIT if layer == DELETION else VALUE_BITS & ~DELETED_BIT
+                values = values | (states & bits)
+            for label, found in tally_labels(values):
+                old = self.counts.get((frame, label), NONE)
+                self.counts[frame, label] = tuple(a + b for a, b in zip(old, found, strict=True))
 
 
 def _check_place(
     connection: Connection, state: SequenceState, place: Place, in_force: set[int]
-) -> Generator[str, None, States]:
+) -> Generator[Finding, None, States]:
     """Replay one place and compare what is kept of it; returns its states."""
     states = np.zeros(block_size(state.frame_points(place[0]), place[2]), np.uint64)
     yield from _replay(connection, state, place, states)
     stale = set(np.unique(writer_of(states)).tolist()) - in_force - {0}
     if stale:
-        yield f"{_where(place)}: shows edits that are not in force: {sorted(stale)[:10]}"
+        shown = sorted(stale)[:10]
+        yield Finding(f"{_where(place)}: shows edits that are not in force: {shown}", derived=False)
     cached = state.cached(place)
     if cached is not None and not np.array_equal(cached.words(np.arange(len(states))), states):
-        yield f"{_where(place)}: memory differs from the journal"
+        yield Finding(f"{_where(place)}: memory differs from the journal", derived=True)
     return states
 
 
 def _replay(
     connection: Connection, state: SequenceState, place: Place, states: States
-) -> Iterator[str]:
+) -> Iterator[Finding]:
     """Replay a place's journal into ``states``, comparing with its snapshot on the way."""
-    snapshot = _at(snapshots.c, state.number, place)
+    snapshot = at(snapshots.c, state.number, place)
     kept = connection.execute(
         select(snapshots.c.revision, snapshots.c.data).where(snapshot)
     ).one_or_none()
     table = edit_blocks.c
-    query = select(table.revision, table.data).where(_at(table, state.number, place))
+    query = select(table.revision, table.data).where(at(table, state.number, place))
     rows = connection.execute(query.order_by(table.revision)).all()
     for number, (revision, data) in enumerate(rows):
         try:
             change = decode_change(data)
             if not np.array_equal(states[change.indices], change.before):
-                yield f"{_where(place)}: edit {revision} does not follow from those before it"
+                broken = f"edit {revision} does not follow from those before it"
+                yield Finding(f"{_where(place)}: {broken}", derived=False)
             states[change.indices] = change.after
         except (ValueError, IndexError, zlib.error) as error:
-            yield f"{_where(place)}: edit {revision} cannot be read: {error}"
+            broken = f"edit {revision} cannot be read: {error}"
+            yield Finding(f"{_where(place)}: {broken}", derived=False)
         following = rows[number + 1].revision if number + 1 < len(rows) else state.revision + 1
         if kept is not None and revision <= kept.revision < following:
             yield from _compare_snapshot(place, kept.data, states)
 
 
-def _compare_snapshot(place: Place, data: bytes, states: States) -> Iterator[str]:
+def _compare_snapshot(place: Place, data: bytes, states: States) -> Iterator[Finding]:
     try:
         same = np.array_equal(decode_states(data), states)
     except (ValueError, zlib.error) as error:
-        yield f"{_where(place)}: its snapshot cannot be read: {error}"
+        yield Finding(f"{_where(place)}: its snapshot cannot be read: {error}", derived=True)
         return
     if not same:
-        yield f"{_where(place)}: its snapshot differs from the journal"
+        yield Finding(f"{_where(place)}: its snapshot differs from the journal", derived=True)
 
 
 def _check_counts(
     connection: Connection, state: SequenceState, tally: dict[FrameLabel, tuple[int, ...]]
-) -> Iterator[str]:
+) -> Iterator[Finding]:
     rows = connection.execute(select(counts).where(counts.c.sequence == state.number))
     kept = {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
     for key in sorted(kept.keys() | tally.keys()):
         if kept.get(key, NONE) != tally.get(key, NONE):
-            yield (
+            yield Finding(
                 f"counts: frame {key[0]}, label {key[1]}: expected {tally.get(key, NONE)}, "
-                f"got {kept.get(key, NONE)}"
+                f"got {kept.get(key, NONE)}",
+                derived=True,
             )
 
 
-def _check_palette(connection: Connection, state: SequenceState) -> Iterator[str]:
+def _check_palette(connection: Connection, state: SequenceState) -> Iterator[Finding]:
     here = edit_labels.c.sequence == state.number
     known = set(connection.execute(select(edit_labels.c.label).where(here).distinct()).scalars())
     kept = set(
@@ -156,10 +179,12 @@ def _check_palette(connection: Connection, state: SequenceState) -> Iterator[str
     )
     for label_id, label in palette.fold(connection, state.number, known | kept).items():
         if label != state.palette.get(label_id):
-            yield f"palette: label {label_id}: expected {label}, got {state.palette.get(label_id)}"
+            got = state.palette.get(label_id)
+            yield Finding(f"palette: label {label_id}: expected {label}, got {got}", derived=True)
 
 
-def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[str]:
+def expected_tracks(connection: Connection, state: SequenceState) -> dict[FrameLabel, str]:
+    """What the edits in force say of the tracks, as JSON by frame and label."""
     query = (
         select(edit_tracks.c.frame, edit_tracks.c.label, edit_tracks.c.data)
         .join(
@@ -172,18 +197,22 @@ def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[str]
         .where(edits.c.sequence == state.number, edits.c.state.in_(IN_FORCE))
         .order_by(edit_tracks.c.revision)
     )
-    expected = {(frame, label): data for frame, label, data in connection.execute(query)}
+    return {(frame, label): data for frame, label, data in connection.execute(query)}
+
+
+def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[Finding]:
+    expected = expected_tracks(connection, state)
     rows = connection.execute(select(tracks).where(tracks.c.sequence == state.number))
     kept = {(row.frame, row.label): row.data for row in rows}
     for frame, label in sorted(expected.keys() | kept.keys()):
         wanted, found = expected.get((frame, label)), kept.get((frame, label))
         if (wanted and json.loads(wanted)) != (found and json.loads(found)):
-            yield f"tracks: frame {frame}, label {label} differs from the journal"
+            what = f"tracks: frame {frame}, label {label} differs from the journal"
+            yield Finding(what, derived=True)
 
 
-def _at(
-    table: ReadOnlyColumnCollection[str, Any], number: int, place: Place
-) -> ColumnElement[bool]:
+def at(table: ReadOnlyColumnCollection[str, Any], number: int, place: Place) -> ColumnElement[bool]:
+    """The condition that rows of a table belong to one place of sequence ``number``."""
     return and_(
         table.sequence == number,
         table.frame == place[0],

@@ -72,6 +72,20 @@ class Sessions:
         finally:
             self.outbox.drain()
 
+    def rebuild(
+        self,
+        sequence: str,
+        make: Callable[[Connection, SequenceState], tuple[list[str], list[str]]],
+    ) -> tuple[list[str], list[str]]:
+        """Have ``make`` write what is derived from the journal, and read everything anew."""
+        state = self._state(sequence)
+        with state.lock, self._database.write() as connection:
+            self._refresh(connection, state, lock=True)
+            state.forget_blocks()
+            made = make(connection, state)
+        self.forget(sequence)
+        return made
+
     def forget(self, sequence: str) -> None:
         """Drop what is in memory of a sequence."""
         with self._opening:

@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from sqlalchemy import delete
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import backup, check, history, palette, plans, reading, schema
+from pointbrush.labels import (
+    backup,
+    check,
+    history,
+    integrity,
+    palette,
+    plans,
+    reading,
+    repair,
+    schema,
+)
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.migrate import migrate
@@ -313,7 +323,22 @@ class LabelStore:
     def check(self, sequence: str) -> list[str]:
         """What of a sequence disagrees with its journal, one sentence each; none: all is well."""
         with self._sessions.reading(sequence) as (connection, state):
-            return check.check(connection, state)
+            return [finding.text for finding in check.check(connection, state)]
+
+    def integrity(self) -> list[str]:
+        """What is wrong with the database itself, one sentence each; all of it is read."""
+        return integrity.integrity(self._database)
+
+    def rebuild_indexes(self) -> None:
+        """Make the database's indexes anew from its rows."""
+        integrity.rebuild_indexes(self._database)
+
+    def repair(self, sequence: str) -> tuple[list[str], list[str]]:
+        """Make anew what disagrees with the journal: what was wrong, and what cannot be mended.
+
+        Other processes that have the sequence open go on with what they know: stop them first.
+        """
+        return self._sessions.rebuild(sequence, repair.repair)
 
     def backup(self, target: Path) -> None:
         """Write a consistent copy of this database, in use or not, to a new SQLite file.

@@ -1,7 +1,7 @@
 """An imported recording on disk: order, chunks, spatial index, k-d tree; immutable afterwards."""
 
 from pointbrush.sequences.blocks import Blocks
-from pointbrush.sequences.check import verify
+from pointbrush.sequences.check import note_checksums, verify
 from pointbrush.sequences.files import clean_temporary
 from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
 from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
@@ -18,6 +18,7 @@ __all__ = [
     "clean_temporary",
     "import_frames",
     "import_large",
+    "note_checksums",
     "open_sequence",
     "read_manifest",
     "source_blocks",

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from pointbrush.errors import PointbrushError
-from pointbrush.sequences.arrays import file_digest
+from pointbrush.errors import DamagedError, PointbrushError
+from pointbrush.sequences.arrays import file_digest, read_array, read_layout
+from pointbrush.sequences.files import replace_file
 from pointbrush.sequences.manifest import FILE, read_manifest
 
 CHECKSUMS = "checksums.json"
@@ -26,8 +27,17 @@ def read_checksums(path: Path) -> dict[str, str] | None:
     return content if isinstance(content, dict) else None
 
 
-def verify(path: Path) -> list[str]:
-    """Problems of the sequence in folder ``path``, one sentence each; none when it is whole."""
+NO_CHECKSUMS = (
+    f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged: changed bytes of the "
+    "frames cannot be noticed"
+)
+
+
+def verify(path: Path, *, contents: bool = True) -> list[str]:
+    """Problems of the sequence in folder ``path``, one sentence each; none when it is whole.
+
+    Without ``contents`` no frame is read: the manifest must be whole and all files there.
+    """
     problems = []
     try:
         read_manifest(path)
@@ -35,14 +45,50 @@ def verify(path: Path) -> list[str]:
         problems.append(str(error))
     expected = read_checksums(path)
     if expected is None:
-        return [*problems, f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged"]
+        return [*problems, NO_CHECKSUMS, *_unreadable(path)]
     for name, checksum in expected.items():
         file = path / name
         if not file.is_file():
             problems.append(f"{name}: expected a file, it is missing")
-        elif file_digest(file) != checksum:
+        elif contents and file_digest(file) != checksum:
             problems.append(f"{name}: expected checksum {checksum}, its bytes have changed")
-    here = {str(p.relative_to(path)) for p in path.rglob("*") if p.is_file()}
-    extra = sorted(here - set(expected) - {CHECKSUMS, FILE})
+    extra = sorted(_files(path) - set(expected))
     problems += [f"{name}: expected no such file" for name in extra]
+    return problems
+
+
+def note_checksums(path: Path) -> bool:
+    """Write checksums of what is there, if there are none and all of it can be read.
+
+    Whether they were written.  Raises OSError.
+    """
+    try:
+        read_manifest(path)
+    except PointbrushError:
+        return False
+    if read_checksums(path) is not None or _unreadable(path):
+        return False
+    checksums = {name: file_digest(path / name) for name in _files(path)}
+    replace_file(path / CHECKSUMS, encode_checksums(checksums))
+    return True
+
+
+def _files(path: Path) -> set[str]:
+    here = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
+    return here - {CHECKSUMS, FILE}
+
+
+def _unreadable(path: Path) -> list[str]:
+    """What is wrong with frames' files by what they say of themselves."""
+    problems = []
+    for file in sorted(path.glob("frames/*.points")):
+        try:
+            layout = read_layout(file)
+            chunks = read_array(file, layout, "chunks")
+            wire = file.with_suffix(".wire")
+            nbytes = int((chunks["offset"] + chunks["nbytes"]).max(initial=0))
+            if not wire.is_file() or wire.stat().st_size != nbytes:
+                problems.append(f"frames/{wire.name}: expected {nbytes:,} bytes")
+        except DamagedError as error:
+            problems.append(str(error))
     return problems
