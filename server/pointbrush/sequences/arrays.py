@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
 from pointbrush.sequences.files import write_file
+from pointbrush.shortage import shortage
 
 MAGIC = b"PBARRAY1"
 _ALIGN = 64
@@ -98,6 +99,8 @@ def _damaged(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        if (short := shortage(error)) is not None:
+            raise short from error
         reason = error.strerror or error
         raise DamagedError(f"expected stored arrays in {path.name}, got: {reason}") from error
     except (ValueError, KeyError, TypeError, OverflowError) as error:

@@ -12,9 +12,10 @@ from pathlib import Path
 from uuid import uuid4
 
 from pointbrush.errors import ConflictError, PointbrushError, UnavailableError
+from pointbrush.shortage import FULL
 
 _TEMPORARY = re.compile(r"\.tmp-(\d+)-[0-9a-f]{32}")
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO}
+_FULL = FULL | {errno.EROFS, errno.EIO}
 
 
 def write_file(path: Path, data: bytes | memoryview) -> None:

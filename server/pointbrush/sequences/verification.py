@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pointbrush.errors import DamagedError
+from pointbrush.shortage import shortage
 
 log = logging.getLogger(__name__)
 
@@ -136,6 +137,8 @@ class Verifier:
                         time.sleep((time.monotonic() - started) * (1 / share - 1))
                         started = time.monotonic()
         except OSError as error:
+            if (short := shortage(error)) is not None:
+                raise short from error
             raise DamagedError(f"expected the file {path.name}, got: {error.strerror}") from error
         self._remember(path, stamp, found.hexdigest(), checksum)
 

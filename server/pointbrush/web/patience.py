@@ -1,6 +1,7 @@
 """HTTP connections that wait for nothing are closed: uvicorn itself would keep them.
 
-Some never finish a request's headers, some never read their answer.
+Some never finish a request's headers, some never read their answer.  And those that are more than
+this process has files for are told so, so that the work of the others finds some left.
 """
 
 from __future__ import annotations
@@ -9,6 +10,14 @@ import asyncio
 from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from pointbrush.shortage import most_connections
+from pointbrush.web.refusal import too_many_connections
+
+HEARD_OUT = 32
+"""Connections too many that are answered in words; any more are closed at once."""
+REFUSED_SECONDS = 2.0
+"""Time in which a connection too many must ask something to be answered."""
 
 
 class PatientProtocol(H11Protocol):
@@ -22,7 +31,16 @@ class PatientProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start waiting for the first request."""
         super().connection_made(transport)
+        too_many = len(self.connections) - most_connections()
+        if too_many > HEARD_OUT:
+            self.transport.abort()
+        elif too_many > 0:
+            self.app = too_many_connections
+            self.seconds = REFUSED_SECONDS
         self._wait()
+
+    def _should_upgrade(self) -> bool:
+        return self.app is not too_many_connections and bool(super()._should_upgrade())
 
     def _wait(self) -> None:
         self.loop.call_later(self.seconds, self._look, self.scope)

@@ -16,14 +16,13 @@ from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
 from pointbrush import errors
+from pointbrush.shortage import shortage
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import status_of
 
 logger = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
-FULL = (errno.ENOSPC, errno.EDQUOT)
-"""What the system says when nothing more can be written, in uploads say."""
 EXTRA_HEADERS = {
     401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
     429: {"Retry-After": "1"},
@@ -102,9 +101,8 @@ def methods_of(app: FastAPI, path: str) -> list[str]:
 
 
 async def _system(request: Request, error: Exception) -> JSONResponse:
-    if isinstance(error, OSError) and error.errno in FULL:
-        detail = f"the disk has no room for this, nothing was changed: {error.strerror}"
-        return problem(503, detail, errors.UnavailableError.title)
+    if isinstance(error, OSError) and (short := shortage(error)) is not None:
+        return problem_of(short)
     if isinstance(error, OSError) and error.errno == errno.EROFS:
         detail = "the workspace's folder is read-only here, nothing was changed"
         return problem(403, detail, errors.ReadOnlyError.title)

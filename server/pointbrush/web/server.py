@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import ipaddress
 import os
@@ -181,8 +182,12 @@ def keep_off_memory(temporary: Path) -> None:
     names another in TMPDIR has it their way.
     """
     if "TMPDIR" not in os.environ:
+        with contextlib.suppress(OSError):  # read-only: nothing is uploaded
+            temporary.mkdir(parents=True, exist_ok=True)
         os.environ["TMPDIR"] = str(temporary)
         tempfile.tempdir = None
+    # Now: the choice is made by writing a file, for which there may be no room later.
+    tempfile.gettempdir()
 
 
 def settle_memory() -> None:
