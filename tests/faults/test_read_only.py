@@ -142,7 +142,8 @@ def test_it_is_served_for_viewing(read_only: ReadOnly) -> None:
     assert "read-only" in server.stderr
     assert "Traceback" not in server.stderr
     assert everything_in(read_only.workspace) == before
-    assert not list(Path(tempfile.gettempdir()).glob("pointbrush-readonly-*"))
+    copies = f"pointbrush-readonly-{server.process.pid}-*"
+    assert not list(Path(tempfile.gettempdir()).glob(copies))
 
 
 def test_the_commands_look_at_it_and_change_nothing(read_only: ReadOnly) -> None:
