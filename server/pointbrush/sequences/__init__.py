@@ -6,7 +6,8 @@ from pointbrush.sequences.files import clean_temporary
 from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
 from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
 from pointbrush.sequences.source_order import source_blocks
-from pointbrush.sequences.store import Chunk, Sequence, StoredFrame, open_sequence
+from pointbrush.sequences.store import Sequence, open_sequence
+from pointbrush.sequences.stored_frame import Chunk, StoredFrame
 
 __all__ = [
     "LARGE_POINTS",

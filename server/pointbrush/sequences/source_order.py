@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.store import StoredFrame
+from pointbrush.sequences.stored_frame import StoredFrame
 
 BLOCK_POINTS = 4_000_000
 """Points of a block; a frame that is no octree is one block."""

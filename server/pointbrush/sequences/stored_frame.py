@@ -1,0 +1,260 @@
+"""One frame of an imported recording, as it is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.frame import DepthCamera
+from pointbrush.sequences import kdtree
+from pointbrush.sequences.blocks import Blocks
+from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.columns import from_local
+from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles
+from pointbrush.sequences.manifest import Manifest
+
+_TREE_POINTS = 6_000_000
+_trees: Cache[tuple[str, str, int], cKDTree[None]] = Cache(_TREE_POINTS)
+"""Trees of all sequences together, bounded by their points (about 45 bytes each)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A run of points in stored order, and its encoded bytes in the frame's wire file.
+
+    Position = ``origin + q * scale``, local metres; ``lo``, ``hi`` bound the exact positions.
+    ``parent`` is the chunk above in an octree, -1 elsewhere.
+    """
+
+    index: int
+    level: int
+    first: int
+    count: int
+    offset: int
+    nbytes: int
+    origin: tuple[float, float, float]
+    scale: tuple[float, float, float]
+    lo: tuple[float, float, float]
+    hi: tuple[float, float, float]
+    parent: int
+
+
+_CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
+
+
+class StoredFrame:
+    """One frame; arrays are read-only, in stored order, shared by all threads.
+
+    Whatever reads its files raises DamagedError, naming the frame, when they are not whole.
+
+    ``pose``          (4, 4) ``T_world_frame`` in the source's coordinates, or None.
+    ``viewpoint``     (3,) the sensor's position, local metres, or None.
+    ``timestamp``     seconds, or None.
+    """
+
+    def __init__(self, files: CopiedFiles | MappedFiles, manifest: Manifest) -> None:
+        index = files.index
+        self.index, self.count, self.large = index, files.count, files.large
+        self._files, self._identity = files, manifest.identity
+        self._shift = np.array(manifest.shift)
+        pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
+        self.pose = None if pose is None else np.array(pose).reshape(4, 4)
+        self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
+        self.timestamp = manifest.timestamps[index]
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def xyz(self) -> NDArray[np.float32]:
+        """(N, 3) float32, local metres."""
+        return self._files.array("xyz")
+
+    @property
+    def source_index(self) -> NDArray[np.uint32]:
+        """(N,) uint32: ``source_array[source_index]`` is in stored order."""
+        return self._files.array("source_index")
+
+    def _column(self, name: str) -> NDArray[Any] | None:
+        return self._files.array(name) if name in self._files.names else None
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """(N, 3) colours, or None."""
+        return self._column("rgb")
+
+    @property
+    def intensity(self) -> NDArray[np.float32] | None:
+        """(N,) in the source's unit, or None."""
+        return self._column("intensity")
+
+    @property
+    def label(self) -> NDArray[np.uint16] | None:
+        """(N,) annotation that came with the source, or None."""
+        return self._column("label")
+
+    @property
+    def instance(self) -> NDArray[np.uint16] | None:
+        """(N,) instance numbers that came with the source, or None."""
+        return self._column("instance")
+
+    @property
+    def pixel(self) -> NDArray[np.uint32] | None:
+        """(N,) row-major pixels of ``camera``'s image, or None."""
+        return self._column("pixel")
+
+    @property
+    def camera(self) -> DepthCamera | None:
+        """Intrinsics when the frame came from a depth image."""
+        camera = self._files.meta.get("camera")
+        return None if camera is None else DepthCamera(**camera)
+
+    @property
+    def source_dtype(self) -> np.dtype[Any]:
+        """float32 or float64: the type of the coordinates that were imported."""
+        dtype: np.dtype[Any] = np.dtype(self._files.meta["dtype"])
+        return dtype
+
+    def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
+        """A per-point array (N, …) from stored into source order."""
+        values = np.asarray(stored_values)
+        if len(values) != self.count:
+            raise BadInputError(f"expected {self.count} values, got {len(values)}")
+        out = np.empty_like(values)
+        out[self.source_index] = values
+        return out
+
+    def stored_numbers(self, source_indices: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
+        """Stored numbers (K,) of points given by their numbers (K,) in the source.
+
+        Raises BadInputError when one is outside 0..N-1.
+        """
+        wanted = np.asarray(source_indices)
+        if len(wanted) and (int(wanted.min()) < 0 or int(wanted.max()) >= self.count):
+            raise BadInputError(
+                f"expected point numbers from 0 to {self.count - 1}, "
+                f"got {wanted.min()} to {wanted.max()}"
+            )
+        return self._inverse[wanted].astype(np.int64)
+
+    @cached_property
+    def _inverse(self) -> NDArray[np.uint32]:
+        return self.to_source(np.arange(self.count, dtype=np.uint32))
+
+    def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
+        """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
+        exact = self._column("residual")
+        return self.to_source(from_local(self.xyz, exact, self._shift, self.source_dtype))
+
+    def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
+        """Rows ``first`` to before ``stop`` of a stored array.
+
+        Of an octree's frame they are read, not mapped: passing through all of it must not make
+        all of it this process's memory.
+        """
+        return self._files.rows(name, first, stop)
+
+    def release(self) -> None:
+        """Let go of the mapped memory that was looked at; it comes again when it is looked at.
+
+        Raises DamagedError when a file has been cut short meanwhile.
+        """
+        self._files.release()
+
+    def look(self) -> None:
+        """Raise DamagedError when what is mapped of the frame has been cut short."""
+        self._files.look()
+
+    def verify(self, names: Collection[str]) -> int:
+        """Compare the files of columns ``names`` with their checksums, unless this process has.
+
+        ``source_index``, and what ``xyz`` needs, belong to them.  Raises DamagedError: call this
+        before the first byte of a long answer.  Returns the files' bytes.
+        """
+        return self._files.verify(
+            {*names, "source_index", *(("residual",) if "xyz" in names else ())}
+        )
+
+    def read_source(self, first: int, stop: int, names: Collection[str]) -> dict[str, NDArray[Any]]:
+        """Those of the columns ``names`` that the frame has, stored order, as imported.
+
+        ``xyz`` are source coordinates, bit for bit.
+        """
+        columns = {
+            name: self.read(name, first, stop)
+            for name in names
+            if name != "xyz" and name in self._files.names
+        }
+        if "xyz" in names:
+            exact = self.read("residual", first, stop) if "residual" in self._files.names else None
+            local = self.read("xyz", first, stop)
+            columns["xyz"] = from_local(local, exact, self._shift, self.source_dtype)
+        return columns
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """Bounding boxes of runs of at most 256 points."""
+        array, chunks = self._files.array, self.chunk_table
+        return Blocks(
+            first=array("block_first"),
+            lo=array("block_lo"),
+            hi=array("block_hi"),
+            chunk_first=array("block_of_chunk"),
+            chunk_lo=np.ascontiguousarray(chunks["lo"]),
+            chunk_hi=np.ascontiguousarray(chunks["hi"]),
+        )
+
+    @property
+    def chunk_table(self) -> NDArray[Any]:
+        """The chunks as one structured array (``chunk.CHUNK``)."""
+        return self._files.chunks
+
+    @cached_property
+    def chunks(self) -> list[Chunk]:
+        """All chunks, in the order of their points and bytes."""
+        columns: list[list[Any]] = [
+            list(map(tuple, values)) if values and isinstance(values[0], list) else values
+            for values in (self.chunk_table[name].tolist() for name in _CHUNK_COLUMNS)
+        ]
+        return list(map(Chunk, range(len(self.chunk_table)), *columns))
+
+    def wire(self, first_chunk: int, stop_chunk: int) -> memoryview:
+        """The encoded bytes of chunks ``first_chunk`` to before ``stop_chunk``.
+
+        Offsets of chunks count from the start of the frame's wire file.  Raises DamagedError.
+        """
+        table = self.chunk_table
+        if not 0 <= first_chunk <= stop_chunk <= len(table):
+            raise NotFoundError(
+                f"expected chunks within 0..{len(table)}, got {first_chunk}..{stop_chunk}"
+            )
+        if first_chunk == stop_chunk:
+            return memoryview(b"")
+        start = int(table["offset"][first_chunk])
+        stop = int(table["offset"][stop_chunk - 1] + table["nbytes"][stop_chunk - 1])
+        return self._files.wire(start, stop)
+
+    @property
+    def kdtree(self) -> cKDTree[None]:
+        """The tree over ``xyz``, loaded once and shared; querying it is thread-safe.
+
+        Raises TooLargeError for an octree's frame: build one over the points of a region.
+        """
+        if isinstance(self._files, MappedFiles):
+            raise TooLargeError(
+                f"frame {self.index}: expected a frame small enough for a k-d tree, "
+                f"got {self.count:,} points"
+            )
+        files = self._files
+        return _trees.get(
+            (str(files.path), self._identity, self.index),
+            lambda: kdtree.unpack(files.arrays(), self.xyz, trusted=files.trusted),
+            size=max(self.count, 1),
+        )
