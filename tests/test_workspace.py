@@ -355,7 +355,7 @@ def test_a_removed_recording_is_gone_with_its_labels(workspace: Workspace) -> No
     assert workspace.sequences() == []
     with pytest.raises(NotFoundError):
         workspace.palette(SEQUENCE)
-    assert list(workspace.library.folder.iterdir()) == []
+    assert [path.name for path in workspace.library.folder.iterdir()] == [".deleted"]
 
 
 def test_labels_of_files_are_there_after_a_kill_between_import_and_labels(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import restore_backup
-from pointbrush.workspace import Workspace
+from pointbrush.workspace import Listed, Workspace
 
 AUTHOR = "command line"
 
@@ -103,11 +103,8 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
     """List the recordings, or describe one."""
     with closing(Workspace(settings)) as workspace:
         if given.sequence is None:
-            for manifest in workspace.sequences():
-                print(
-                    f"{manifest.id}\t{manifest.frames} frames\t{manifest.fps:g} fps\t"
-                    f"{sum(manifest.points):,} points\t{manifest.name}"
-                )
+            for entry in workspace.listing():
+                print(_line(entry))
             return
         manifest = workspace.recording(given.sequence).manifest
         facts: dict[str, Any] = {
@@ -124,6 +121,22 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
             print(f"{name:10} {value}")
         for label in workspace.palette(given.sequence):
             print(f"label {label.id:<4} {label.color} {label.name}")
+
+
+def _line(entry: Listed) -> str:
+    manifest = entry.manifest
+    damaged = "" if entry.damaged is None else f"damaged: {entry.damaged}"
+    if manifest is None:
+        return f"{entry.id}\t{damaged}"
+    parts = [
+        manifest.id,
+        f"{manifest.frames} frames",
+        f"{manifest.fps:g} fps",
+        f"{sum(manifest.points):,} points",
+        manifest.name,
+        *([damaged] if damaged else []),
+    ]
+    return "\t".join(parts)
 
 
 def token(given: argparse.Namespace, settings: Settings) -> None:
@@ -166,7 +179,7 @@ def check(given: argparse.Namespace, settings: Settings) -> None:
             print(problem)
         raise
     with closing(workspace):
-        wanted = [given.sequence] if given.sequence else [m.id for m in workspace.sequences()]
+        wanted = [given.sequence] if given.sequence else [entry.id for entry in workspace.listing()]
         if given.repair:
             repaired = workspace.repair(wanted)
             for line in repaired.rebuilt:

@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import (
     BadInputError,
-    ConflictError,
     ForbiddenError,
     NotFoundError,
     ReadOnlyError,
 )
 from pointbrush.formats import EXPORTS, export
-from pointbrush.jobs import ENDED, Job, JobRunner
+from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Limits
 from pointbrush.private import ServerPaths, make_private
 from pointbrush.sequences import Manifest
@@ -31,15 +30,25 @@ from pointbrush.tracking import TrackOptions
 from pointbrush.work import accepting, checking, exporting, flooring, layers
 from pointbrush.work.backup import make_backup
 from pointbrush.work.checking import Repaired
+from pointbrush.work.deletion import Deleted, Deletion
 from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
 from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
+from pointbrush.work.listing import Listed, entry, listing, problems_of
 from pointbrush.work.readiness import require_room
 from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
 
-__all__ = ["Event", "Provisional", "Retracted", "SequencesChanged", "Workspace"]
+__all__ = [
+    "Deleted",
+    "Event",
+    "Listed",
+    "Provisional",
+    "Retracted",
+    "SequencesChanged",
+    "Workspace",
+]
 
 
 class Workspace:
@@ -69,8 +78,11 @@ class Workspace:
             self.library, self.store, self.runner, self._publish, settings.max_frame_points
         )
         self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
+        self._deletion = Deletion(self.library, self.store)
+        self._deletion.tidy()
         self._imports.complete(self.sequences())
         self.store.seal()
+        self.store.watch_sequences(self._changed_elsewhere)
 
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""
@@ -104,14 +116,27 @@ class Workspace:
     def _publish(self, event: Event) -> None:
         self._listeners.tell(event)
 
+    def _changed_elsewhere(self, sequence: str) -> None:
+        """Another process added, deleted or restored a recording."""
+        self._deletion.tidy()
+        self._publish(SequencesChanged(sequence))
+
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
     def sequences(self) -> list[Manifest]:
-        """Manifests of all recordings, by name."""
+        """Manifests of the recordings that can be opened, by name."""
         return self.library.manifests()
 
+    def listing(self) -> list[Listed]:
+        """All recordings by name, and what is wrong with those that are damaged."""
+        return listing(self.library, self.store, self._imports, self._deletion)
+
+    def entry(self, sequence: str) -> Listed:
+        """One of them, damaged or not; raises NotFoundError."""
+        return entry(self.library, self.store, sequence)
+
     def recording(self, sequence: str) -> Recording:
-        """The stored recording; raises NotFoundError."""
+        """The stored recording; raises NotFoundError, DamagedError."""
         return self.library.recording(sequence)
 
     def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
@@ -134,14 +159,25 @@ class Workspace:
         return self.update_sequence(sequence, room=found)
 
     def delete_sequence(self, sequence: str) -> None:
-        """Remove a recording and its labels; raises ConflictError while a job works on it."""
-        self.recording(sequence)
-        for job in self.runner.jobs():
-            if job.sequence == sequence and job.state not in ENDED:
-                raise ConflictError(f"sequence: expected no running {job.kind} on {sequence!r}")
-        self.library.remove(sequence)
-        self.store.forget(sequence)
+        """Delete a recording with its labels; it can be restored for 30 days.
+
+        Raises ConflictError while somebody, on whichever server, imports or tracks it.
+        """
+        self._deletion.delete(sequence)
         self._publish(SequencesChanged(sequence))
+
+    def deleted_sequences(self) -> list[Deleted]:
+        """Deleted recordings that can be restored, the last one deleted first."""
+        return self._deletion.deleted()
+
+    def restore_sequence(self, key: str) -> str:
+        """Bring a deleted recording back, by its id or its import's identity; returns its id.
+
+        It is another one when its own is taken meanwhile.  Raises NotFoundError.
+        """
+        sequence = self._deletion.restore(key)
+        self._publish(SequencesChanged(sequence))
+        return sequence
 
     def import_paths(
         self,
@@ -234,6 +270,7 @@ class Workspace:
             writes=writes,
             summary=f"annotation of frame {frame}",
             if_match=if_match,
+            identity=self.recording(sequence).identity,
         )
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
@@ -389,8 +426,7 @@ class Workspace:
 
     def check(self, sequence: str) -> list[str]:
         """What is wrong with a recording's files, its journal or its annotations; [] if sound."""
-        self.recording(sequence)
-        return checking.check_recording(self.library, self.store, sequence)
+        return problems_of(self.library, self.store, sequence)
 
     def check_database(self) -> list[str]:
         """What is wrong with the label database itself; [] if all of it can be read."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 
 import httpx
@@ -104,7 +105,7 @@ def test_who_has_it_open_is_told_and_sent_everything_anew(served: Served) -> Non
             old = await client.open("wall")
             await look(client, served)
             # As when the server gets round to telling of both changes at once.
-            served.workspace.library.remove("wall")
+            shutil.rmtree(served.workspace.library.folder / "wall")
             served.workspace.store.forget("wall")
             put_in_place(served, 200)
             served.workspace._publish(SequencesChanged("wall"))

@@ -6,6 +6,7 @@
 from pointbrush.labels.backup import restore
 from pointbrush.labels.database import Limits
 from pointbrush.labels.integrity import check_database
+from pointbrush.labels.recordings import KEPT_SECONDS, Known
 from pointbrush.labels.store import LabelStore
 from pointbrush.labels.tokens import Token, Tokens
 from pointbrush.labels.types import (
@@ -20,12 +21,14 @@ from pointbrush.labels.types import (
 )
 
 __all__ = [
+    "KEPT_SECONDS",
     "Cell",
     "Commit",
     "Delta",
     "EditInfo",
     "FrameValues",
     "GapError",
+    "Known",
     "Label",
     "LabelStore",
     "Limits",

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import threading
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import psycopg
 from sqlalchemy import (
     Connection,
     Engine,
+    Index,
     Table,
     create_engine,
     event,
@@ -141,6 +143,12 @@ class Database:
                 connection.invalidate()
                 raise
 
+    def now(self, connection: Connection) -> float:
+        """Seconds since the epoch, by one clock for all who share the database."""
+        if self.sqlite:
+            return time.time()
+        return float(connection.execute(text("SELECT extract(epoch FROM now())")).scalar_one())
+
     def upsert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
         """Insert rows, replacing those with the same primary key."""
         if not rows:
@@ -149,12 +157,17 @@ class Database:
             self._upserts[table.name] = self._upsert(table)
         connection.execute(self._upserts[table.name], rows)
 
-    def insert_new(
-        self, connection: Connection, table: Table, key: str, row: dict[str, Any]
-    ) -> None:
-        """Insert a row unless there is one with its ``key``."""
+    def insert_new(self, connection: Connection, index: Index, row: dict[str, Any]) -> bool:
+        """Insert a row unless the unique ``index`` has its like; tells whether it did."""
+        table = cast(Table, index.table)
+        where = index.dialect_options["sqlite" if self.sqlite else "postgresql"]["where"]
         statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
-        connection.execute(statement.on_conflict_do_nothing(index_elements=[key]), row)
+        columns = [column.name for column in index.columns]
+        statement = statement.on_conflict_do_nothing(index_elements=columns, index_where=where)
+        done = connection.execute(
+            statement.values(row), execution_options={"preserve_rowcount": True}
+        )
+        return done.rowcount > 0
 
     def _upsert(self, table: Table) -> Any:
         keys = [column.name for column in table.primary_key]

@@ -20,9 +20,10 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    text,
 )
 
-HEAD = "0001"
+HEAD = "0002"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -44,14 +45,20 @@ def _sequence() -> Column[int]:
     return Column("sequence", Integer, ForeignKey("sequences.number"), primary_key=True)
 
 
+LIVE = text("deleted IS NULL")
+_IMPORTS = text("kind = 'import'")
+
 sequences = Table(
     "sequences",
     metadata,
     Column("number", Integer, primary_key=True, autoincrement=True),
-    Column("id", String(128), nullable=False, unique=True),
+    Column("id", String(128), nullable=False),
     Column("revision", BigInteger, nullable=False),
     Column("highest_label", Integer, nullable=False),
     Column("points", LargeBinary, nullable=False),
+    Column("identity", String(16)),  # of the import; NULL until its recording has been seen
+    Column("deleted", Double),  # seconds since the epoch, or NULL
+    Index("sequences_live", "id", unique=True, sqlite_where=LIVE, postgresql_where=LIVE),
     sqlite_autoincrement=True,
 )
 
@@ -163,6 +170,21 @@ tokens = Table(
     Column("created", Double, nullable=False),
     Column("expires", Double),
     Column("revoked", Double),
+)
+
+works = Table(
+    "works",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("sequence", String(128), nullable=False),  # an id that may not be there yet
+    Column("kind", String(16), nullable=False),
+    Column("host", Text, nullable=False),
+    Column("process", Integer, nullable=False),
+    Column("owner", String(16), nullable=False),  # tells a process from an earlier one
+    Column("beat", Double, nullable=False),  # seconds since the epoch: the owner lived then
+    Index(
+        "works_import", "sequence", unique=True, sqlite_where=_IMPORTS, postgresql_where=_IMPORTS
+    ),
 )
 
 PER_SEQUENCE = (edit_blocks, edit_labels, edit_tracks, snapshots, labels, tracks, counts, edits)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from sqlalchemy import Connection, Row
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import NotFoundError, UnavailableError
 from pointbrush.labels import journal, schema
 from pointbrush.labels.blocks import SNAPSHOT_EVERY, BlockCache, Place
 from pointbrush.labels.database import Database
@@ -48,8 +48,12 @@ class Sessions:
         self._cache = cache
         self._states: dict[str, SequenceState] = {}
         self._opening = threading.RLock()
-        with database.read() as connection:
-            self._seen = {name: seen for name, (_, seen) in revisions(connection).items()}
+        self._listing = threading.Lock()
+        self._live = self._read_live()
+        # By number: another sequence of the same id has revisions of its own.
+        self._seen = dict(self._live.values())
+        self.came_or_went: Callable[[str], None] = lambda _: None
+        """Called with the id of a sequence that another process added, deleted or replaced."""
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
@@ -90,23 +94,40 @@ class Sessions:
         """Drop what is in memory of a sequence."""
         with self._opening:
             state = self._states.pop(sequence, None)
-            self._seen.pop(sequence, None)
+            if state is not None:
+                self._seen[state.number] = state.revision
         if state is not None:
             self._cache.drop(state.number)
 
     def catch_up(self) -> None:
         """Take in what other processes committed, and tell the subscribers."""
-        with self._database.read() as connection:
-            newest = revisions(connection)
+        with self._listing:
+            newest = self._read_live()
+            before, self._live = self._live, newest
+        for sequence in sorted(before.keys() | newest.keys()):
+            if _number(before, sequence) != _number(newest, sequence):
+                self.came_or_went(sequence)
         for sequence, (number, revision) in newest.items():
             state = self._states.get(sequence)
             if state is None:
-                behind = self.outbox.wanted and revision > self._seen.get(sequence, 0)
+                behind = self.outbox.wanted and revision > self._seen.get(number, 0)
             else:
                 behind = (number, revision) != (state.number, state.revision)
             if behind:
                 with contextlib.suppress(NotFoundError), self.reading(sequence):
                     pass
+
+    @contextlib.contextmanager
+    def listing(self) -> Iterator[None]:
+        """A change of which sequences there are, made by this process, which tells of it itself."""
+        with self._listing:
+            yield
+            with contextlib.suppress(UnavailableError):  # then it is told of a second time
+                self._live = self._read_live()
+
+    def _read_live(self) -> dict[str, tuple[int, int]]:
+        with self._database.read() as connection:
+            return revisions(connection)
 
     def _state(self, sequence: str) -> SequenceState:
         state = self._states.get(sequence)
@@ -119,11 +140,11 @@ class Sessions:
                 row = find_sequence(connection, sequence)
                 if row is None:
                     raise NotFoundError(
-                        f"sequence: expected the id of a sequence, got {sequence!r}"
+                        f"sequence: expected one that is there, {sequence!r} is not, or was deleted"
                     )
                 state = SequenceState(connection, row, self._cache)
                 missed = self._missed(
-                    connection, state, self._seen.get(sequence, 0), state.revision
+                    connection, state, self._seen.get(state.number, 0), state.revision
                 )
             # Before anybody can commit on it, or these would come after.
             for commit in missed:
@@ -136,7 +157,7 @@ class Sessions:
         found = find_revision(connection, state.id, lock=lock)
         if found is None:
             self.forget(state.id)
-            raise NotFoundError(f"sequence: expected the id of a sequence, got {state.id!r}")
+            raise NotFoundError(f"sequence: {state.id!r} was deleted")
         number, revision = found
         if number != state.number or revision < state.revision:
             # Another process made it anew, or put a backup in its place.
@@ -178,10 +199,17 @@ class Sessions:
 
     # ── writing ──────────────────────────────────────────────────────────────────────────
 
-    def commit(self, sequence: str, edit_id: str, plan: Callable[[Draft], Entry]) -> Commit:
+    def commit(
+        self,
+        sequence: str,
+        edit_id: str,
+        plan: Callable[[Draft], Entry],
+        identity: str | None = None,
+    ) -> Commit:
         """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
 
-        An ``edit_id`` that is there already gives its commit again.  Any error of ``plan``, and
+        An ``edit_id`` that is there already gives its commit again.  ``identity``: of the import
+        that the edit was made for.  Any error of ``plan``, NotFoundError for another import, and
         UnavailableError, leave everything as it was.
         """
         state = self._state(sequence)
@@ -189,6 +217,7 @@ class Sessions:
             with state.lock:
                 with self._database.write() as connection:
                     self._refresh(connection, state, lock=True)
+                    _require_import(state, identity)
                     first = self.find(connection, state, edit_id)
                     if first is not None:
                         return first
@@ -283,6 +312,18 @@ class Sessions:
             palette_changed=bool(labels),
             tracks_changed=bool(row.tracks),
             cells=tuple(state.cell(key) for key in sorted(cells)),
+        )
+
+
+def _number(of: Mapping[str, tuple[int, int]], sequence: str) -> int | None:
+    return of[sequence][0] if sequence in of else None
+
+
+def _require_import(state: SequenceState, identity: str | None) -> None:
+    if identity is not None and state.identity not in (None, identity):
+        raise NotFoundError(
+            f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "
+            "another one now"
         )
 
 

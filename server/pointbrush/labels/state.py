@@ -47,6 +47,7 @@ class SequenceState:
         """Start again from the sequence's row."""
         self.number: int = row.number
         self.id: str = row.id
+        self.identity: str | None = row.identity
         self.revision: int = row.revision
         self.highest_label = 0
         self.points = decode_points(row.points)
@@ -208,15 +209,17 @@ def decode_points(data: bytes) -> NDArray[np.int64]:
     return np.frombuffer(zlib.decompress(data), "<i8")
 
 
+LIVE = sequences.c.deleted.is_(None)
+
 _LOOK = select(sequences.c.number, sequences.c.revision).where(
-    sequences.c.id == bindparam("sequence_id")
+    sequences.c.id == bindparam("sequence_id"), LIVE
 )
 _LOCK = _LOOK.with_for_update()
 
 
 def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:
-    """The whole row of a sequence."""
-    query = select(sequences).where(sequences.c.id == sequence)
+    """The whole row of a sequence that is not deleted."""
+    query = select(sequences).where(sequences.c.id == sequence, LIVE)
     return connection.execute(query).one_or_none()
 
 
@@ -229,8 +232,8 @@ def find_revision(
 
 
 def revisions(connection: Connection) -> dict[str, tuple[int, int]]:
-    """Number and revision of every sequence."""
-    query = select(sequences.c.id, sequences.c.number, sequences.c.revision)
+    """Number and revision of every sequence that is not deleted."""
+    query = select(sequences.c.id, sequences.c.number, sequences.c.revision).where(LIVE)
     return {row.id: (row.number, row.revision) for row in connection.execute(query)}
 
 

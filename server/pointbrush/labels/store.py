@@ -8,32 +8,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import delete
 
-from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import (
-    backup,
-    check,
-    history,
-    integrity,
-    palette,
-    plans,
-    reading,
-    repair,
-    schema,
-)
+from pointbrush.labels import backup, check, history, integrity, palette, plans, reading, repair
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
+from pointbrush.labels.guards import Guards
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
+from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import (
-    decode_points,
-    encode_points,
-    find_revision,
-    find_sequence,
-    revisions,
-)
+from pointbrush.labels.state import revisions
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.writes import require_paintable
@@ -62,6 +46,8 @@ class LabelStore:
             self._database.close()
             raise
         self.tokens = Tokens(self._database)
+        self.recordings = Recordings(self._database, self._sessions)
+        self.guards = Guards(self._database)
 
     def seal(self) -> None:
         """Refuse edits from now on, where the database may not be written: see ``Database``."""
@@ -73,6 +59,7 @@ class LabelStore:
 
     def close(self) -> None:
         """Finish background work and close the connections."""
+        self.guards.close()
         self._sessions.close()
         self._database.close()
 
@@ -86,45 +73,22 @@ class LabelStore:
         self._sessions.watcher.start()
         return unsubscribe
 
+    def watch_sequences(self, listener: Callable[[str], None]) -> None:
+        """Call ``listener`` with the id of each sequence that came, went or became another.
+
+        It is told of other processes' changes, as far as somebody has subscribed to commits.
+        """
+        self._sessions.came_or_went = listener
+
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
-    def register(self, sequence: str, points: Sequence[int]) -> None:
-        """Make a sequence known, with the number of points of each frame; again is no change.
-
-        Raises ConflictError when it is known with other points.
-        """
-        plans.check_text("sequence", sequence, plans.ID_LIMIT)
-        counts = [int(n) for n in points]
-        if any(n < 0 for n in counts):
-            raise BadInputError("points: expected counts of 0 or more")
-        with self._database.read() as connection:
-            row = find_sequence(connection, sequence)
-        if row is None:
-            fields = {
-                "id": sequence,
-                "revision": 0,
-                "highest_label": 0,
-                "points": encode_points(counts),
-            }
-            with self._database.write() as connection:
-                self._database.insert_new(connection, schema.sequences, "id", fields)
-                row = find_sequence(connection, sequence)
-        if row is None or decode_points(row.points).tolist() != counts:
-            raise ConflictError(
-                f"sequence: expected {sequence!r} to keep its frames, got other point counts"
-            )
+    def register(self, sequence: str, points: Sequence[int], identity: str | None = None) -> None:
+        """Make a sequence known; see ``Recordings.register``."""
+        self.recordings.register(sequence, points, identity)
 
     def forget(self, sequence: str) -> None:
         """Remove a sequence with its whole history; an unknown one is no error."""
-        with self._database.write() as connection:
-            found = find_revision(connection, sequence, lock=True)
-            if found is not None:
-                number, _ = found
-                for table in schema.PER_SEQUENCE:
-                    connection.execute(delete(table).where(table.c.sequence == number))
-                here = schema.sequences.c.number == number
-                connection.execute(delete(schema.sequences).where(here))
-        self._sessions.forget(sequence)
+        self.recordings.forget(sequence)
 
     def revision(self, sequence: str) -> int:
         """The number of edits so far, undos and redos among them."""
@@ -244,6 +208,7 @@ class LabelStore:
         tracks: Iterable[Mapping[str, Any]] | None = None,
         labels: Sequence[Label] = (),
         if_match: int | None = None,
+        identity: str | None = None,
     ) -> Commit:
         """Commit one edit: its writes in order, its tracks, and ``labels`` not there yet.
 
@@ -251,10 +216,11 @@ class LabelStore:
         already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
         with at least ``frame`` and ``label``.  ``if_match``: the revision it must commit on.
         ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
-        memory come as they are made.
+        memory come as they are made.  ``identity``: of the import that the edit was made for.
 
         Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
-        hidden and that matters to a write, ConflictError for another revision than ``if_match``.
+        hidden and that matters to a write, ConflictError for another revision than ``if_match``,
+        NotFoundError when another import has the id by now.
         """
         entry = new_entry(edit_id, author, kind, summary)
         pairs = writes.items() if isinstance(writes, Mapping) else writes
@@ -263,7 +229,7 @@ class LabelStore:
             palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
         found = plans.check_tracks(tracks or ())
         plan = plans.write(entry, pairs, found, labels, if_match)
-        return self._sessions.commit(sequence, entry.id, plan)
+        return self._sessions.commit(sequence, entry.id, plan, identity)
 
     # ── history ──────────────────────────────────────────────────────────────────────────
 

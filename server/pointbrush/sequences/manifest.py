@@ -38,6 +38,7 @@ class Manifest:
     ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
     ``large``           a frame is an octree of chunks.
+    ``imported_as``     ``id`` at the import: a restored recording may have got another one.
     """
 
     id: str
@@ -60,11 +61,12 @@ class Manifest:
     source: str
     large: bool
     created: str
+    imported_as: str
 
     @property
     def identity(self) -> str:
         """16 hex digits that tell this import from every other, also from one of the same id."""
-        told = [self.id, self.created, self.source, self.lo, self.hi]
+        told = [self.imported_as, self.created, self.source, self.lo, self.hi]
         return blake2b(json.dumps(told).encode(), digest_size=8).hexdigest()
 
     @property
@@ -105,14 +107,17 @@ def read_manifest(path: Path) -> Manifest:
     given = content.pop("checksum", None)
     if given != _checksum(content):
         raise BadInputError(f"{path.name}: expected manifest checksum {given}, got another")
-    # Imports of before the room could be corrected by pointing did not keep what they found.
+    # Imports of before the room could be corrected by pointing did not keep what they found, those
+    # of before a recording could be restored under another id did not keep the first one.
     content.setdefault("found_room", content["room"])
+    content.setdefault("imported_as", content["id"])
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
 
 def update_manifest(
     path: Path,
     *,
+    id: str | None = None,
     name: str | None = None,
     fps: float | None = None,
     room: NDArray[np.float64] | None = None,
@@ -123,6 +128,8 @@ def update_manifest(
     name, a rate that is not positive and finite, or another matrix.
     """
     manifest = read_manifest(path)
+    if id is not None:
+        manifest = replace(manifest, id=id)
     if name is not None:
         if not name.strip():
             raise BadInputError("name: expected some text, got none")

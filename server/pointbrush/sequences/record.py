@@ -103,4 +103,5 @@ def make_manifest(
         source=source,
         large=any(record.large for record in records),
         created=datetime.now(UTC).isoformat(timespec="microseconds"),
+        imported_as=sequence_id,
     )

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import anyio
 import anyio.to_thread
 
+from pointbrush.errors import NotFoundError, PointbrushError
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
@@ -131,7 +132,11 @@ class Hub:
             if room is None or room.recording is not recording:
                 room = Room(self.workspace, recording, self.values, self.shelf, self.read)
                 self.rooms[sequence] = room
-                await room.load()
+                try:
+                    await room.load()
+                except BaseException:
+                    del self.rooms[sequence]
+                    raise
                 if old is not None:
                     room.viewers |= old.viewers
                     # Whoever changed it may be another server, which tells nobody here.
@@ -155,6 +160,19 @@ class Hub:
         if not room.viewers and self.rooms.get(room.id) is room:
             del self.rooms[room.id]
             self.shelf.forget(room.recording.identity)
+
+    def send_out(self, viewer: Viewer, error: PointbrushError) -> None:
+        """Close what a viewer has open, tell it why, and keep its socket."""
+        room = viewer.room
+        if room is None:
+            viewer.refuse(error)
+            return
+        if isinstance(error, NotFoundError):
+            error = NotFoundError(f"{room.recording.manifest.name!r} was deleted")
+        self.exit(viewer)
+        viewer.room = None
+        viewer.outbox.restart()
+        viewer.refuse(error, closed=room.id)
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 

@@ -37,6 +37,9 @@ class Sender:
             except UnavailableError:
                 # The database is away: what was to be sent is still noted, and waits for it.
                 await asyncio.sleep(RETRY_SECONDS)
+            except PointbrushError as error:
+                # Deleted, perhaps by another server, before anybody here could be told.
+                self._hub.send_out(self._viewer, error)
 
     async def _rest(self) -> None:
         viewer = self._viewer

@@ -160,9 +160,7 @@ class ViewerSession(Viewer):
         try:
             self.room = room = await self.hub.enter(self, old.id)
         except PointbrushError as error:
-            self.refuse(error)
-            self.hub.exit(self)
-            self.room = None
+            self.hub.send_out(self, error)
             return
         if room is old:
             return

@@ -73,10 +73,16 @@ class Viewer(ABC):
         """Seconds on a clock that only runs forward."""
         return time.monotonic()
 
-    def refuse(self, error: PointbrushError, about: str | None = None) -> None:
-        """Answer with an error."""
+    def refuse(
+        self, error: PointbrushError, about: str | None = None, closed: str | None = None
+    ) -> None:
+        """Answer with an error; ``closed``: the sequence that is no longer open."""
         message = messages.Error(
-            title=error.title, detail=self.public(str(error)), status=status_of(error), about=about
+            title=error.title,
+            detail=self.public(str(error)),
+            status=status_of(error),
+            about=about,
+            closed=closed,
         )
         self.outbox.reply(encode(message))
 

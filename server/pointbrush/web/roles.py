@@ -59,6 +59,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences"): "manager",
     ("PATCH", "/sequences/{seq}"): "manager",
     ("DELETE", "/sequences/{seq}"): "manager",
+    ("POST", "/sequences/{seq}/restore"): "manager",
 }
 
 CANCEL_ANY: Role = "manager"

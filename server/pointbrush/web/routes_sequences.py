@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import FormData, UploadFile
@@ -32,6 +32,8 @@ from pointbrush.web.schemas_work import ImportBody, JobOut
 from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
 
+DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
+
 router = APIRouter(tags=["sequences"])
 MAX_FILES = 20_000
 MAX_FIELD = 64 * 1024
@@ -39,17 +41,16 @@ COPY_BLOCK = 1 << 20
 
 
 def _out(workspace: Workspace, sequence: str) -> SequenceOut:
-    manifest = workspace.recording(sequence).manifest
-    return SequenceOut.of(manifest, workspace.store.revision(sequence))
+    workspace.recording(sequence)
+    return SequenceOut.listed(workspace.entry(sequence))
 
 
 @router.get("/sequences", responses=responses())
-def list_sequences(workspace: Ws) -> list[SequenceOut]:
-    """All recordings, by name."""
-    return [
-        SequenceOut.of(manifest, workspace.store.revision(manifest.id))
-        for manifest in workspace.sequences()
-    ]
+def list_sequences(workspace: Ws, *, deleted: DeletedQuery = False) -> list[SequenceOut]:
+    """All recordings, by name, also damaged ones; or those deleted that can be restored."""
+    if deleted:
+        return [SequenceOut.removed(entry) for entry in workspace.deleted_sequences()]
+    return [SequenceOut.listed(entry) for entry in workspace.listing()]
 
 
 @router.get("/sequences/{seq}", responses=responses(404))
@@ -86,8 +87,17 @@ def reset_floor(seq: SequenceId, workspace: Ws) -> SequenceOut:
 
 @router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
 def delete_sequence(seq: SequenceId, workspace: Ws) -> None:
-    """Remove a recording and everything painted on it."""
+    """Delete a recording with everything painted on it; it can be restored for 30 days."""
     workspace.delete_sequence(seq)
+
+
+@router.post("/sequences/{seq}/restore", responses=responses(404, 409))
+def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
+    """Bring a deleted recording back with all its labels, by its id or its ``identity``.
+
+    Of several with this id the last one deleted.  If the id is taken meanwhile, it gets another.
+    """
+    return SequenceOut.listed(workspace.entry(workspace.restore_sequence(seq)))
 
 
 IMPORT_BODY: dict[str, Any] = {

@@ -19,6 +19,7 @@ from pointbrush.streaming.messages import (
     Uuid,
     Vec3,
 )
+from pointbrush.workspace import Deleted, Listed
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
 PaintId = Annotated[int, Field(ge=1, le=65534)]
@@ -69,6 +70,42 @@ class SequenceOut(BaseModel):
     dropped: list[int]
     large: bool
     source: str
+    damaged: Annotated[str | None, Field(description="what is wrong with it")] = None
+    identity: Annotated[str | None, Field(description="tells this import from others")] = None
+    deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
+    until: Annotated[datetime | None, Field(description="how long it can be restored")] = None
+
+    @classmethod
+    def listed(cls, entry: Listed) -> SequenceOut:
+        """From the list of recordings; of a damaged one perhaps only the id is known."""
+        if entry.manifest is None:
+            return cls.unreadable(entry.id, entry.revision, entry.damaged)
+        return cls.of(entry.manifest, entry.revision).model_copy(update={"damaged": entry.damaged})
+
+    @classmethod
+    def removed(cls, entry: Deleted) -> SequenceOut:
+        """From the list of deleted recordings."""
+        known, manifest = entry.known, entry.manifest
+        if manifest is None:
+            out = cls.unreadable(known.id, known.revision, "its files are damaged or missing")
+        else:
+            out = cls.of(manifest, known.revision)
+        times = {
+            name: None if seconds is None else datetime.fromtimestamp(seconds, UTC)
+            for name, seconds in (("deleted", known.deleted), ("until", known.until))
+        }
+        return out.model_copy(update={"id": known.id, "identity": known.identity, **times})
+
+    @classmethod
+    def unreadable(cls, sequence: str, revision: int, damaged: str | None) -> SequenceOut:
+        """A recording whose manifest cannot be read: no frames, as far as anybody knows."""
+        nowhere = [0.0, 0.0, 0.0]
+        return cls(
+            id=sequence, name=sequence, frames=0, fps=1.0, points=[], fields=[],
+            bounds=Bounds(lo=nowhere, hi=nowhere), revision=revision, shift=nowhere,
+            room=[float(i % 5 == 0) for i in range(16)], position_error=0.0, dropped=[],
+            large=False, source="", damaged=damaged,
+        )  # fmt: skip
 
     @classmethod
     def of(cls, manifest: Manifest, revision: int) -> SequenceOut:
@@ -83,7 +120,7 @@ class SequenceOut(BaseModel):
             id=manifest.id, name=manifest.name, frames=manifest.frames, fps=manifest.fps,
             points=list(manifest.points), fields=list(manifest.fields),
             position_error=manifest.position_error, dropped=list(manifest.dropped),
-            large=manifest.large, source=manifest.source,
+            large=manifest.large, source=manifest.source, identity=manifest.identity,
         )  # fmt: skip
 
 

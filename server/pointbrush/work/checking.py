@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pointbrush.errors import NotFoundError, ReadOnlyError, UnavailableError
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import note_checksums, verify
-from pointbrush.work.library import Library
+from pointbrush.work.library import LABELS_ALONE, Library
 
 
 @dataclass(slots=True)
@@ -40,6 +40,9 @@ def repair(library: Library, store: LabelStore, sequences: Iterable[str]) -> Rep
         return done
     for sequence in sequences:
         _repair_labels(store, sequence, done)
+        if not library.has(sequence):
+            done.lost.append(f"{sequence}: {LABELS_ALONE}")
+            continue
         path = library.folder / sequence
         if note_checksums(path):
             done.rebuilt.append(

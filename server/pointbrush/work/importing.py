@@ -159,6 +159,7 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         ),
         summary=f"labels that came with the files, {len(frames)} frames",
         labels=[label_of(label_id, named.get(label_id)) for label_id in sorted(found)],
+        identity=recording.identity,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from pointbrush.errors import BadInputError
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import LabelStore
+from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work import tracking
@@ -71,7 +72,10 @@ class Runs:
             request.stop_unsure,
         )
         ids = tuple(seed.label for seed in seeds)
-        pending = tracking.PendingEdit(self._store, sequence, start, ids, overwrite)
+        pending = tracking.PendingEdit(
+            self._store, sequence, recording.identity, start, ids, overwrite
+        )
+        guard = self._store.guards.begin(sequence, TRACKING)
 
         def on_item(job: Job, found: FrameResult) -> None:
             pending.results.append(found)
@@ -87,7 +91,14 @@ class Runs:
 
         def done(job: Job) -> None:
             self._kept.discard(job.id)
+            self._store.guards.end(guard)
             frames = tuple(found.frame for found in pending.results)
             self._publish(Retracted(sequence, job.id, frames))
 
-        return self._runner.submit("tracking", sequence, work, finish, on_item, done, owner=author)
+        try:
+            return self._runner.submit(
+                "tracking", sequence, work, finish, on_item, done, owner=author
+            )
+        except BaseException:
+            self._store.guards.end(guard)
+            raise

@@ -115,6 +115,7 @@ class LiveStroke:
                 for numbers in self._selector.taken.parts()
             ),
             summary=f"{self._brush.tool} {count:,} points{self._as_what()}",
+            identity=self._recording.identity,
         )
 
     def _as_what(self) -> str:

@@ -173,6 +173,8 @@ class PendingEdit:
 
     store: LabelStore
     sequence: str
+    identity: str
+    """Of the import: a recording of the same id that came since is not written to."""
     start: int
     labels: tuple[int, ...]
     overwrite: str
@@ -191,6 +193,7 @@ class PendingEdit:
             writes=dict(self._writes()),
             summary=summary,
             tracks=tracks,
+            identity=self.identity,
         )
         return {
             "edit": commit.edit_id,

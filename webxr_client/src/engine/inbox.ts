@@ -98,12 +98,23 @@ export class Inbox {
         takePresence(message);
         return;
       case 'error':
+        if (message.closed !== null) {
+          this.sendOut(message.closed, message.detail);
+          return;
+        }
         if (message.about !== null) this.deps.strokes.drop(message.about);
         // A recording that is not there (any more) stays neither "opening" nor open.
         else if (state.opening.peek() !== null || message.status === 404) actions.closeSequence();
         // Nothing to undo is an answer, not a fault.
         notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
     }
+  }
+
+  /** A recording was deleted while it is open here: back to the list, which lacks it by now. */
+  private sendOut(sequence: string, detail: string): void {
+    if (state.sequence.peek()?.id === sequence) actions.closeSequence();
+    void actions.refreshSequences();
+    notify('info', 'The recording was closed', detail);
   }
 
   private async welcomed(): Promise<void> {

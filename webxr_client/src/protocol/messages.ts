@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '7698298c90a5';
+export const SCHEMA_HASH = '9258c30e14b0';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -214,6 +214,7 @@ export interface Error {
   detail: string;
   status: number;
   about: string | null;
+  closed: string | null;
 }
 
 /**

@@ -195,6 +195,8 @@ class Error(Message):
     detail: str
     status: int
     about: str | None = None
+    closed: str | None = None
+    """The sequence that is no longer open to this viewer: it was deleted, or cannot be read."""
 
 
 ServerMessage = Annotated[

@@ -1,0 +1,191 @@
+"""Who works on a recording, kept in the database: other servers see it, and outlive who died."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import secrets
+import socket
+import threading
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Row, delete, insert, or_, select, update
+
+from pointbrush.errors import ConflictError, NotFoundError, UnavailableError
+from pointbrush.labels.database import Database
+from pointbrush.labels.schema import works
+from pointbrush.labels.state import find_revision
+
+log = logging.getLogger(__name__)
+
+BEAT_SECONDS = 20.0
+"""How often a process says that it still works."""
+EXPIRY_SECONDS = 180.0
+"""After how long a silence its work counts as given up."""
+IMPORT, TRACKING = "import", "tracking"
+DOING = {IMPORT: "is being imported", TRACKING: "is being tracked"}
+_IMPORT_INDEX = next(i for i in works.indexes if i.name == "works_import")
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """Work of this process on the recording ``sequence``; end it with ``Guards.end``."""
+
+    id: str
+    sequence: str
+
+
+class Guards:
+    """Work of one process on the recordings of a database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._owner = secrets.token_hex(8)
+        self._held: set[str] = set()
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="pointbrush-guards", daemon=True)
+
+    def close(self) -> None:
+        """Give up what is held and end the thread."""
+        self._stop.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+            with contextlib.suppress(UnavailableError):
+                self._remove(works.c.owner == self._owner)
+
+    def reserve(self, ids: Iterable[str], free: Callable[[str], bool]) -> Guard:
+        """Keep the first of ``ids`` for an import that no recording or other import has.
+
+        ``free(id)`` tells whether there are files of that id.
+        """
+        for sequence in ids:
+            guard = self._reserve(sequence, free)
+            if guard is not None:
+                return guard
+        raise ConflictError("sequence: expected a free id, all are taken")
+
+    def _reserve(self, sequence: str, free: Callable[[str], bool]) -> Guard | None:
+        with self._database.write() as connection:
+            now = self._database.now(connection)
+            _clear(connection, now)
+            guard = Guard(secrets.token_hex(16), sequence)
+            row = self._row(guard, IMPORT, now)
+            if not self._database.insert_new(connection, _IMPORT_INDEX, row):
+                return None
+            # Looked at once it is reserved: whoever had it before has finished.
+            if find_revision(connection, sequence) is not None or not free(sequence):
+                connection.execute(delete(works).where(works.c.id == guard.id))
+                return None
+        self._hold(guard)
+        return guard
+
+    def begin(self, sequence: str, kind: str) -> Guard:
+        """Say that work on a recording begins, so that nobody deletes it; raises NotFoundError."""
+        with self._database.write() as connection:
+            if find_revision(connection, sequence, lock=True) is None:
+                raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+            guard = Guard(secrets.token_hex(16), sequence)
+            row = self._row(guard, kind, self._database.now(connection))
+            connection.execute(insert(works), row)
+        self._hold(guard)
+        return guard
+
+    def end(self, guard: Guard) -> None:
+        """The work has ended; without the database it counts as given up a little later."""
+        with self._lock:
+            self._held.discard(guard.id)
+        try:
+            self._remove(works.c.id == guard.id)
+        except UnavailableError as error:
+            log.warning("%s stays guarded for %.0f s: %s", guard.sequence, EXPIRY_SECONDS, error)
+
+    def importing(self) -> set[str]:
+        """Ids that imports have reserved and not finished."""
+        with self._database.read() as connection:
+            now = self._database.now(connection)
+            rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
+            return {row.sequence for row in rows if not _given_up(row, now)}
+
+    def _remove(self, condition: Any) -> None:
+        with self._database.write() as connection:
+            connection.execute(delete(works).where(condition))
+
+    def _row(self, guard: Guard, kind: str, now: float) -> dict[str, Any]:
+        return {
+            "id": guard.id,
+            "sequence": guard.sequence,
+            "kind": kind,
+            "host": _host(),
+            "process": os.getpid(),
+            "owner": self._owner,
+            "beat": now,
+        }
+
+    def _hold(self, guard: Guard) -> None:
+        with self._lock:
+            self._held.add(guard.id)
+            if self._thread.ident is None:
+                self._thread.start()
+
+    def _run(self) -> None:
+        while not self._stop.wait(BEAT_SECONDS):
+            with self._lock:
+                held = set(self._held)
+            if not held:
+                continue
+            try:
+                with self._database.write() as connection:
+                    beat = update(works).where(works.c.id.in_(held))
+                    connection.execute(beat.values(beat=self._database.now(connection)))
+            except UnavailableError as error:
+                log.warning("cannot say that work goes on: %s", error)
+
+
+def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
+    """A sentence about who works on a recording, or None."""
+    rows = connection.execute(select(works).where(works.c.sequence == sequence)).all()
+    for row in rows:
+        if not _given_up(row, now):
+            host = row.host.partition("/")[0]
+            return f"it {DOING[row.kind]} (by process {row.process} on {host})"
+    return None
+
+
+def _clear(connection: Connection, now: float) -> None:
+    """Remove work that was given up."""
+    rows = connection.execute(select(works).where(or_(works.c.host == _host(), works.c.beat < now)))
+    dead = [row.id for row in rows if _given_up(row, now)]
+    if dead:
+        connection.execute(delete(works).where(works.c.id.in_(dead)))
+
+
+def _given_up(row: Row[Any], now: float) -> bool:
+    if row.beat < now - EXPIRY_SECONDS:
+        return True
+    return bool(row.host == _host() and not _alive(row.process))
+
+
+@cache
+def _host() -> str:
+    """This machine and, where there are such, the name space that process numbers are of."""
+    try:
+        space = Path("/proc/self/ns/pid").stat().st_ino
+    except OSError:
+        space = 0
+    return f"{socket.gethostname()}/{space}"
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

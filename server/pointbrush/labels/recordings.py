@@ -1,0 +1,213 @@
+"""Recordings as the database knows them: by their import, deleted and restored by one decision."""
+
+from __future__ import annotations
+
+import re
+import secrets
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, delete, select, update
+
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels import plans, schema
+from pointbrush.labels.database import Database
+from pointbrush.labels.guards import busy_with
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.state import LIVE, decode_points, encode_points
+
+KEPT_SECONDS = 30 * 86_400.0
+"""How long a deleted recording can be restored."""
+_SET_ASIDE = re.compile(r"\.labels-\d+")
+_SEQUENCES = schema.sequences.c
+_LIVE_INDEX = next(i for i in schema.sequences.indexes if i.name == "sequences_live")
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A recording's row; times are seconds since the epoch.
+
+    ``identity`` is the import's, None for labels of schema 0001 whose recording was never seen.
+    """
+
+    number: int
+    id: str
+    identity: str | None
+    revision: int
+    deleted: float | None
+
+    @property
+    def until(self) -> float | None:
+        """When it can no longer be restored."""
+        return None if self.deleted is None else self.deleted + KEPT_SECONDS
+
+
+class Recordings:
+    """Which recordings have labels, and which were deleted."""
+
+    def __init__(self, database: Database, sessions: Sessions) -> None:
+        self._database, self._sessions = database, sessions
+
+    def register(self, sequence: str, points: Sequence[int], identity: str | None = None) -> None:
+        """Make a recording known, with the number of points of each frame; again is no change.
+
+        Labels of this id that belong to another import are set aside, under an id of their own;
+        those of this import that were set aside come back.  Without ``identity`` nothing is told
+        of the import.  Raises ConflictError when it is known with other points.
+        """
+        plans.check_text("sequence", sequence, plans.ID_LIMIT)
+        counts = [int(n) for n in points]
+        if any(n < 0 for n in counts):
+            raise BadInputError("points: expected counts of 0 or more")
+        with self._database.read() as connection:
+            row = _find(connection, sequence)
+        if row is not None and row.identity == identity and _has(row, counts):
+            return
+        with self._sessions.listing(), self._database.write() as connection:
+            row = _find(connection, sequence, lock=True)
+            if row is None or not _fits(row, counts, identity):
+                row = self._make_room(connection, sequence, row, counts, identity)
+            elif identity is not None and row.identity is None:
+                _change(connection, row.number, identity=identity)
+            self._sessions.watcher.announce(connection)
+        if not _has(row, counts):
+            raise ConflictError(
+                f"sequence: expected {sequence!r} to keep its frames, got other point counts"
+            )
+
+    def _make_room(
+        self,
+        connection: Connection,
+        sequence: str,
+        there: Row[Any] | None,
+        counts: list[int],
+        identity: str | None,
+    ) -> Row[Any]:
+        """A row of this import's own; what is there is set aside."""
+        if there is not None and identity is None:
+            return there
+        if there is not None:
+            _change(connection, there.number, id=f"{sequence}.labels-{there.number}")
+        for row in connection.execute(select(schema.sequences).where(LIVE)).all():
+            mine = identity is not None and row.identity == identity
+            if mine and _SET_ASIDE.search(row.id) and _has(row, counts):
+                _change(connection, row.number, id=sequence)
+                return row
+        fields = {
+            "id": sequence,
+            "revision": 0,
+            "highest_label": 0,
+            "points": encode_points(counts),
+            "identity": identity,
+        }
+        self._database.insert_new(connection, _LIVE_INDEX, fields)
+        # Inserted just now, or by somebody else in the same moment.
+        here = select(schema.sequences).where(_SEQUENCES.id == sequence, LIVE)
+        return connection.execute(here).one()
+
+    def forget(self, sequence: str) -> None:
+        """Remove a recording's labels with their whole history; an unknown one is no error."""
+        with self._sessions.listing(), self._database.write() as connection:
+            row = _find(connection, sequence, lock=True)
+            if row is not None:
+                _erase(connection, row.number)
+        self._sessions.forget(sequence)
+
+    def live(self) -> list[Known]:
+        """All that are not deleted."""
+        with self._database.read() as connection:
+            return [_known(row) for row in connection.execute(select(schema.sequences).where(LIVE))]
+
+    # ── deleted ones ─────────────────────────────────────────────────────────────────────
+
+    def delete(self, sequence: str) -> Known:
+        """Mark a recording as deleted: from here on it is, whatever happens to its files.
+
+        Raises NotFoundError, ConflictError while somebody imports or tracks it.
+        """
+        with self._sessions.listing(), self._database.write() as connection:
+            row = _find(connection, sequence, lock=True)
+            if row is None:
+                raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+            busy = busy_with(connection, sequence, self._database.now(connection))
+            if busy is not None:
+                raise ConflictError(f"sequence: {sequence!r} cannot be deleted now, {busy}")
+            identity = row.identity or secrets.token_hex(8)
+            _change(
+                connection, row.number, deleted=self._database.now(connection), identity=identity
+            )
+            row = connection.execute(_of(row.number)).one()
+            self._sessions.watcher.announce(connection)
+        self._sessions.forget(sequence)
+        return _known(row)
+
+    def deleted(self) -> list[Known]:
+        """Those that are deleted and not yet purged, the newest first."""
+        query = select(schema.sequences).where(~LIVE).order_by(_SEQUENCES.deleted.desc())
+        with self._database.read() as connection:
+            return [_known(row) for row in connection.execute(query)]
+
+    def restore(self, number: int, sequence: str) -> Known:
+        """Bring a deleted recording back under the id ``sequence``, which the caller has reserved.
+
+        Raises NotFoundError when it is not deleted, or was for too long.
+        """
+        with self._sessions.listing(), self._database.write() as connection:
+            oldest = self._database.now(connection) - KEPT_SECONDS
+            row = connection.execute(_of(number).with_for_update()).one_or_none()
+            if row is None or row.deleted is None or row.deleted < oldest:
+                raise NotFoundError(f"sequence: expected a deleted recording, got {sequence!r}")
+            _change(connection, number, id=sequence, deleted=None)
+            row = connection.execute(_of(number)).one()
+            self._sessions.watcher.announce(connection)
+        return _known(row)
+
+    def expired(self) -> list[Known]:
+        """Deleted ones that can no longer be restored."""
+        with self._database.read() as connection:
+            oldest = self._database.now(connection) - KEPT_SECONDS
+            rows = connection.execute(select(schema.sequences).where(_SEQUENCES.deleted < oldest))
+            return [_known(row) for row in rows]
+
+    def purge(self, number: int) -> None:
+        """Remove all that is left of a recording whose time to be restored is over."""
+        with self._database.write() as connection:
+            oldest = self._database.now(connection) - KEPT_SECONDS
+            row = connection.execute(_of(number).with_for_update()).one_or_none()
+            if row is not None and row.deleted is not None and row.deleted < oldest:
+                _erase(connection, number)
+
+
+def _find(connection: Connection, sequence: str, *, lock: bool = False) -> Row[Any] | None:
+    query = select(schema.sequences).where(_SEQUENCES.id == sequence, LIVE)
+    return connection.execute(query.with_for_update() if lock else query).one_or_none()
+
+
+def _of(number: int) -> Any:
+    return select(schema.sequences).where(_SEQUENCES.number == number)
+
+
+def _change(connection: Connection, number: int, **values: Any) -> None:
+    connection.execute(update(schema.sequences).where(_SEQUENCES.number == number).values(**values))
+
+
+def _erase(connection: Connection, number: int) -> None:
+    for table in schema.PER_SEQUENCE:
+        connection.execute(delete(table).where(table.c.sequence == number))
+    connection.execute(delete(schema.sequences).where(_SEQUENCES.number == number))
+
+
+def _has(row: Row[Any], counts: list[int]) -> bool:
+    return bool(decode_points(row.points).tolist() == counts)
+
+
+def _fits(row: Row[Any], counts: list[int], identity: str | None) -> bool:
+    """Whether a row is of this import; one of schema 0001 is when its frames are as large."""
+    if identity is None or row.identity is None:
+        return _has(row, counts)
+    return bool(row.identity == identity)
+
+
+def _known(row: Row[Any]) -> Known:
+    return Known(row.number, row.id, row.identity, row.revision, row.deleted)

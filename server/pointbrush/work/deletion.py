@@ -1,0 +1,148 @@
+"""Deleting and restoring recordings: one decision in the database, then moves that can be repeated.
+
+Stopped anywhere, a recording is whole or deleted and can be restored; ``tidy`` does what is left.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
+from pointbrush.labels import Known, LabelStore
+from pointbrush.sequences import Manifest
+from pointbrush.work.library import Library, ids_for
+from pointbrush.work.trash import Trash, manifest_or_none
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Deleted:
+    """A deleted recording; ``manifest`` is None when its files are damaged or missing."""
+
+    known: Known
+    manifest: Manifest | None
+
+
+class Deletion:
+    """Deletes and restores the recordings of one workspace."""
+
+    def __init__(self, library: Library, store: LabelStore) -> None:
+        self._library, self._store = library, store
+        self._trash = Trash(library.folder)
+
+    def delete(self, sequence: str) -> None:
+        """Delete a recording with its labels; it can be restored for ``KEPT_SECONDS``.
+
+        Raises NotFoundError, ConflictError while somebody works on it, UnavailableError.
+        """
+        self._library.require_writable()
+        if self._library.has(sequence):
+            self._register(sequence)
+        self._store.recordings.delete(sequence)
+        # From here on it is deleted.
+        self._library.hidden |= {sequence}
+        self._tidy_later()
+
+    def _register(self, sequence: str) -> None:
+        """What is deleted needs a row that says so, also when its import was interrupted."""
+        if sequence in self._store.guards.importing():
+            return
+        manifest = self._library.look(sequence).manifest
+        if manifest is not None:
+            self._store.register(sequence, manifest.points, manifest.identity)
+        elif sequence not in self._store.sequences():
+            self._store.register(sequence, [], secrets.token_hex(8))
+
+    def deleted(self) -> list[Deleted]:
+        """Recordings that can be restored, the last one deleted first."""
+        self.tidy()
+        return [
+            Deleted(known, self._trash.manifest(known))
+            for known in self._store.recordings.deleted()
+        ]
+
+    def restore(self, key: str) -> str:
+        """Bring back the last deleted recording whose id or identity is ``key``; returns its id.
+
+        It is another one when its own is taken meanwhile.  Raises NotFoundError.
+        """
+        self._library.require_writable()
+        self.tidy()
+        for known in self._store.recordings.deleted():
+            if key in (known.id, known.identity):
+                break
+        else:
+            raise NotFoundError(f"sequence: expected a deleted recording, got {key!r}")
+        guards = self._store.guards
+        ids = itertools.chain([known.id], ids_for(known.id))
+        guard = guards.reserve(ids, self._library.is_free)
+        try:
+            self._store.recordings.restore(known.number, guard.sequence)
+            self._tidy_later()
+        finally:
+            guards.end(guard)
+        return guard.sequence
+
+    def _tidy_later(self) -> None:
+        """The decision is made: what cannot be moved now, a later call moves."""
+        try:
+            self.tidy()
+        except UnavailableError as error:
+            log.warning("folders of deleted recordings are moved later: %s", error)
+
+    def tidy(self) -> None:
+        """Bring the folders in line with what was decided, and remove what is too old.
+
+        Raises UnavailableError; folders that cannot be moved are hidden, and tried again later.
+        """
+        recordings = self._store.recordings
+        deleted = recordings.deleted()
+        if not deleted and not any(map(self._is_away, recordings.live())):
+            self._library.hidden = frozenset()
+            return
+        try:
+            with self._trash.alone():
+                self._move_all()
+        except (OSError, ReadOnlyError) as error:
+            log.warning("folders of deleted recordings cannot be moved now: %s", error)
+            self._library.hidden = frozenset(known.id for known in self._left())
+
+    def _move_all(self) -> None:
+        recordings = self._store.recordings
+        stuck = [known for known in self._left() if not self._moved(known, self._trash.put_away)]
+        self._library.hidden = frozenset(known.id for known in stuck)
+        for known in filter(self._is_away, recordings.live()):
+            self._moved(known, self._trash.bring_back)
+        for known in recordings.expired():
+            self._trash.purge(known)
+            recordings.purge(known.number)
+
+    def _left(self) -> list[Known]:
+        """Deleted recordings whose folders are still where they were."""
+        live = {known.id for known in self._store.recordings.live()}
+        deleted = self._store.recordings.deleted()
+        return [known for known in deleted if known.id not in live and self._is_left(known)]
+
+    def _is_left(self, known: Known) -> bool:
+        folder = self._library.folder / known.id
+        if not folder.is_dir() or self._trash.has(known):
+            return False
+        manifest = manifest_or_none(folder)
+        return manifest is None or manifest.identity == known.identity
+
+    def _is_away(self, known: Known) -> bool:
+        """A restored recording's folder is still with the deleted ones."""
+        return self._trash.has(known) and self._library.is_free(known.id)
+
+    def _moved(self, known: Known, move: Callable[[Known], None]) -> bool:
+        try:
+            move(known)
+        except (OSError, PointbrushError) as error:
+            log.warning("the folder of %s cannot be moved now: %s", known.id, error)
+            return False
+        return True

@@ -1,0 +1,80 @@
+"""Folders of deleted recordings, kept beside the others until they are purged or come back."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from pointbrush.errors import PointbrushError
+from pointbrush.labels import Known
+from pointbrush.sequences import Manifest, read_manifest, update_manifest
+from pointbrush.sequences.files import sync_folder
+
+FOLDER = ".deleted"
+LOCK = ".lock"
+DOOMED = ".purged-"
+
+
+class Trash:
+    """Moves folders between a library's folder and ``.deleted`` in it; each step can be repeated.
+
+    ``Known`` recordings are kept by identity and number: two of the same id do not meet.
+    """
+
+    def __init__(self, library: Path) -> None:
+        self._library, self._folder = library, library / FOLDER
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """No other process moves folders meanwhile."""
+        self._folder.mkdir(exist_ok=True)
+        with (self._folder / LOCK).open("a") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            yield
+
+    def place(self, known: Known) -> Path:
+        """The folder of a deleted recording."""
+        return self._folder / f"{known.identity}-{known.number}"
+
+    def has(self, known: Known) -> bool:
+        """Whether the recording's folder is here."""
+        return self.place(known).is_dir()
+
+    def manifest(self, known: Known) -> Manifest | None:
+        """The manifest of a deleted recording, or None when it cannot be read."""
+        return manifest_or_none(self.place(known))
+
+    def put_away(self, known: Known) -> None:
+        """Move a recording's folder here, in one step."""
+        self._move(self._library / known.id, self.place(known))
+
+    def bring_back(self, known: Known) -> None:
+        """Move a recording's folder back; its manifest gets the id that it has now."""
+        manifest = self.manifest(known)
+        if manifest is not None and manifest.id != known.id:
+            update_manifest(self.place(known), id=known.id)
+        self._move(self.place(known), self._library / known.id)
+
+    def purge(self, known: Known) -> None:
+        """Remove a folder for good."""
+        doomed = self._folder / f"{DOOMED}{known.number}"
+        if self.has(known):
+            # Renamed first: what is half removed must not look as if it could come back.
+            self.place(known).rename(doomed)
+        shutil.rmtree(doomed, ignore_errors=True)
+
+    def _move(self, source: Path, target: Path) -> None:
+        source.rename(target)
+        sync_folder(source.parent)
+        sync_folder(target.parent)
+
+
+def manifest_or_none(folder: Path) -> Manifest | None:
+    """A folder's manifest, or None when there is none that can be read."""
+    try:
+        return read_manifest(folder)
+    except (PointbrushError, OSError, KeyError, TypeError):
+        return None

@@ -1,0 +1,70 @@
+"""A workspace of the first version opens with everything in it, on both databases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pointbrush.workspace import Workspace
+from tests.old_workspace import EXPECTED, old_workspace
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def old(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Workspace]:
+    postgres = request.param == "postgresql"
+    url = str(request.getfixturevalue("postgres_url")) if postgres else ""
+    with closing(Workspace(old_workspace(tmp_path, url))) as workspace:
+        yield workspace
+
+
+def counted(labels: NDArray[np.uint16]) -> dict[str, int]:
+    numbers, counts = np.unique(labels, return_counts=True)
+    return {str(label): int(count) for label, count in zip(numbers, counts, strict=True)}
+
+
+def told(workspace: Workspace, sequence: str) -> dict[str, Any]:
+    store = workspace.store
+    manifest = workspace.recording(sequence).manifest
+    values = [store.values(sequence, frame) for frame in range(manifest.frames)]
+    return {
+        "identity": manifest.identity,
+        "points": list(manifest.points),
+        "revision": store.revision(sequence),
+        "palette": [
+            [label.id, label.name, label.category, label.color, label.locked, label.visible]
+            for label in store.palette(sequence)
+        ],
+        "annotation": [counted(v.label) for v in values],
+        "deleted": [int(v.deleted.sum()) for v in values],
+        "edits": [[e.revision, e.author, e.kind, e.summary] for e in store.edits(sequence)],
+        "tracks": len(store.tracks(sequence)),
+    }
+
+
+def test_everything_is_there(old: Workspace) -> None:
+    for sequence, expected in EXPECTED["sequences"].items():
+        assert told(old, sequence) == expected
+        assert old.check(sequence) == []
+    assert [entry.damaged for entry in old.listing()] == [None, None]
+    valid = [old.store.tokens.check(secret) is not None for secret in EXPECTED["secrets"].values()]
+    assert valid.count(False) == 1
+
+
+def test_undo_goes_on(old: Workspace) -> None:
+    before = old.annotation("ball", 1)[0]
+    author = next(edit.author for edit in old.edits("ball") if edit.kind == "tracking")
+    old.undo("ball", author)
+    assert not np.array_equal(old.annotation("ball", 1)[0], before)
+    old.redo("ball", author)
+    np.testing.assert_array_equal(old.annotation("ball", 1)[0], before)
+
+
+def test_labels_belong_to_their_import_from_then_on(old: Workspace) -> None:
+    known = {row.id: row.identity for row in old.store.recordings.live()}
+    assert known == {name: told["identity"] for name, told in EXPECTED["sequences"].items()}

@@ -1,0 +1,336 @@
+"""Deleting is one decision: whatever stops it, a recording is whole or can be restored."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import update
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+from tests.labels.conftest import postgres_server, postgres_url, url  # noqa: F401  # fixtures
+from tests.serving import add_sequence, settings_in
+
+POINTS = 500
+
+
+@pytest.fixture
+def settings(tmp_path: Path, url: str) -> Settings:  # noqa: F811
+    made = settings_in(tmp_path, database=url)
+    add_sequence(made, "ball", frames=2, points=POINTS)
+    add_sequence(made, "wall", frames=1, points=POINTS)
+    return made
+
+
+@pytest.fixture
+def workspace(settings: Settings) -> Iterator[Workspace]:
+    with closing(Workspace(settings)) as opened:
+        paint(opened)
+        yield opened
+
+
+def paint(workspace: Workspace) -> None:
+    workspace.create_label("ball", "ada", name="ball")
+    for label in (1, 0, 1):
+        workspace.put_annotation("ball", 0, np.full(POINTS, label, np.uint16), author="ada")
+
+
+def painted(workspace: Workspace, sequence: str = "ball") -> Any:
+    """What people would miss: labels, history, both ways of undo."""
+    labels = workspace.annotation(sequence, 0)[0].tolist()
+    edits = [(edit.revision, edit.author, edit.undone) for edit in workspace.edits(sequence)]
+    return labels, [label.name for label in workspace.palette(sequence)], edits
+
+
+def ids(workspace: Workspace) -> list[str]:
+    return [entry.id for entry in workspace.listing()]
+
+
+def again(settings: Settings) -> None:
+    """Another recording of the same name."""
+    add_sequence(settings, "ball", frames=3, points=POINTS)
+
+
+def test_a_deleted_recording_comes_back_with_everything(workspace: Workspace) -> None:
+    before = painted(workspace)
+    identity = workspace.recording("ball").identity
+    workspace.delete_sequence("ball")
+    assert ids(workspace) == ["wall"]
+    for gone in (workspace.recording, workspace.palette, workspace.delete_sequence):
+        with pytest.raises(NotFoundError):
+            gone("ball")
+    entry = workspace.deleted_sequences()[0]
+    assert entry.manifest is not None
+    assert (entry.known.id, entry.known.identity, entry.manifest.frames) == ("ball", identity, 2)
+    assert entry.known.until == pytest.approx(entry.known.deleted + 30 * 86_400)  # type: ignore[operator]
+    assert workspace.restore_sequence("ball") == "ball"
+    assert painted(workspace) == before
+    assert workspace.deleted_sequences() == []
+    workspace.undo("ball", "ada")
+    assert workspace.annotation("ball", 0)[0].sum() == 0
+    assert workspace.check("ball") == []
+
+
+def test_a_new_recording_of_the_name_has_no_old_labels(
+    workspace: Workspace, settings: Settings
+) -> None:
+    before, identity = painted(workspace), workspace.recording("ball").identity
+    workspace.delete_sequence("ball")
+    again(settings)
+    assert ids(workspace) == ["ball", "wall"]
+    assert workspace.palette("ball") == []
+    assert workspace.edits("ball") == []
+    assert workspace.restore_sequence(identity) == "ball-2"
+    assert painted(workspace, "ball-2") == before
+    assert workspace.recording("ball-2").identity == identity
+    assert workspace.check("ball-2") == workspace.check("ball") == []
+
+
+def test_of_two_deleted_ones_the_id_means_the_last(
+    workspace: Workspace, settings: Settings
+) -> None:
+    first = workspace.recording("ball").identity
+    workspace.delete_sequence("ball")
+    again(settings)
+    ids(workspace)
+    second = workspace.recording("ball").identity
+    workspace.delete_sequence("ball")
+    assert [entry.known.identity for entry in workspace.deleted_sequences()] == [second, first]
+    workspace.restore_sequence("ball")
+    assert workspace.recording("ball").identity == second
+    workspace.restore_sequence(first)
+    assert workspace.recording("ball-2").identity == first
+    with pytest.raises(NotFoundError):
+        workspace.restore_sequence("ball")
+
+
+def test_after_30_days_nothing_is_left(workspace: Workspace, settings: Settings) -> None:
+    workspace.delete_sequence("ball")
+    old = update(schema.sequences).where(schema.sequences.c.deleted.is_not(None))
+    with workspace.store._database.write() as connection:
+        earlier = schema.sequences.c.deleted - KEPT_SECONDS - 1
+        connection.execute(old.values(deleted=earlier))
+    with pytest.raises(NotFoundError):
+        workspace.restore_sequence("ball")
+    with closing(Workspace(settings)) as reopened:
+        assert reopened.deleted_sequences() == []
+    kept = [path for path in (workspace.library.folder / ".deleted").iterdir() if path.is_dir()]
+    assert kept == []
+
+
+def test_a_stroke_of_before_does_not_reach_the_new_recording(
+    workspace: Workspace, settings: Settings
+) -> None:
+    live = workspace.begin_stroke("ball", 0, {"tool": "erase", "shape": "sphere", "radius": 9.0})
+    live.add([{"origin": [0, 0, 3]}])
+    workspace.delete_sequence("ball")
+    with pytest.raises(NotFoundError, match="deleted"):
+        live.commit("ada")
+    again(settings)
+    ids(workspace)
+    with pytest.raises(NotFoundError, match="deleted"):
+        live.commit("ada")
+
+
+def test_labels_whose_recording_was_replaced_are_kept_aside(
+    workspace: Workspace, settings: Settings, tmp_path: Path
+) -> None:
+    before = painted(workspace)
+    folder = workspace.library.folder / "ball"
+    folder.rename(tmp_path / "ball")
+    again(settings)
+    with closing(Workspace(settings)) as reopened:
+        assert reopened.palette("ball") == []
+        aside = next(entry for entry in reopened.listing() if entry.id not in ("ball", "wall"))
+        assert aside.damaged is not None
+        assert "labels without their recording" in aside.damaged
+        reopened.delete_sequence("ball")
+    (tmp_path / "ball").rename(folder)
+    with closing(Workspace(settings)) as reopened:
+        assert painted(reopened) == before
+        assert [entry.damaged for entry in reopened.listing()] == [None, None]
+
+
+KILLED = """
+import json, os, signal, sys
+from pathlib import Path
+from pointbrush.settings import Settings
+from pointbrush.labels import recordings
+from pointbrush.work import trash
+from pointbrush.workspace import Workspace
+
+folder, database, act, place = sys.argv[1:]
+workspace = Workspace(Settings(workspace=Path(folder), database=database, workers=1))
+owner, name, when = place.split(".")
+owner = {"Recordings": recordings.Recordings, "Trash": trash.Trash}[owner]
+was = getattr(owner, name)
+
+def stop(self, *args):
+    if when == "after":
+        was(self, *args)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+setattr(owner, name, stop)
+getattr(workspace, act)("ball")
+"""
+
+
+def kill_in(settings: Settings, act: str, place: str) -> None:
+    """Have another process do ``act`` and die by SIGKILL at ``place``."""
+    words = [str(settings.workspace), settings.database, act, place]
+    process = subprocess.run([sys.executable, "-c", KILLED, *words], check=False)
+    assert process.returncode == -signal.SIGKILL
+
+
+def test_killed_at_any_step_of_deleting(settings: Settings) -> None:
+    with closing(Workspace(settings)) as workspace:
+        paint(workspace)
+        before, identity = painted(workspace), workspace.recording("ball").identity
+    for place, deleted in (
+        ("Recordings.delete.before", False),
+        ("Recordings.delete.after", True),
+        ("Trash.put_away.after", True),
+    ):
+        kill_in(settings, "delete_sequence", place)
+        with closing(Workspace(settings)) as workspace:
+            assert ("ball" in ids(workspace)) == (not deleted), place
+            if deleted:
+                again(settings)
+                ids(workspace)
+                assert workspace.palette("ball") == []
+                workspace.delete_sequence("ball")
+                assert workspace.restore_sequence(identity) == "ball"
+            assert painted(workspace) == before, place
+            assert workspace.check("ball") == []
+
+
+def test_killed_at_any_step_of_restoring(settings: Settings) -> None:
+    with closing(Workspace(settings)) as workspace:
+        paint(workspace)
+        before = painted(workspace)
+    for place, restored in (
+        ("Recordings.restore.before", False),
+        ("Recordings.restore.after", True),
+        ("Trash.bring_back.after", True),
+    ):
+        with closing(Workspace(settings)) as workspace:
+            if "ball" in ids(workspace):
+                workspace.delete_sequence("ball")
+        kill_in(settings, "restore_sequence", place)
+        with closing(Workspace(settings)) as workspace:
+            assert ("ball" in ids(workspace)) == restored, place
+            if not restored:
+                assert workspace.restore_sequence("ball") == "ball"
+            assert painted(workspace) == before, place
+
+
+def test_who_has_it_open_elsewhere_sees_it_go_and_come(
+    workspace: Workspace, settings: Settings
+) -> None:
+    before = painted(workspace)
+    with closing(Workspace(settings)) as there:
+        assert painted(there) == before
+        workspace.delete_sequence("ball")
+        with pytest.raises(NotFoundError):
+            there.palette("ball")
+        with pytest.raises(NotFoundError):
+            there.put_annotation("ball", 0, np.ones(POINTS, np.uint16), author="eve")
+        assert ids(there) == ["wall"]
+        there.restore_sequence("ball")
+        assert painted(workspace) == before
+
+
+def test_what_is_worked_on_is_not_deleted(workspace: Workspace, settings: Settings) -> None:
+    with closing(Workspace(settings)) as there:
+        guard = there.store.guards.begin("ball", "tracking")
+        with pytest.raises(ConflictError, match="is being tracked"):
+            workspace.delete_sequence("ball")
+        assert "ball" in ids(workspace)
+        there.store.guards.end(guard)
+    workspace.delete_sequence("ball")
+
+
+GUARDING = """
+import sys, time
+from pointbrush.labels import LabelStore
+store = LabelStore(sys.argv[1])
+store.guards.begin("ball", "tracking")
+print("begun", flush=True)
+time.sleep(600)
+"""
+
+
+def test_work_of_a_process_that_was_killed_guards_nothing(
+    workspace: Workspace, settings: Settings
+) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", GUARDING, settings.database], stdout=subprocess.PIPE
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"begun\n"
+    with pytest.raises(ConflictError, match="is being tracked"):
+        workspace.delete_sequence("ball")
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    workspace.delete_sequence("ball")
+
+
+IMPORTING = """
+import json, sys
+from pathlib import Path
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+
+folder, database, source = sys.argv[1:]
+workspace = Workspace(Settings(workspace=Path(folder), database=database, workers=1))
+print("ready", flush=True)
+sys.stdin.readline()
+job = workspace.runner.wait(workspace.import_paths([Path(source)], name="Twice").id, 120)
+print(json.dumps([job.state, job.error, job.result]), flush=True)
+workspace.close()
+"""
+
+
+def test_one_name_imported_on_two_servers_at_once_gives_two_recordings(
+    settings: Settings, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((400, 3)).astype(np.float32))
+    words = [str(settings.workspace), settings.database, str(tmp_path / "cloud.npy")]
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-c", IMPORTING, *words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(2)
+    ]
+    for process in started:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+    ended = []
+    for process in started:
+        assert process.stdin is not None
+        process.stdin.write("\n")
+        process.stdin.flush()
+    for process in started:
+        said, _ = process.communicate(timeout=120)
+        ended.append(json.loads(said))
+    assert [state for state, _, _ in ended] == ["done", "done"], ended
+    assert sorted(result["sequence"] for _, _, result in ended) == ["twice", "twice-2"], ended
+    with closing(Workspace(settings)) as workspace:
+        for sequence in ("twice", "twice-2"):
+            assert workspace.check(sequence) == []
+            assert workspace.recording(sequence).manifest.points == [400]
