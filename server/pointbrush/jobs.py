@@ -9,18 +9,28 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import os
 import secrets
+import socket
 import threading
 import time
 import uuid
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import CancelledError as FutureCancelledError
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection, Listener
 from typing import Any, Literal
 
-from pointbrush.errors import CancelledError, ConflictError, NotFoundError, PointbrushError
-from pointbrush.scheduler import DaskExecutor, own_host
+from pointbrush.errors import (
+    CancelledError,
+    ConflictError,
+    NotFoundError,
+    PointbrushError,
+    UnavailableError,
+)
+from pointbrush.scheduler import DaskExecutor, DisconnectedError, own_host
 from pointbrush.worker import Work, local_processes, run_work
 
 logger = logging.getLogger(__name__)
@@ -29,6 +39,12 @@ JobKind = Literal["import", "tracking", "export"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
+TRIES = 2
+"""A job whose worker dies is begun once more."""
+SUBMISSIONS = 5
+"""Most times that work is handed out which no worker has come to begin."""
+LOOK_SECONDS = 1.0
+"""How often it is looked what a job waits for that no worker has begun."""
 KEPT_JOBS = 1000
 """Ended jobs that are remembered; older ones are forgotten first."""
 
@@ -52,10 +68,15 @@ class Job:
 
 @dataclass
 class _Running:
-    future: Future[Any]
+    work: Work
+    future: Future[Any] | None
     finish: Callable[[Job, bool], dict[str, Any]]
     on_item: Callable[[Job, Any], None] | None
     done: Callable[[Job], None] | None
+    restart: Callable[[Job], None] | None
+    tries: int = 0
+    """Workers that have begun the work."""
+    submissions: int = 1
     connection: Connection[Any, Any] | None = None
     cancelled: bool = False
     drained: threading.Event = field(default_factory=threading.Event)
@@ -83,6 +104,7 @@ class JobRunner:
         self._make_executor: Callable[[], Executor]
         self._executor: Executor | None = None
         host = "127.0.0.1"
+        self._connecting = threading.Lock()
         if scheduler:
             self._make_executor = lambda: DaskExecutor(scheduler)
             # At once: a wrong address should not first show when somebody needs it.
@@ -105,18 +127,20 @@ class JobRunner:
         finish: Callable[[Job, bool], dict[str, Any]],
         on_item: Callable[[Job, Any], None] | None = None,
         done: Callable[[Job], None] | None = None,
+        restart: Callable[[Job], None] | None = None,
         owner: str | None = None,
     ) -> Job:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
         These run in this process.  ``finish`` gives the job's result, also when the job was
         cancelled, so that findings can be kept; not when the work failed.  ``done`` runs last,
-        however the job ended.
+        however the job ended.  When a worker dies, the work is begun once more, after
+        ``restart(job)``: it drops what came so far.  So ``work`` must be safe to begin again.
         """
         job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence, owner=owner)
         with self._lock:
-            future = self._submit(run_work, self._listener.address, self._key, job.id, work)
-            running = _Running(future, finish, on_item, done)
+            future = self._hand_out(job.id, work)
+            running = _Running(work, future, finish, on_item, done, restart)
             self._jobs[job.id], self._running[job.id] = job, running
             self._forget_old()
         threading.Thread(target=self._supervise, args=(job.id, running), daemon=True).start()
@@ -156,7 +180,8 @@ class JobRunner:
             if running is None:
                 raise ConflictError(f"job {job_id}: expected a running job, it is {job.state}")
             running.cancelled = True
-            running.future.cancel()
+            if running.future is not None:
+                running.future.cancel()
             if running.connection is not None:
                 _tell(running.connection, "cancel")
         return job
@@ -196,7 +221,7 @@ class JobRunner:
         try:
             return self._executor.submit(function, *args)
         except BrokenExecutor:
-            # A worker died under an earlier job; that job failed, later ones get new workers.
+            # A worker died under an earlier job; later ones get new workers.
             self._executor = self._make_executor()
             return self._executor.submit(function, *args)
 
@@ -220,15 +245,23 @@ class JobRunner:
             return
         with self._lock:
             running = self._running.get(job_id)
-            # A cluster may run work again whose worker died; its findings came already.
-            if running is None or running.connection is not None:
+            # A cluster runs work again by itself whose worker died, more often than wanted.
+            if running is None or running.tries >= TRIES:
                 connection.close()
                 return
-            running.connection = connection
+            running.tries += 1
+            before, running.connection = running.connection, connection
+        if before is not None:
+            _cut_off(before)
+            running.drained.wait(DRAIN_SECONDS)
+            running.drained.clear()
+            if running.restart is not None:
+                running.restart(self.job(job_id))
+        with self._lock:
             _tell(connection, "start")
             if running.cancelled:
                 _tell(connection, "cancel")
-        self._change(job_id, state="running")
+        self._change(job_id, state="running", progress=0.0, message="")
         try:
             while True:
                 kind, *values = connection.recv()
@@ -241,7 +274,9 @@ class JobRunner:
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         try:
-            error = _outcome(running.future)
+            error = self._outcome(job_id, running)
+            while self._again(job_id, running, error):
+                error = self._outcome(job_id, running)
             # Items that are still on their way; work that failed may not have come to connect.
             connected = error is None or running.connection is not None
             running.drained.wait(DRAIN_SECONDS if connected else 0)
@@ -258,6 +293,71 @@ class JobRunner:
                 self._running.pop(job_id, None)
             running.ended.set()
 
+    def _hand_out(self, job_id: str, work: Work) -> Future[Any] | None:
+        """Give work to a worker; None while the scheduler is away."""
+        try:
+            return self._submit(run_work, self._listener.address, self._key, job_id, work)
+        except DisconnectedError:
+            return None
+
+    def _look_for_scheduler(self) -> None:
+        """Connect to a scheduler that began anew; without the lock, as it may take long."""
+        with self._connecting:
+            lost = self._executor
+            if not isinstance(lost, DaskExecutor) or lost.connected:
+                return
+            with suppress(UnavailableError):
+                found = self._make_executor()
+                with self._lock:
+                    self._executor = found
+                lost.shutdown(wait=False, cancel_futures=True)
+
+    def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
+        """What the work raised, or None; blocks until it has ended or was taken off the queue."""
+        while True:
+            if running.future is None:
+                if running.cancelled or self._closed:
+                    return CancelledError("cancelled by the user")
+                self._change(job_id, message="waiting for the Dask scheduler, which is away")
+                time.sleep(LOOK_SECONDS)
+                self._look_for_scheduler()
+                with self._lock:
+                    running.future = self._hand_out(job_id, running.work)
+                continue
+            try:
+                running.future.result(LOOK_SECONDS)
+                return None
+            except TimeoutError as error:
+                if running.future.done():
+                    return error
+                if isinstance(self._executor, DaskExecutor) and not self._executor.connected:
+                    return DisconnectedError("the Dask scheduler began anew")
+                if running.connection is None:
+                    self._change(job_id, message=self._waits_for())
+            except BaseException as error:
+                return error
+
+    def _waits_for(self) -> str:
+        try:
+            self.require_scheduler()
+        except UnavailableError as error:
+            return f"waiting: {error}"
+        return "waiting for a worker"
+
+    def _again(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
+        """Hand work out again whose worker died, or that a lost scheduler has forgotten."""
+        if error is None or not _died(error) or running.cancelled or self._closed:
+            return False
+        if running.tries >= TRIES or running.submissions >= SUBMISSIONS:
+            return False
+        running.submissions += 1
+        self._change(
+            job_id, state="queued", progress=0.0, message="its worker died; it is tried once more"
+        )
+        with self._lock:
+            running.future = self._hand_out(job_id, running.work)
+        return True
+
     def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
         try:
             summary = running.finish(self.job(job_id), cancelled)
@@ -272,17 +372,29 @@ class JobRunner:
         with self._lock:
             if job_id not in self._jobs or self._jobs[job_id].state in ENDED:
                 return
-            self._jobs[job_id] = job = replace(self._jobs[job_id], **fields)
+            before, job = self._jobs[job_id], replace(self._jobs[job_id], **fields)
+            self._jobs[job_id] = job
+        if job == before:
+            return
         self._notify(job)
 
 
-def _outcome(future: Future[Any]) -> BaseException | None:
-    """What the work raised, or None; blocks until it has ended or was taken off the queue."""
-    try:
-        future.result()
-    except BaseException as error:
-        return error
-    return None
+def _died(error: BaseException) -> bool:
+    """Whether work ended because its process or its scheduler did."""
+    if isinstance(error, PointbrushError):
+        return False
+    lost = (BrokenExecutor, EOFError, ConnectionError, FutureCancelledError, DisconnectedError)
+    # Dask's own errors are known by name: it need not be installed.
+    return isinstance(error, lost) or type(error).__name__ in (
+        "KilledWorker",
+        "FutureCancelledError",
+    )
+
+
+def _cut_off(connection: Connection[Any, Any]) -> None:
+    """Let whoever reads a connection read its end."""
+    with suppress(OSError), socket.socket(fileno=os.dup(connection.fileno())) as link:
+        link.shutdown(socket.SHUT_RDWR)
 
 
 def _tell(connection: Connection[Any, Any], word: str) -> None:
@@ -295,8 +407,8 @@ def _tell(connection: Connection[Any, Any], word: str) -> None:
 def _sentence(error: BaseException) -> str:
     if isinstance(error, PointbrushError):
         return str(error)
-    if isinstance(error, BrokenExecutor | EOFError | ConnectionError):
-        return "the worker process died (out of memory, or a fault in a native decoder)"
+    if _died(error):
+        return "the worker process died, twice (out of memory, or a fault in a native decoder)"
     # Not one of ours: the operator needs the traceback, the user the gist.
     logger.error("a job failed unexpectedly", exc_info=error)
     return f"{type(error).__name__}: {error}"

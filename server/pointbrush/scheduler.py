@@ -15,6 +15,10 @@ T = TypeVar("T")
 CONNECT_SECONDS = 10
 
 
+class DisconnectedError(Exception):
+    """The scheduler is another one by now, or away: what it was given is forgotten."""
+
+
 class DaskExecutor(Executor):
     """Runs on the workers of a scheduler; they need pointbrush and the workspace's folder.
 
@@ -41,9 +45,16 @@ class DaskExecutor(Executor):
         self._pool = self._client.get_executor(pure=False)
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """Run ``fn`` on a worker, once."""
+        """Run ``fn`` on a worker, once; raises DisconnectedError when the scheduler has gone."""
+        if self._client.status != "running":
+            raise DisconnectedError
         future: Future[T] = self._pool.submit(fn, *args, retries=0, **kwargs)
         return future
+
+    @property
+    def connected(self) -> bool:
+        """Whether the scheduler is the one that the work was given to."""
+        return bool(self._client.status == "running")
 
     def require_answer(self) -> None:
         """Raise UnavailableError unless the scheduler answers and has workers."""

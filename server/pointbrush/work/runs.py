@@ -95,9 +95,14 @@ class Runs:
             frames = tuple(found.frame for found in pending.results)
             self._publish(Retracted(sequence, job.id, frames))
 
+        def restart(job: Job) -> None:
+            frames = tuple(found.frame for found in pending.results)
+            pending.results.clear()
+            self._publish(Retracted(sequence, job.id, frames))
+
         try:
             return self._runner.submit(
-                "tracking", sequence, work, finish, on_item, done, owner=author
+                "tracking", sequence, work, finish, on_item, done, restart, owner=author
             )
         except BaseException:
             self._store.guards.end(guard)

@@ -1,0 +1,119 @@
+"""Workers that die and schedulers that begin anew, as real processes."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from waiting import eventually
+
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.worker import Channel
+from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
+
+
+@dataclass(frozen=True)
+class DieOnce:
+    """Work whose first worker dies half-way."""
+
+    mark: Path
+    steps: int = 6
+
+    def __call__(self, channel: Channel) -> None:
+        for step in range(self.steps):
+            channel.item(step)
+            if step == self.steps // 2 and not self.mark.exists():
+                self.mark.touch()
+                time.sleep(0.2)  # what was sent is on its way
+                os._exit(1)
+
+
+def test_a_job_whose_worker_died_is_begun_once_more(
+    seen: Seen,  # noqa: F811
+    scheduler: str,  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    with closing(JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)) as runner:
+        job = runner.submit(
+            "tracking", "s", DieOnce(tmp_path / "died"), seen.finish, seen.item, seen.end,
+            restart=lambda _: seen.items.clear(),
+        )  # fmt: skip
+        other = runner.submit("tracking", "t", Count(2), lambda _job, _cancelled: {})
+        job, other = runner.wait(job.id, 120), runner.wait(other.id, 120)
+    assert (job.state, job.error, other.state) == ("done", None, "done")
+    assert seen.items == list(range(6))
+    assert (seen.finished, seen.done) == ([False], 1)
+
+
+@contextmanager
+def started(*command: str) -> Iterator[None]:
+    process = subprocess.Popen(
+        [sys.executable, "-m", *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def listening(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@pytest.fixture
+def port() -> int:
+    pytest.importorskip("distributed")
+    return free_port()
+
+
+def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
+    seen: Seen,  # noqa: F811
+    port: int,
+) -> None:
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler_command = (
+        "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port),
+        "--no-dashboard",
+    )  # fmt: skip
+    worker_command = (
+        "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+        "--host", "127.0.0.1",
+    )  # fmt: skip
+    with started(*scheduler_command):
+        eventually(lambda: listening(port), 60)
+        runner = JobRunner(seen.jobs.append, scheduler=address)
+        first = submit(runner, seen)
+        eventually(lambda: "expected workers" in runner.job(first.id).message, 60)
+        with started(*worker_command):
+            assert runner.wait(first.id, 120).state == "done"
+    with closing(runner):
+        eventually(lambda: not listening(port), 30)
+        second = submit(runner, seen)
+        eventually(lambda: "scheduler" in runner.job(second.id).message, 60)
+        with started(*scheduler_command), started(*worker_command):
+            job = runner.wait(second.id, 120)
+            assert (job.state, job.error) == ("done", None)
+
+
+def submit(runner: JobRunner, seen: Seen) -> Job:  # noqa: F811
+    return runner.submit("tracking", "s", Count(2), seen.finish, seen.item, seen.end)
