@@ -150,7 +150,16 @@ def parser() -> argparse.ArgumentParser:
 
     restore_ = _command(commands, "restore", do.restore, "make a workspace from a backup")
     restore_.add_argument("source", type=Path, help="the folder of a backup")
-    _settings(restore_, "workspace")
+    restore_.add_argument(
+        "--only", metavar="SEQ", help="bring this recording alone back, into a workspace in use"
+    )
+    _settings(restore_, "workspace", "database", "database_password_file")
+
+    move_ = _command(commands, "move", do.move, "move the labels into another database")
+    move_.add_argument(
+        "target", metavar="URL", help="postgresql://host/name, or 'sqlite': in the workspace"
+    )
+    _settings(move_, "workspace", "database", "database_password_file")
 
     bench_ = _command(commands, "bench", do.bench, "run the benchmarks of a checkout")
     bench_.add_argument("name", nargs="?", help="one of them; all unless given")

@@ -11,12 +11,14 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
+from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
 from pointbrush.labels import check_database
 from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
-from pointbrush.work.backup import restore_backup
+from pointbrush.work.backup import move_labels, restore_backup
+from pointbrush.work.place import own_url
 from pointbrush.workspace import Listed, Workspace
 
 AUTHOR = "command line"
@@ -205,9 +207,24 @@ def backup(given: argparse.Namespace, settings: Settings) -> None:
 
 
 def restore(given: argparse.Namespace, settings: Settings) -> None:
-    """Bring a backup back as a new workspace."""
-    restore_backup(given.source, settings.workspace)
+    """Bring a backup back as a new workspace, or one recording of it into this one."""
+    if given.only:
+        with closing(Workspace(settings)) as workspace:
+            print(f"restored {workspace.restore_from_backup(given.source, given.only)}")
+        return
+    restore_backup(given.source, settings.workspace, settings.database and settings.database_url)
     print(f"restored to {settings.workspace}")
+
+
+def move(given: argparse.Namespace, settings: Settings) -> None:
+    """Move the labels into another database."""
+    if has_password(given.target):
+        raise BadInputError("move: expected a URL without a password; give that by PGPASSFILE")
+    target = own_url(settings.workspace) if given.target == "sqlite" else given.target
+    Workspace(settings).close()  # it can be opened, and its schema is up to date
+    move_labels(settings.workspace, settings.database_url, target)
+    start = "without --database" if given.target == "sqlite" else f"with --database {target}"
+    print(f"moved the labels; start the server {start} from now on")
 
 
 def bench(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001

@@ -27,8 +27,8 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
-from pointbrush.work import accepting, checking, exporting, flooring, layers
-from pointbrush.work.backup import make_backup
+from pointbrush.work import accepting, checking, exporting, flooring, layers, place
+from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
 from pointbrush.work.deletion import Deleted, Deletion
 from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
@@ -61,6 +61,7 @@ class Workspace:
         """
         self.settings = settings
         self.paths = ServerPaths(settings.workspace, *settings.roots)
+        place.require_here(settings.workspace, settings.database_url)
         self.library = Library(settings.workspace.absolute() / "sequences")
         self.library.clean()
         make_private(settings.workspace)
@@ -443,6 +444,12 @@ class Workspace:
             "disk": lambda: require_room(self.library.folder),
             "scheduler": self.runner.require_scheduler,
         }
+
+    def restore_from_backup(self, source: Path, sequence: str) -> str:
+        """Bring one recording of a backup back, also while in use; returns its id here."""
+        restored = restore_one(self.store, self.library, source, sequence)
+        self._publish(SequencesChanged(restored))
+        return restored
 
     def backup(self, target: Path) -> None:
         """Copy the whole workspace into the new folder ``target``, also while it is in use."""

@@ -3,7 +3,7 @@
 ``LabelStore`` is the whole interface; see docs/labels.md for what undo means and what survives.
 """
 
-from pointbrush.labels.backup import restore
+from pointbrush.labels.backup import move, restore
 from pointbrush.labels.database import Limits
 from pointbrush.labels.integrity import check_database
 from pointbrush.labels.recordings import KEPT_SECONDS, Known
@@ -36,5 +36,6 @@ __all__ = [
     "Tokens",
     "Write",
     "check_database",
+    "move",
     "restore",
 ]

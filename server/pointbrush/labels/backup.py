@@ -6,14 +6,16 @@ import contextlib
 import os
 import sqlite3
 import tempfile
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-from sqlalchemy import Connection, func, insert, select, text
+from sqlalchemy import Connection, Select, Table, func, insert, select, text
 
-from pointbrush.errors import BadInputError, ConflictError, UnavailableError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.migrate import migrate
-from pointbrush.labels.schema import metadata, sequences, tokens
+from pointbrush.labels.schema import LIVE, PER_SEQUENCE, metadata, sequences, tokens
 
 ROWS = 256
 """Rows copied at once: they hold up to a few hundred kilobytes each."""
@@ -50,28 +52,85 @@ def back_up(database: Database, target: Path) -> None:
             leftover.unlink(missing_ok=True)
 
 
+def move(source_url: str, target_url: str) -> None:
+    """Copy the database at one URL into the empty one at another, whole or not at all.
+
+    Nobody can write to a SQLite source meanwhile.  Raises ConflictError when the target has
+    sequences or tokens already, UnavailableError.
+    """
+    source, target = Database(source_url), Database(target_url)
+    try:
+        migrate(source)
+        migrate(target)
+        reading = source.write() if source.sqlite else source.read()
+        with reading as reader, target.write() as writer:
+            _copy_rows(reader, writer)
+            if not target.sqlite:
+                writer.execute(text(_CONTINUE_NUMBERS))
+    finally:
+        source.close()
+        target.close()
+
+
+def restore_sequence(
+    source: Path,
+    database: Database,
+    sequence: str,
+    target: str,
+    identity: str,
+    put: Callable[[], object],
+) -> None:
+    """Bring one sequence of a backup back as ``target``, an import of its own, with its history.
+
+    ``put`` runs before the commit: what it raises leaves the database as it was.  Raises
+    BadInputError when ``source`` is no backup, NotFoundError when it does not know the sequence.
+    """
+    with _opened(source) as original, original.read() as reader, database.write() as writer:
+        here = select(sequences).where(sequences.c.id == sequence, LIVE)
+        row = reader.execute(here).mappings().one_or_none()
+        if row is None:
+            raise NotFoundError(f"backup: expected labels of {sequence!r}, there are none")
+        fields = {name: value for name, value in row.items() if name != "number"}
+        made = writer.execute(insert(sequences), fields | {"id": target, "identity": identity})
+        key = made.inserted_primary_key
+        assert key is not None  # noqa: S101 - of an autoincrement column
+        for table in reversed(PER_SEQUENCE):
+            wanted = select(table).where(table.c.sequence == row["number"])
+            _copy_table(reader, writer, table, wanted, {"sequence": key[0]})
+        put()
+
+
 def restore(source: Path, url: str) -> None:
     """Fill the database at ``url``, which must be empty or new, from a backup.
 
     Raises BadInputError when ``source`` is no backup, ConflictError when the database has
     sequences or tokens already, UnavailableError.
     """
-    _require_backup(source)
-    with tempfile.TemporaryDirectory() as folder:
-        # A copy: a backup of an older version is brought up to date, and stays as it is itself.
-        copy = Path(folder) / "copy.sqlite"
-        _copy_file(source, copy)
-        original, target = Database(f"sqlite:///{copy}"), Database(url)
+    with _opened(source) as original:
+        target = Database(url)
         try:
-            migrate(original)
             migrate(target)
             with original.read() as reader, target.write() as writer:
                 _copy_rows(reader, writer)
                 if not target.sqlite:
                     writer.execute(text(_CONTINUE_NUMBERS))
         finally:
-            original.close()
             target.close()
+
+
+@contextlib.contextmanager
+def _opened(source: Path) -> Iterator[Database]:
+    """A copy of a backup, brought up to date: the backup stays as it is itself."""
+    _require_backup(source)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "copy.sqlite"
+        _copy_file(source, copy)
+        original = Database(f"sqlite:///{copy}")
+        try:
+            migrate(original)
+            yield original
+        finally:
+            original.close()
 
 
 def _require_backup(source: Path) -> None:
@@ -107,6 +166,13 @@ def _copy_rows(reader: Connection, writer: Connection) -> None:
         if writer.execute(select(func.count()).select_from(table)).scalar():
             raise ConflictError(f"restore: expected an empty database, it has {table.name}")
     for table in metadata.sorted_tables:
-        rows = reader.execution_options(yield_per=ROWS).execute(select(table))
-        for part in rows.mappings().partitions(ROWS):
-            writer.execute(insert(table), [dict(row) for row in part])
+        _copy_table(reader, writer, table, select(table), {})
+
+
+def _copy_table(
+    reader: Connection, writer: Connection, table: Table, wanted: Select[Any], other: dict[str, Any]
+) -> None:
+    """Copy the rows that are ``wanted``, with ``other`` values in place of theirs."""
+    rows = reader.execution_options(yield_per=ROWS).execute(wanted)
+    for part in rows.mappings().partitions(ROWS):
+        writer.execute(insert(table), [{**row, **other} for row in part])

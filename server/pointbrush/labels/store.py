@@ -306,6 +306,17 @@ class LabelStore:
         """
         return self._sessions.rebuild(sequence, repair.repair)
 
+    def restore_sequence(
+        self,
+        source: Path,
+        sequence: str,
+        target: str,
+        identity: str,
+        put: Callable[[], object],
+    ) -> None:
+        """Bring one sequence out of a backup's file; see ``backup.restore_sequence``."""
+        backup.restore_sequence(source, self._database, sequence, target, identity, put)
+
     def backup(self, target: Path) -> None:
         """Write a consistent copy of this database, in use or not, to a new SQLite file.
 

@@ -114,6 +114,13 @@ def read_manifest(path: Path) -> Manifest:
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
 
+def rename_sequence(path: Path, sequence: str) -> Manifest:
+    """Give the copy of a recording in folder ``path`` an id of its own."""
+    manifest = replace(read_manifest(path), id=sequence)
+    replace_file(path / FILE, encode_manifest(manifest))
+    return manifest
+
+
 def update_manifest(
     path: Path,
     *,

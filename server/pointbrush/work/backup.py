@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import shutil
+import uuid
+from itertools import chain, count
 from pathlib import Path
 
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.labels import LabelStore
+from pointbrush.labels import LabelStore, move, restore
+from pointbrush.sequences.manifest import rename_sequence
+from pointbrush.work import place
 from pointbrush.work.library import Library
+from pointbrush.work.uploads import any_alive
 
 DATABASE = "labels.sqlite"
 RECORDINGS = "sequences"
@@ -31,21 +36,77 @@ def make_backup(store: LabelStore, library: Library, target: Path) -> None:
         raise
 
 
-def restore_backup(source: Path, target: Path) -> None:
-    """Make the new workspace ``target`` from a backup.
+def restore_backup(source: Path, target: Path, url: str = "") -> None:
+    """Make the new workspace ``target`` from a backup, its labels in the database at ``url``.
 
-    Raises NotFoundError when ``source`` is none, ConflictError when ``target`` exists.
+    Without ``url`` they are in the workspace.  Raises NotFoundError when ``source`` is none,
+    ConflictError when ``target`` exists or the database is not empty.
     """
     if not (source / DATABASE).is_file():
         raise NotFoundError(f"backup: expected a folder with {DATABASE}, got {source}")
     partial = _partial(target)
     try:
         _copy(source / RECORDINGS, partial / RECORDINGS)
-        shutil.copy2(source / DATABASE, partial / DATABASE)
+        if url:
+            place.note(partial, url)
+            restore(source / DATABASE, url)
+        else:
+            shutil.copy2(source / DATABASE, partial / DATABASE)
         partial.rename(target)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
+
+
+def restore_one(store: LabelStore, library: Library, source: Path, sequence: str) -> str:
+    """Bring one recording of a backup back into a workspace, also one in use; returns its id.
+
+    Its labels, history and tracks come with it.  An id that is taken gives way to a free one.
+    Raises NotFoundError when the backup does not have it.
+    """
+    folder = source / RECORDINGS / sequence
+    if "/" in sequence or not folder.is_dir():
+        raise NotFoundError(f"backup: expected a recording of {source}, got {sequence!r}")
+    known = [*store.recordings.live(), *store.recordings.deleted()]
+    taken = {one.id for one in known}
+    ids = chain([sequence], (f"{sequence}-{number}" for number in count(2)))
+    guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
+    target = guard.sequence
+    partial = library.folder / f".tmp-{os.getpid()}-{uuid.uuid4().hex}"
+    try:
+        shutil.copytree(folder, partial)
+        identity = rename_sequence(partial, target).identity
+        store.restore_sequence(
+            source / DATABASE,
+            sequence,
+            target,
+            identity,
+            lambda: partial.rename(library.folder / target),
+        )
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+        store.guards.end(guard)
+    return target
+
+
+def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
+    """Move a workspace's labels into the empty database at ``target_url``, whole or not at all.
+
+    The workspace notes where they are.  What they were in stays, a SQLite file of the workspace
+    under another name.  Raises ConflictError while a server runs here, or when the target is not
+    empty.
+    """
+    if source_url == target_url:
+        raise ConflictError("move: expected another database, got the one that holds the labels")
+    if any_alive(workspace):
+        raise ConflictError("move: expected no running server on this workspace; stop it first")
+    move(source_url, target_url)
+    place.note(workspace, target_url)
+    old = workspace / DATABASE
+    if source_url == place.own_url(workspace):
+        for suffix in ("-wal", "-shm"):
+            old.with_name(old.name + suffix).unlink(missing_ok=True)
+        old.rename(old.with_name(f"{old.name}.moved-{uuid.uuid4().hex[:8]}"))
 
 
 def _partial(target: Path) -> Path:

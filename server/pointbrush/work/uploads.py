@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+import tempfile
 import threading
 import uuid
 from pathlib import Path
@@ -76,6 +77,20 @@ class Uploads:
             with contextlib.suppress(OSError):
                 if self._beat():
                     self.clean()
+
+
+def any_alive(workspace: Path) -> bool:
+    """Return whether a server runs on a workspace, as far as heartbeats tell."""
+    servers = workspace / "servers"
+    if not servers.is_dir():
+        return False
+    with tempfile.TemporaryDirectory(dir=servers, prefix=".clock-") as clock:
+        now = Path(clock).stat().st_mtime
+        return any(
+            now - _last_beat(server) < STALE_SECONDS
+            for server in servers.iterdir()
+            if not server.name.startswith(".")
+        )
 
 
 def _last_beat(server: Path) -> float:

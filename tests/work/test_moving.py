@@ -1,0 +1,166 @@
+"""Labels that move between databases and come out of backups, with all of their history."""
+
+from __future__ import annotations
+
+import uuid
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+
+from pointbrush.cli import main
+from pointbrush.errors import NotFoundError
+from pointbrush.settings import Settings
+from pointbrush.work.uploads import Uploads
+from pointbrush.workspace import Workspace
+from tests.serving import add_sequence, settings_in
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    found = settings_in(tmp_path)
+    add_sequence(found, "wall", frames=2, points=2_000)
+    add_sequence(found, "floor", frames=1, points=1_000)
+    return found
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def painted(request: pytest.FixtureRequest, settings: Settings) -> Settings:
+    """A workspace with work in it, in either database."""
+    if request.param == "postgresql":
+        url = request.getfixturevalue("postgres_server").new_database()
+        settings = replace(settings, database=url)
+    paint(settings)
+    return settings
+
+
+def paint(settings: Settings) -> None:
+    with closing(Workspace(settings)) as workspace:
+        for sequence in ("wall", "floor"):
+            workspace.create_label(sequence, "ann", name="pin")
+            for x in (0.0, 0.5, 1.0):
+                stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
+                sample = {"origin": [x, 0, 3]}
+                workspace.stroke(sequence, 0, stroke | {"samples": [sample]}, "ann")
+        workspace.undo("wall", "ann")
+
+
+def state(settings: Settings, sequence: str = "wall") -> dict[str, Any]:
+    with closing(Workspace(settings)) as workspace:
+        assert workspace.check(sequence) == []
+        return {
+            "label": workspace.annotation(sequence, 0)[0].tolist(),
+            "edits": workspace.edits(sequence),
+            "palette": workspace.palette(sequence),
+            "tracks": workspace.tracks(sequence),
+        }
+
+
+def run(*arguments: object) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def test_labels_move_to_postgres_and_back(
+    settings: Settings,
+    postgres_url: str,  # noqa: F811
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    paint(settings)
+    before, here = state(settings), ("--workspace", settings.workspace)
+    there = replace(settings, database=postgres_url)
+    assert run("move", postgres_url, *here) == 0
+    assert f"--database {postgres_url}" in capsys.readouterr().out
+    assert state(there) == before
+    assert run("info", *here) == 1
+    assert f"start with --database {postgres_url}" in capsys.readouterr().err
+    with closing(Workspace(there)) as workspace:
+        workspace.redo("wall", "ann")
+        workspace.store.register("another", [5])
+    after = state(there)
+    assert run("move", "sqlite", *here, "--database", postgres_url) == 0
+    assert state(settings) == after
+    assert run("info", *here, "--database", postgres_url) == 1
+    # What was moved from is not emptied, so it is no target.
+    assert run("move", postgres_url, *here) == 1
+    assert "expected an empty database" in capsys.readouterr().err
+    assert state(settings) == after
+
+
+def test_a_backup_comes_back_into_another_database(
+    painted: Settings,
+    tmp_path: Path,
+    postgres_url: str,  # noqa: F811
+) -> None:
+    before, copy, new = state(painted), tmp_path / "copy", tmp_path / "new"
+    database = ("--database", painted.database) if painted.database else ()
+    assert run("backup", copy, "--workspace", painted.workspace, *database) == 0
+    assert run("restore", copy, "--workspace", new, "--database", postgres_url) == 0
+    assert state(replace(painted, workspace=new, database=postgres_url)) == before
+    other = tmp_path / "other"
+    assert run("restore", copy, "--workspace", other, "--database", postgres_url) == 1
+    assert not other.exists()
+
+
+def test_one_recording_comes_back_into_a_workspace_in_use(
+    painted: Settings, tmp_path: Path
+) -> None:
+    before, copy = state(painted), tmp_path / "copy"
+    with closing(Workspace(painted)) as workspace:
+        workspace.backup(copy)
+        kept = workspace.annotation("floor", 0)[0].tolist()
+        workspace.undo("wall", "ann")
+        restored = workspace.restore_from_backup(copy, "wall")
+        assert restored == "wall-2"
+        assert workspace.annotation("floor", 0)[0].tolist() == kept
+        assert workspace.annotation("wall", 0)[0].tolist() != before["label"]
+    assert state(painted, restored) == before
+    database = ("--database", painted.database) if painted.database else ()
+    assert run("restore", copy, "--only", "floor", "--workspace", painted.workspace, *database) == 0
+    assert state(painted, "floor-2")["label"] == kept
+    with closing(Workspace(painted)) as workspace:
+        workspace.redo("wall-2", "ann")
+        assert workspace.check("wall-2") == []
+        assert len(workspace.sequences()) == 4
+
+
+def test_nothing_moves_while_a_server_runs_or_halfway(
+    settings: Settings,
+    postgres_url: str,  # noqa: F811
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    paint(settings)
+    before, here = state(settings), ("--workspace", settings.workspace)
+    server = Uploads(settings.workspace)
+    server.open()
+    assert run("move", postgres_url, *here) == 1
+    assert "expected no running server" in capsys.readouterr().err
+    server.close()
+    with monkeypatch.context() as patch:
+        patch.setattr("pointbrush.labels.backup._CONTINUE_NUMBERS", "SELECT 1 / 0")
+        assert run("move", postgres_url, *here) == 1
+    assert state(settings) == before
+    assert run("move", postgres_url, *here) == 0  # the target is as empty as it was
+    assert state(replace(settings, database=postgres_url)) == before
+
+
+def test_a_restore_that_ends_halfway_leaves_nothing(painted: Settings, tmp_path: Path) -> None:
+    with closing(Workspace(painted)) as workspace:
+        workspace.backup(tmp_path / "copy")
+        known = workspace.store.sequences()
+        folder = workspace.library.folder
+        names = sorted(path.name for path in folder.iterdir())
+
+        def fail() -> None:
+            raise ZeroDivisionError
+
+        file = tmp_path / "copy" / "labels.sqlite"
+        with pytest.raises(ZeroDivisionError):
+            workspace.store.restore_sequence(file, "wall", "wall-9", "0" * 16, fail)
+        with pytest.raises(NotFoundError):
+            workspace.restore_from_backup(tmp_path / "copy", "nothing")
+        assert workspace.store.sequences() == known
+        assert sorted(path.name for path in folder.iterdir()) == names
