@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from pointbrush.errors import PointbrushError, UnavailableError
+from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.table import FrameTable, Piece
@@ -77,7 +77,7 @@ class Sender:
                 raise
             except PointbrushError as error:
                 self._outbox.stale.pop(frame, None)
-                self._give_up(frame, error)
+                self._give_up(room, frame, error)
 
     async def _anew(self, room: Room, frame: int) -> None:
         """All values of a frame.
@@ -167,11 +167,19 @@ class Sender:
             except UnavailableError:
                 raise
             except PointbrushError as error:
-                self._give_up(piece.frame, error)
+                self._give_up(room, piece.frame, error)
         return True
 
-    def _give_up(self, frame: int, error: PointbrushError) -> None:
-        """Tell the viewer, once, that a frame cannot be read; the others still come."""
+    def _give_up(self, room: Room, frame: int, error: PointbrushError) -> None:
+        """Tell the viewer, once, that a frame cannot be read; the others still come.
+
+        Of a recording that was deleted meanwhile no frame comes, which is told instead.
+        """
+        if self._viewer.room is not room:
+            return
+        if isinstance(error, NotFoundError) or not room.recording.path.is_dir():
+            self._hub.send_out(self._viewer, NotFoundError(room.id))
+            return
         damaged = self._viewer.plan.damaged
         if frame not in damaged:
             damaged.add(frame)
@@ -186,7 +194,7 @@ class Sender:
         except UnavailableError:
             raise
         except PointbrushError as error:
-            self._give_up(frame, error)
+            self._give_up(room, frame, error)
             return None
 
     async def _next_piece(self, room: Room) -> Piece | None:
