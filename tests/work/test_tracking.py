@@ -186,7 +186,13 @@ def test_a_run_changes_only_what_it_may(
     assert list(map(plain, found)) == list(map(plain, again))
     labels = tuple(found[0].tracks)
     pending = PendingEdit(
-        workspace.store, asked.sequence, asked.start, labels, asked.overwrite, found
+        workspace.store,
+        asked.sequence,
+        workspace.recording(asked.sequence).identity,
+        asked.start,
+        labels,
+        asked.overwrite,
+        found,
     )
     done = pending.commit(str(uuid.uuid4()), "ada", "")
     after = written(workspace, asked.sequence)
