@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import uuid
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -17,7 +18,10 @@ from sqlalchemy import update
 
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.labels.guards import EXPIRY_SECONDS
 from pointbrush.settings import Settings
+from pointbrush.tracking import FrameResult, TrackState
+from pointbrush.work.tracking import PendingEdit
 from pointbrush.workspace import Workspace
 from tests.labels.conftest import postgres_server, postgres_url, url  # noqa: F401  # fixtures
 from tests.serving import add_sequence, settings_in
@@ -258,6 +262,36 @@ def test_what_is_worked_on_is_not_deleted(workspace: Workspace, settings: Settin
             workspace.delete_sequence("ball")
         assert "ball" in ids(workspace)
         there.store.guards.end(guard)
+    workspace.delete_sequence("ball")
+
+
+def test_a_run_of_before_writes_nothing_into_the_new_recording(
+    workspace: Workspace, settings: Settings
+) -> None:
+    identity = workspace.recording("ball").identity
+    pending = PendingEdit(workspace.store, "ball", identity, 0, (1,), "tracked")
+    track = TrackState(np.eye(4), 0.0, 1.0, 1.0, 3, "tracked")
+    pending.results.append(FrameResult(1, {1: np.arange(3)}, {1: track}))
+    workspace.delete_sequence("ball")
+    with pytest.raises(NotFoundError, match="deleted"):
+        pending.commit(str(uuid.uuid4()), "ada", "tracked")
+    again(settings)
+    ids(workspace)
+    with pytest.raises(NotFoundError, match="deleted"):
+        pending.commit(str(uuid.uuid4()), "ada", "tracked")
+    assert workspace.edits("ball") == []
+
+
+def test_work_on_another_machine_guards_until_it_is_silent(workspace: Workspace) -> None:
+    workspace.store.guards.begin("ball", "tracking")
+    database = workspace.store._database
+    with database.write() as connection:
+        connection.execute(update(schema.works).values(host="elsewhere", process=1))
+    with pytest.raises(ConflictError, match="by process 1 on elsewhere"):
+        workspace.delete_sequence("ball")
+    with database.write() as connection:
+        silent = schema.works.c.beat - EXPIRY_SECONDS - 1
+        connection.execute(update(schema.works).values(beat=silent))
     workspace.delete_sequence("ball")
 
 
