@@ -237,7 +237,7 @@ class Workspace:
     def annotation(
         self, sequence: str, frame: int, layer: str = "label"
     ) -> tuple[NDArray[Any], int]:
-        """A layer of a frame's annotation (N,), and the sequence's revision it is of."""
+        """A layer of a frame's annotation (N,), and the revision of the frame's last change."""
         blocks, revision = self.annotation_blocks(sequence, frame, layer)
         return np.concatenate(list(blocks)), revision
 
@@ -260,6 +260,7 @@ class Workspace:
     ) -> Commit:
         """Replace a layer of a frame's annotation, as one edit.
 
+        ``if_match``: a revision since which the frame must not have changed.
         Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
         """
         writes = layers.replacement(self.store, self.recording(sequence), frame, layer, array)
@@ -270,9 +271,16 @@ class Workspace:
             kind="import",
             writes=writes,
             summary=f"annotation of frame {frame}",
-            if_match=if_match,
+            if_match=None if if_match is None else (frame, if_match),
             identity=self.recording(sequence).identity,
         )
+
+    def changed(self, sequence: str, frame: int, commit: Commit) -> int:
+        """The revision of a frame's last change as of ``commit``."""
+        if frame in commit.frames:
+            return commit.revision
+        # What others did since must not look as if it had been seen.
+        return min(commit.revision, self.store.changed(sequence, frame))
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 

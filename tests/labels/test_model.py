@@ -59,14 +59,20 @@ class Pair:
         self.stores, self.sequence, self.model = stores, sequence, Model()
         stores[0].register(sequence, [SIZE] * FRAMES)
         self.copies = [np.zeros((FRAMES, SIZE, 3), np.int64) for _ in stores]
+        self.changed = [0] * FRAMES
+        """The revision of each frame's last change."""
 
     def run(self, which: int, operation: tuple[Any, ...]) -> None:
         name, who, *rest = operation
+        before = self.model.visible()
         expected, got = (
             _outcome(lambda: getattr(self, f"model_{name}")(who, *rest)),
             _outcome(lambda: getattr(self, f"store_{name}")(self.stores[which], who, *rest)),
         )
         assert got == expected, operation
+        after = self.model.visible()
+        for frame in {place[0] for place, _ in before.items() ^ after.items()}:
+            self.changed[frame] = self.stores[which].revision(self.sequence)
 
     def model_write(self, who: str, where: Any, *rest: Any) -> None:
         *values, hidden, tracks = rest
@@ -165,6 +171,8 @@ class Pair:
             fields = ("name", "locked", "visible")
             assert shown == {n: tuple(f[name] for name in fields) for n, f in palette.items()}
             assert store.counts(self.sequence) == self.model.counts()
+            changed = [store.values(self.sequence, frame).changed for frame in range(FRAMES)]
+            assert changed == self.changed
             tracks = {(t["frame"], t["label"]): t["by"] for t in store.tracks(self.sequence)}
             assert tracks == self.model.tracks()
 

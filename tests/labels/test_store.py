@@ -180,10 +180,9 @@ def test_bad_input_changes_nothing(pins: LabelStore) -> None:
         pins.values("nothing", 0)
     with pytest.raises(BadInputError):
         paint(pins, [1], author="")
-    with pytest.raises(ConflictError):
-        pins.apply(
-            SEQ, edit_id=None, author="a", kind="k", writes={}, summary="", if_match=revision - 1
-        )
+    late = (0, revision + 1)
+    with pytest.raises(ConflictError, match="yet to come"):
+        pins.apply(SEQ, edit_id=None, author="a", kind="k", writes={}, summary="", if_match=late)
     for nan in ({"frame": 0, "label": 1, "rmse": float("nan")}, {"label": 1}):
         with pytest.raises(BadInputError):
             pins.apply(SEQ, edit_id=None, author="a", kind="k", writes={}, summary="", tracks=[nan])

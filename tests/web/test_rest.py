@@ -252,6 +252,43 @@ def test_locked_labels_are_never_changed(api: httpx.Client) -> None:
     api.patch(f"/sequences/wall/labels/{label}", json={"locked": False})
 
 
+def test_if_match_is_of_one_frame(api: httpx.Client) -> None:
+    label = new_label(api)
+
+    def url(frame: int, layer: str = "label") -> str:
+        return f"/sequences/wall/frames/{frame}/annotation?layer={layer}"
+
+    def tags() -> list[int]:
+        return [int(api.get(url(frame)).headers["etag"].strip('"')) for frame in range(3)]
+
+    def put(values: np.ndarray[Any, Any], tag: int) -> httpx.Response:
+        return api.put(url(0), content=npy(values), headers={"If-Match": f'"{tag}"'})
+
+    before, zeros = tags(), np.zeros_like(np.load(io.BytesIO(api.get(url(0)).content)))
+    wide = stroke(label) | {"radius": 100.0}
+    painted = api.post("/sequences/wall/frames/1/strokes", json=wide).json()["revision"]
+    assert tags() == [before[0], painted, before[2]]
+    for layer in ("provenance", "deleted"):
+        assert api.get(url(1, layer)).headers["etag"] == f'"{painted}"'
+    # Somebody painted in frame 1; frame 0 is as it was, also for who knows a newer revision.
+    first = put(zeros + label, before[0])
+    assert first.headers["etag"] == f'"{first.json()["revision"]}"'
+    second = put(zeros, first.json()["revision"])
+    assert second.status_code == 200
+    refused = problem(put(zeros, painted), 409)
+    assert "frame 0 was changed at revision" in refused
+    future = second.json()["revision"] + 1
+    assert "yet to come" in problem(put(zeros, future), 409)
+    # What changes nothing is an edit, but no change of the frame.
+    idle = put(zeros, second.json()["revision"])
+    assert idle.headers["etag"] == second.headers["etag"]
+    # Deleting a label changes the frames that it is in, and so does undoing that.
+    gone = api.delete(f"/sequences/wall/labels/{label}").json()["revision"]
+    assert tags() == [second.json()["revision"], gone, before[2]]
+    back = api.post("/sequences/wall/undo").json()["revision"]
+    assert tags() == [second.json()["revision"], back, before[2]]
+
+
 BAD_STROKES = [
     ({"radius": -1.0}, 422),
     ({"radius": 0}, 422),

@@ -34,6 +34,7 @@ from pointbrush.labels.schema import (
     edit_labels,
     edit_tracks,
     edits,
+    frame_changes,
     labels,
     snapshots,
     tracks,
@@ -58,6 +59,7 @@ def check(connection: Connection, state: SequenceState) -> list[Finding]:
         *_check_counts(connection, state, tally.counts),
         *_check_palette(connection, state),
         *_check_tracks(connection, state),
+        *_check_frame_changes(connection, state),
     ]
 
 
@@ -209,6 +211,31 @@ def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[Find
         if (wanted and json.loads(wanted)) != (found and json.loads(found)):
             what = f"tracks: frame {frame}, label {label} differs from the journal"
             yield Finding(what, derived=True)
+
+
+def expected_frame_changes(connection: Connection, state: SequenceState) -> dict[int, int]:
+    """The revision of each frame's last change, as the journal has it."""
+    query = select(edits.c.revision, edits.c.frames).where(edits.c.sequence == state.number)
+    expected: dict[int, int] = {}
+    for revision, frames in connection.execute(query.order_by(edits.c.revision)):
+        expected.update(dict.fromkeys(json.loads(frames), revision))
+    return expected
+
+
+def _check_frame_changes(connection: Connection, state: SequenceState) -> Iterator[Finding]:
+    expected = expected_frame_changes(connection, state)
+    table = frame_changes.c
+    here = select(table.frame, table.revision).where(table.sequence == state.number)
+    kept = {row.frame: row.revision for row in connection.execute(here)}
+    for frame in sorted(expected.keys() | kept.keys()):
+        wanted = expected.get(frame, 0)
+        for where, found in (("database", kept), ("memory", state.changed)):
+            if found.get(frame, 0) != wanted:
+                what = (
+                    f"last change of frame {frame}: expected revision {wanted}, "
+                    f"the {where} has {found.get(frame, 0)}"
+                )
+                yield Finding(what, derived=True)
 
 
 def at(table: ReadOnlyColumnCollection[str, Any], number: int, place: Place) -> ColumnElement[bool]:

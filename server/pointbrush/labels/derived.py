@@ -1,4 +1,7 @@
-"""What is kept beside the journal so that nobody has to replay it: palette, tracks and counts."""
+"""What is kept beside the journal so that nobody has to replay it.
+
+Palette, tracks, counts, and the last change of each frame.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from pointbrush.labels.effect import Effect
 
 
 def derive(database: Database, draft: Draft, effect: Effect) -> None:
-    """Bring the palette, the tracks and the counts up to date."""
+    """Bring the palette, the tracks, the counts and the frames' last changes up to date."""
     connection, number = draft.connection, draft.state.number
     set_labels = [label for label in draft.labels.values() if label is not None]
     fields = ("id", "name", "category", "color", "locked", "visible")
@@ -51,5 +54,13 @@ def derive(database: Database, draft: Draft, effect: Effect) -> None:
         [
             {"sequence": number, "frame": f, "label": n, "points": a, "painted": b, "held": c}
             for (f, n), (a, b, c) in effect.counts.items()
+        ],
+    )
+    database.upsert(
+        connection,
+        schema.frame_changes,
+        [
+            {"sequence": number, "frame": frame, "revision": draft.revision}
+            for frame in effect.frames
         ],
     )

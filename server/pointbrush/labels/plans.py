@@ -12,6 +12,7 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import journal, palette, schema, undo
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry
+from pointbrush.labels.state import SequenceState
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
 
@@ -111,15 +112,13 @@ def write(
     writes: Iterable[tuple[int, Write]],
     tracks: Tracks,
     labels: Iterable[Label],
-    if_match: int | None,
+    if_match: tuple[int, int] | None,
 ) -> Plan:
     """Add the labels that are not there yet, do the writes, set the tracks."""
 
     def plan(draft: Draft) -> Entry:
-        if if_match is not None and if_match != draft.state.revision:
-            raise ConflictError(
-                f"revision: expected {if_match}, it is {draft.state.revision} by now"
-            )
+        if if_match is not None:
+            _require_unchanged(draft.state, *if_match)
         for label in labels:
             if label.id not in draft.palette:
                 add_label(draft, label)
@@ -133,6 +132,19 @@ def write(
         return entry
 
     return plan
+
+
+def _require_unchanged(state: SequenceState, frame: int, revision: int) -> None:
+    """Raise ConflictError unless a frame is as it was at ``revision``."""
+    if revision > state.revision:
+        raise ConflictError(
+            f"revision: expected one up to {state.revision}, got {revision}, which is yet to come"
+        )
+    changed = state.changed.get(frame, 0)
+    if changed > revision:
+        raise ConflictError(
+            f"revision: frame {frame} was changed at revision {changed}, after {revision}"
+        )
 
 
 def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:

@@ -25,7 +25,11 @@ def values(
     stop = points if count is None else min(points, first + count)
     n = max(0, stop - first)
     result = FrameValues(
-        np.zeros(n, np.uint16), np.zeros(n, np.uint8), np.zeros(n, np.bool_), state.revision
+        np.zeros(n, np.uint16),
+        np.zeros(n, np.uint8),
+        np.zeros(n, np.bool_),
+        state.revision,
+        state.changed.get(frame, 0),
     )
     if n == 0:
         return result

@@ -1,4 +1,4 @@
-"""Making anew what is derived from the journal: snapshots, counts, palette and tracks."""
+"""Making anew what derives from the journal: snapshots, counts, palette, tracks, frame changes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ from pointbrush.labels import check, palette
 from pointbrush.labels.blocks import Place, block_size
 from pointbrush.labels.packing import States, decode_change, encode_states
 from pointbrush.labels.palette import FIELDS
-from pointbrush.labels.schema import counts, edit_blocks, edit_labels, labels, snapshots, tracks
+from pointbrush.labels.schema import (
+    counts,
+    edit_blocks,
+    edit_labels,
+    frame_changes,
+    labels,
+    snapshots,
+    tracks,
+)
 from pointbrush.labels.state import SequenceState
 
 ROWS = 500
@@ -33,6 +41,7 @@ def repair(connection: Connection, state: SequenceState) -> tuple[list[str], lis
     _replace(connection, state, counts, _count_rows(connection, state))
     _replace(connection, state, labels, _label_rows(connection, state))
     _replace(connection, state, tracks, _track_rows(connection, state))
+    _replace(connection, state, frame_changes, _frame_rows(connection, state))
     return derived, []
 
 
@@ -103,3 +112,8 @@ def _track_rows(connection: Connection, state: SequenceState) -> list[dict[str, 
         {"frame": frame, "label": label, "data": data}
         for (frame, label), data in check.expected_tracks(connection, state).items()
     ]
+
+
+def _frame_rows(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
+    changed = check.expected_frame_changes(connection, state)
+    return [{"frame": frame, "revision": revision} for frame, revision in changed.items()]

@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0002"
+HEAD = "0004"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -160,6 +160,14 @@ counts = Table(
     Column("held", BigInteger, nullable=False),  # points, deleted ones too
 )
 
+frame_changes = Table(
+    "frame_changes",
+    metadata,
+    _sequence(),
+    Column("frame", Integer, primary_key=True, autoincrement=False),
+    Column("revision", BigInteger, nullable=False),  # of the last edit that changed what it shows
+)
+
 tokens = Table(
     "tokens",
     metadata,
@@ -187,5 +195,15 @@ works = Table(
     ),
 )
 
-PER_SEQUENCE = (edit_blocks, edit_labels, edit_tracks, snapshots, labels, tracks, counts, edits)
+PER_SEQUENCE = (
+    edit_blocks,
+    edit_labels,
+    edit_tracks,
+    snapshots,
+    labels,
+    tracks,
+    counts,
+    frame_changes,
+    edits,
+)
 """Everything that goes when a sequence is forgotten, children first."""

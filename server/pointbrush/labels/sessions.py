@@ -179,6 +179,7 @@ class Sessions:
                 state.turn(row.kind, row.target)
         state.reload_palette(connection)
         state.reload_counts(connection)
+        state.reload_changed(connection, first)
         missed = self._missed(connection, state, first, revision)
         state.revision = revision
         for commit in missed:
@@ -275,6 +276,7 @@ class Sessions:
         state = draft.state
         state.revision = draft.revision
         state.counts.update(effect.counts)
+        state.changed.update(dict.fromkeys(effect.frames, state.revision))
         if draft.labels:
             state.set_palette(draft.palette.values())
         state.adopt(draft.changes)

@@ -22,7 +22,15 @@ from pointbrush.labels.packing import (
     Change,
     States,
 )
-from pointbrush.labels.schema import DROPPED, UNDONE, counts, edits, labels, sequences
+from pointbrush.labels.schema import (
+    DROPPED,
+    UNDONE,
+    counts,
+    edits,
+    frame_changes,
+    labels,
+    sequences,
+)
 from pointbrush.labels.types import Cell, Label
 
 Count = tuple[int, int, int]
@@ -40,6 +48,8 @@ class SequenceState:
         self.lock = threading.RLock()
         self.palette: dict[int, Label] = {}
         self.counts: dict[FrameLabel, Count] = {}
+        self.changed: dict[int, int] = {}
+        """For each frame that was ever changed, the revision of its last change."""
         self._blocks = blocks
         self.reset(connection, row)
 
@@ -55,9 +65,11 @@ class SequenceState:
         self.locked = np.zeros(1 << 16, np.bool_)
         self.hidden = np.zeros(1 << 16, np.bool_)
         self.counts.clear()
+        self.changed.clear()
         self._undone: set[int] | None = None  # read when first needed
         self.reload_palette(connection)
         self.reload_counts(connection)
+        self.reload_changed(connection, 0)
 
     def undone(self, connection: Connection) -> set[int]:
         """Revisions of the edits that are out of force."""
@@ -104,6 +116,14 @@ class SequenceState:
         self.counts.update(
             {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
         )
+
+    def reload_changed(self, connection: Connection, after: int) -> None:
+        """Read which frames were changed after revision ``after``, and when last."""
+        table = frame_changes.c
+        query = select(table.frame, table.revision).where(
+            table.sequence == self.number, table.revision > after
+        )
+        self.changed.update((frame, last) for frame, last in connection.execute(query))
 
     def cell(self, key: FrameLabel) -> Cell:
         """The visible count of a label in a frame."""

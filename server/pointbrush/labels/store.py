@@ -95,6 +95,12 @@ class LabelStore:
         with self._sessions.reading(sequence) as (_, state):
             return state.revision
 
+    def changed(self, sequence: str, frame: int) -> int:
+        """The revision of a frame's last change; 0: none so far."""
+        with self._sessions.reading(sequence) as (_, state):
+            state.frame_points(frame)
+            return state.changed.get(frame, 0)
+
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     def palette(self, sequence: str) -> list[Label]:
@@ -207,19 +213,20 @@ class LabelStore:
         summary: str,
         tracks: Iterable[Mapping[str, Any]] | None = None,
         labels: Sequence[Label] = (),
-        if_match: int | None = None,
+        if_match: tuple[int, int] | None = None,
         identity: str | None = None,
     ) -> Commit:
         """Commit one edit: its writes in order, its tracks, and ``labels`` not there yet.
 
         Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
         already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
-        with at least ``frame`` and ``label``.  ``if_match``: the revision it must commit on.
+        with at least ``frame`` and ``label``.  ``if_match``: a frame, and a revision since
+        which it must not have changed.
         ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
         memory come as they are made.  ``identity``: of the import that the edit was made for.
 
         Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
-        hidden and that matters to a write, ConflictError for another revision than ``if_match``,
+        hidden and that matters to a write, ConflictError when ``if_match`` does not hold,
         NotFoundError when another import has the id by now.
         """
         entry = new_entry(edit_id, author, kind, summary)

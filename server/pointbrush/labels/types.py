@@ -88,13 +88,15 @@ Deltas = Mapping[int, Delta | None]
 class FrameValues:
     """A run of a frame's annotation: label (n,) uint16, provenance (n,) uint8, deleted (n,) bool.
 
-    ``revision`` is the sequence's at the moment of reading.
+    ``revision`` is the sequence's at the moment of reading, ``changed`` that of the frame's last
+    change until then (0: none).
     """
 
     label: NDArray[np.uint16]
     provenance: NDArray[np.uint8]
     deleted: NDArray[np.bool_]
     revision: int
+    changed: int
 
 
 @dataclass(frozen=True, slots=True)

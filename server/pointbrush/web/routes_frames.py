@@ -82,7 +82,10 @@ def get_annotation(
     layer: Layer = "label",
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
-    """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted."""
+    """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted.
+
+    The ``ETag`` is the revision of the frame's last change, in any layer.
+    """
     blocks, revision = workspace.annotation_blocks(seq, i, layer)
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
@@ -122,7 +125,11 @@ def put_annotation(
         str | None, Header(alias="If-Match", pattern=r'^(\*|"?[0-9]{1,18}"?)$')
     ] = None,
 ) -> EditOut:
-    """Replace a layer, as one edit; ``If-Match`` refuses it when the revision has moved on."""
+    """Replace a layer, as one edit.
+
+    ``If-Match`` refuses it (409) when this frame has changed since that revision, or the revision
+    is yet to come; edits in other frames do not matter.
+    """
     count = workspace.recording(seq)[i].count
     commit = workspace.put_annotation(
         seq,
@@ -133,7 +140,7 @@ def put_annotation(
         if_match=if_match(if_match_),
         edit=id,
     )
-    response.headers["ETag"] = etag(commit.revision)
+    response.headers["ETag"] = etag(workspace.changed(seq, i, commit))
     return EditOut.of(commit)
 
 

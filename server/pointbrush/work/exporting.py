@@ -137,7 +137,7 @@ def _blocks(
 def layer_blocks(
     store: LabelStore, recording: Sequence, index: int, layer: str
 ) -> tuple[Iterator[NDArray[Any]], int]:
-    """A layer of a frame in source order, consecutive blocks, and the revision it is of.
+    """A layer of a frame in source order, in blocks, and the frame's last change's revision.
 
     Raises DamagedError, at once, unless the order of the points is as it was imported.
     """

@@ -16,7 +16,7 @@ PIECE_POINTS = 1_000_000
 
 
 class KeptAnnotation:
-    """A frame's layers in stored order, compressed; ``revision`` is the sequence's at the time."""
+    """A frame's layers in stored order, compressed; ``revision`` is that of its last change."""
 
     def __init__(
         self, store: LabelStore, sequence: str, frame: int, layers: Collection[str] = tuple(LAYERS)
@@ -27,7 +27,7 @@ class KeptAnnotation:
         """Points of each label that are not deleted, by label id."""
         self._pieces: list[dict[str, Packed]] = []
         for values in store.runs(sequence, frame, PIECE_POINTS):
-            self.revision = values.revision
+            self.revision = values.changed
             self._pieces.append({name: Packed.of(getattr(values, name)) for name in layers})
             counts = np.bincount(values.label[~values.deleted], minlength=len(self.sizes))
             counts[: len(self.sizes)] += self.sizes
