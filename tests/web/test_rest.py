@@ -287,6 +287,7 @@ def test_if_match_is_of_one_frame(api: httpx.Client) -> None:
     assert tags() == [second.json()["revision"], gone, before[2]]
     back = api.post("/sequences/wall/undo").json()["revision"]
     assert tags() == [second.json()["revision"], back, before[2]]
+    api.delete(f"/sequences/wall/labels/{label}")
 
 
 BAD_STROKES = [
