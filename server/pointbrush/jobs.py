@@ -45,6 +45,8 @@ SUBMISSIONS = 5
 """Most times that work is handed out which no worker has come to begin."""
 LOOK_SECONDS = 1.0
 """How often it is looked what a job waits for that no worker has begun."""
+MESSAGE = "message"
+"""Key of a result that becomes the ended job's message."""
 KEPT_JOBS = 1000
 """Ended jobs that are remembered; older ones are forgotten first."""
 
@@ -365,8 +367,10 @@ class JobRunner:
             self._change(job_id, state="failed", error=self._public(_sentence(error)))
         else:
             state: JobState = "cancelled" if cancelled else "done"
-            progress = self.job(job_id).progress if cancelled else 1.0
-            self._change(job_id, state=state, progress=progress, result=summary)
+            job = self.job(job_id)
+            progress = job.progress if cancelled else 1.0
+            message = summary.get(MESSAGE, job.message)
+            self._change(job_id, state=state, progress=progress, result=summary, message=message)
 
     def _change(self, job_id: str, **fields: Any) -> None:
         with self._lock:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from pointbrush.errors import BadInputError
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.jobs import MESSAGE, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
@@ -72,6 +72,7 @@ class Runs:
             request.stop_unsure,
         )
         ids = tuple(seed.label for seed in seeds)
+        names = {label.id: label.name for label in self._store.palette(sequence)}
         pending = tracking.PendingEdit(
             self._store, sequence, recording.identity, start, ids, overwrite
         )
@@ -87,7 +88,7 @@ class Runs:
                 return dict(tracking.NOTHING)
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
             summary = f"tracked {labelled}, frames {start} to {stop}, {request.method}"
-            return pending.commit(edit, author, summary)
+            return _told(pending.commit(edit, author, summary), names)
 
         def done(job: Job) -> None:
             self._kept.discard(job.id)
@@ -107,3 +108,17 @@ class Runs:
         except BaseException:
             self._store.guards.end(guard)
             raise
+
+
+def _told(result: dict[str, Any], names: Mapping[int, str]) -> dict[str, Any]:
+    """A run's result, in which the labels that it left out have names, and a sentence says so."""
+    left_out: Mapping[int, str] = result["left_out"]
+    if not left_out:
+        return result | {"left_out": []}
+    said = [f"'{names.get(number, number)}' was {why}" for number, why in left_out.items()]
+    found = [
+        {"label": number, "name": names.get(number, ""), "why": why}
+        for number, why in left_out.items()
+    ]
+    message = f"left out, changed while it was tracked: {', '.join(said)}"
+    return result | {"left_out": found, MESSAGE: message}

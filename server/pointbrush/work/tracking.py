@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -181,8 +181,35 @@ class PendingEdit:
     results: list[FrameResult] = field(default_factory=list)
 
     def commit(self, edit: str, author: str, summary: str) -> dict[str, Any]:
-        """Write everything as one edit, merging with what people did meanwhile."""
-        tracks = [track for found in self.results for track in self._tracks(found)]
+        """Write everything as one edit, merging with what people did meanwhile.
+
+        A label that was deleted or locked since the run began is left out, which the result's
+        ``left_out`` says: label → "deleted" or "locked".
+        """
+        left_out = self._left_out()
+        while True:
+            try:
+                return self._commit(edit, author, summary, left_out) | {"left_out": left_out}
+            except (NotFoundError, LockedLabelError):
+                # Somebody may have changed the palette between the look and the commit.
+                before, left_out = left_out, self._left_out()
+                if left_out == before:
+                    raise
+
+    def _left_out(self) -> dict[int, str]:
+        palette = {label.id: label for label in self.store.palette(self.sequence)}
+        found = {number: palette.get(number) for number in self.labels}
+        return {
+            number: "deleted" if label is None else "locked"
+            for number, label in found.items()
+            if label is None or label.locked
+        }
+
+    def _commit(
+        self, edit: str, author: str, summary: str, left_out: Container[int]
+    ) -> dict[str, Any]:
+        results = [_without(found, left_out) for found in self.results]
+        tracks = [track for found in results for track in self._tracks(found)]
         if not tracks:
             return dict(NOTHING)
         commit = self.store.apply(
@@ -190,7 +217,7 @@ class PendingEdit:
             edit_id=edit,
             author=author,
             kind="tracking",
-            writes=dict(self._writes()),
+            writes=dict(self._writes(results, left_out)),
             summary=summary,
             tracks=tracks,
             identity=self.identity,
@@ -202,14 +229,17 @@ class PendingEdit:
             "frames": len(self.results),
         }
 
-    def _writes(self) -> Iterator[tuple[int, Write]]:
-        for found in self.results:
+    def _writes(
+        self, results: Iterable[FrameResult], left_out: Container[int]
+    ) -> Iterator[tuple[int, Write]]:
+        tracked = [label for label in self.labels if label not in left_out]
+        for found in results:
             if found.frame == self.start:
                 continue
             numbers, label = flat(found)
             # What an earlier run gave these labels here and this one did not find goes.
             values = self.store.values(self.sequence, found.frame)
-            stale = np.isin(values.label, self.labels) & (values.provenance == TRACKED)
+            stale = np.isin(values.label, tracked) & (values.provenance == TRACKED)
             stale[numbers] = False
             gone = np.flatnonzero(stale) if self.overwrite != "never" else np.empty(0, np.int64)
             numbers = np.concatenate([numbers, gone])
@@ -237,6 +267,15 @@ class PendingEdit:
             }
             for label, track in found.tracks.items()
         ]
+
+
+def _without(found: FrameResult, left_out: Container[int]) -> FrameResult:
+    """A result without some labels."""
+    return replace(
+        found,
+        assignments={n: at for n, at in found.assignments.items() if n not in left_out},
+        tracks={n: track for n, track in found.tracks.items() if n not in left_out},
+    )
 
 
 def flat(found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
