@@ -113,6 +113,49 @@ def test_ray_into_the_void_takes_nothing() -> None:
     assert len(select(indexed(xyz), stroke("ray", [0, 0, 5], [0, 0, 1], radius=0.1))) == 0
 
 
+@given(SEEDS, st.sampled_from(["ray", "grow", "plane"]), st.floats(0.02, 0.3), st.booleans())
+@settings(max_examples=40, deadline=None)
+def test_many_rays_together_are_each_of_them_alone(
+    seed: int, shape: str, radius: float, far: bool
+) -> None:
+    rng, xyz = cloud(seed, 2000)
+    # Far from zero, where float32 and products of matrices round most.
+    xyz += np.float32(500 if far else 0)
+    origins = rng.uniform(-2, 2, (40, 3)) + (500 if far else 0)
+    directions = rng.normal(size=(40, 3)) * [1, 1, 1 if seed % 2 else 0]
+    rays = stroke(shape, origins, directions, radius=radius)
+    points = indexed(xyz)
+
+    def alive(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        return numbers % 3 > 0
+
+    together = first_hits(points, rays.origins, rays.directions, radius, alive)
+    for k in range(40):
+        along = (xyz - rays.origins[k]) @ rays.directions[k]
+        off = np.linalg.norm(xyz - rays.origins[k] - along[:, None] * rays.directions[k], axis=1)
+        alone = first_hits(
+            points, rays.origins[k : k + 1], rays.directions[k : k + 1], radius, alive
+        )
+        np.testing.assert_allclose(together[k], alone[0], atol=1e-9)
+        met = (along > 0) & (off <= radius) & alive(np.arange(len(xyz)))
+        assert np.isfinite(together[k, 0]) == met.any()
+        if met.any():
+            assert along[met].min() - 1e-9 <= (together[k] - rays.origins[k]) @ rays.directions[k]
+    # Drawn in batches, the same points come as at once.
+    selector = Selector(points, replace(rays, origins=rays.origins[:0]), alive)
+    for cut_at in (slice(0, 7), slice(7, 23), slice(23, 40)):
+        batch = replace(rays, origins=rays.origins[cut_at], directions=rays.directions[cut_at])
+        for _ in selector.add(batch):
+            pass
+    drawn = np.concatenate([np.empty(0, np.int64), *selector.taken.parts()])
+    np.testing.assert_array_equal(drawn, select(points, rays, alive))
+    if shape == "ray":
+        hits = together[np.isfinite(together[:, 0])]
+        near = np.linalg.norm(xyz[:, None] - hits[None], axis=2).min(axis=1, initial=np.inf)
+        assert set(drawn) >= set(np.flatnonzero(near < radius * (1 - 1e-6)))
+        assert set(drawn) <= set(np.flatnonzero(near <= radius * (1 + 1e-6)))
+
+
 @given(SEEDS)
 @settings(max_examples=40)
 def test_box_is_every_point_inside(seed: int) -> None:

@@ -151,6 +151,24 @@ def test_many_messages_in_one_piece_are_not_heard_in_one_turn() -> None:
         assert heard + messages == [b"%d" % i for i in range(100)]
 
 
+@pytest.mark.parametrize("why", ["not read", "just heard", "gone"])
+def test_who_is_not_read_or_was_just_heard_is_not_taken_for_gone(why: str) -> None:
+    loop = asyncio.new_event_loop()
+    config = uvicorn.Config(lambda: None, ws=UncopiedProtocol, ws_ping_timeout=20)  # type: ignore[arg-type]
+    config.load()
+    link = UncopiedProtocol(config, ServerState(), {}, loop)
+    link.transport = transport = MagicMock()
+    transport.is_closing.return_value = False
+    link.read_paused = why == "not read"
+    if why == "just heard":
+        link._heard_at = loop.time()
+    link.keepalive_timeout()
+    assert transport.close.called == (why == "gone")
+    assert (link.pong_timer is None) == (why == "gone"), "it is looked at again"
+    link.stop_keepalive()
+    loop.close()
+
+
 def test_a_server_stops_in_peace_while_a_client_that_does_not_read_is_leaving() -> None:
     async def flood(scope: Any, receive: Any, send: Any) -> None:
         assert scope["type"] == "websocket"

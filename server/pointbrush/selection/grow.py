@@ -31,7 +31,7 @@ REACH, LEAST_REACH, MOST = 5.0, 0.05, 4_000_000
 def grow(
     points: Points, seed: NDArray[np.float64], radius: float, alive: Alive | None = None
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the region that holds the point nearest to ``seed`` (3,) local metres; sorted.
+    """Numbers of the region that holds the point nearest to ``seed`` (3,), in waves, each sorted.
 
     Neighbours belong together when they are nearer than ``radius`` and than a few times the
     cloud's spacing there, alike in colour (where there is colour) and in normal.  Points that are
@@ -52,8 +52,9 @@ def grow(
         barred = ~alive(np.arange(len(xyz)) if members is None else members)
     start = _nearest(tree, seed, barred)
     if len(start):
-        region = np.sort(_grow_waves(xyz, rgb, tree, start, radius, barred))
-        yield region if members is None else members[region]
+        for wave in _grow_waves(xyz, rgb, tree, start, radius, barred):
+            numbers = np.sort(wave)
+            yield numbers if members is None else members[numbers]
 
 
 def _nearest(
@@ -88,11 +89,12 @@ def _grow_waves(
     start: NDArray[np.int64],
     radius: float,
     seen: NDArray[np.bool_],
-) -> NDArray[np.int64]:
+) -> Iterator[NDArray[np.int64]]:
     """The region round ``start`` (1,), without what is ``seen`` (N,), which is written to."""
+    yield start
     seen[start] = True
     seed_rgb = None if rgb is None else rgb[start[0]].astype(np.float32)
-    region, frontier = [start], start
+    frontier = start
     links, normals, certain = _surroundings(xyz, tree, start, radius)
     while len(frontier):
         # 1. New neighbours of the frontier, each with the first parent that reaches it.
@@ -120,8 +122,7 @@ def _grow_waves(
         frontier = reached[keep]
         links, normals, certain = next_links[keep], next_normals[keep], next_certain[keep]
         seen[frontier] = True
-        region.append(frontier)
-    return np.concatenate(region)
+        yield frontier
 
 
 def _surroundings(

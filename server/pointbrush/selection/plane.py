@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import Points
+from pointbrush.selection.points import NOTHING, Points
 from pointbrush.selection.ray import Alive
 from pointbrush.selection.sphere import swept_ball
 from pointbrush.selection.surface import Plane, Surface
@@ -53,7 +53,9 @@ def plane(
         if surface.count < 3:
             yield from surface.parts()
             return
+        yield NOTHING
         found = _least_squares(surface.thinned(MOST), found, radius)
+    yield NOTHING
     yield from Surface(points, found, hit, radius, alive).parts()
 
 

@@ -13,6 +13,8 @@ from scipy.spatial import cKDTree
 from pointbrush.ranges import ranges
 
 GROUP_POINTS = 1 << 21
+NOTHING: NDArray[np.int64] = np.empty(0, np.int64)
+"""A part of a selection without points: between two of them somebody else may have a turn."""
 
 
 class Blocks(Protocol):

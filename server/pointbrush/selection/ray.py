@@ -8,8 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection.points import Points
-from pointbrush.selection.sphere import swept_parts
+from pointbrush.selection.sphere import balls
 
+RUN = 16
+"""Rays that are worked on together: neighbours meet the same blocks."""
+AT_ONCE = 1 << 16
+"""Points that are compared with a run of rays at once."""
+MARGIN, MARGIN_SQUARED = 1e-6, 1e-12
+"""Of the squared radius, and of the greatest squared distance: more than float64 rounds."""
 Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
 """Says of point numbers whether each can be hit (a deleted point cannot)."""
 
@@ -22,9 +28,9 @@ def ray_balls(
     alive: Alive | None = None,
 ) -> Iterator[NDArray[np.int64]]:
     """Numbers of the points within ``radius`` of the first hit of a ray; parts, each sorted."""
-    hits = first_hits(points, origins, directions, radius, alive)
-    for hit in hits[np.isfinite(hits[:, 0])]:
-        yield from swept_parts(points, hit[None], radius)
+    for run in runs(len(origins)):
+        hits = first_hits(points, origins[run], directions[run], radius, alive)
+        yield from balls(points, hits[np.isfinite(hits[:, 0])], radius)
 
 
 def ray_tubes(
@@ -53,35 +59,80 @@ def first_hits(
     A cloud has holes between its points, so a point counts as surface met when the ray passes it
     within about the cloud's own spacing there, and never farther than ``radius``.
     """
+    along = np.empty(len(origins))
+    for run in runs(len(origins)):
+        along[run] = _first_along(points, origins[run], directions[run], radius, alive)
     hits = np.full((len(origins), 3), np.nan)
-    for k, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
-        along = _first_along(points, origin, direction, radius, alive)
-        if np.isfinite(along):
-            hits[k] = origin + along * direction
+    met = np.isfinite(along)
+    hits[met] = origins[met] + along[met, None] * directions[met]
     return hits
+
+
+def runs(samples: int) -> Iterator[slice]:
+    """Samples a few at a time: they are worked on together."""
+    return (slice(start, start + RUN) for start in range(0, samples, RUN))
 
 
 def _first_along(
     points: Points,
-    origin: NDArray[np.float64],
-    direction: NDArray[np.float64],
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
     radius: float,
     alive: Alive | None,
-) -> float:
-    """How far along a ray the surface is met; infinity when it is not."""
-    first_near = first_met = np.inf
-    for blocks in points.groups(_blocks_on_ray(points, origin, direction, radius)):
+) -> NDArray[np.float64]:
+    """How far along each ray the surface is met (S,); infinity where it is not."""
+    first_near, first_met = np.full((2, len(origins)), np.inf)
+    for blocks in points.groups(_blocks_on_rays(points, origins, directions, radius)):
         numbers = points.numbers(blocks)
         counts = points.blocks.first[blocks + 1] - points.blocks.first[blocks]
         reach = np.repeat(np.clip(points.spacing(blocks), 0.05 * radius, radius), counts)
-        along, off = _along_and_off(points.xyz[numbers], origin, direction)
-        met = (along > 0) & (off <= radius)
-        if alive is not None:
-            met[met] = alive(numbers[met])
-        first_met = min(first_met, along[met].min(initial=np.inf))
-        first_near = min(first_near, along[met & (off <= reach)].min(initial=np.inf))
+        for start in range(0, len(numbers), AT_ONCE):
+            part = slice(start, start + AT_ONCE)
+            for k, near in _near_rays(points.xyz[numbers[part]], origins, directions, radius):
+                found = numbers[part][near]
+                along, off = _along_and_off(points.xyz[found], origins[k], directions[k])
+                met = (along > 0) & (off <= radius)
+                if alive is not None:
+                    met[met] = alive(found[met])
+                first_met[k] = min(first_met[k], along[met].min(initial=np.inf))
+                met &= off <= reach[part][near]
+                first_near[k] = min(first_near[k], along[met].min(initial=np.inf))
     # Sparse clouds: where nothing lies within the spacing, the brush's own width decides.
-    return float(first_near if np.isfinite(first_near) else first_met)
+    return np.where(np.isfinite(first_near), first_near, first_met)
+
+
+def _near_rays(
+    xyz: NDArray[np.float32],
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    radius: float,
+) -> Iterator[tuple[int, NDArray[np.intp]]]:
+    """For each ray that some points may be within ``radius`` of, its number and theirs.
+
+    All rays at once, by products of matrices, which round more than the exact distance does: what
+    is left out is farther by a margin.
+    """
+    middle = xyz.mean(axis=0, dtype=np.float64)
+    local = xyz - middle
+    away = origins - middle
+    along = local @ directions.T - np.einsum("ij,ij->i", away, directions)
+    squares = np.einsum("ij,ij->i", local, local)[:, None] - 2.0 * (local @ away.T)
+    squares += np.einsum("ij,ij->i", away, away)
+    scale = max(float(np.abs(local).max(initial=0.0)), float(np.abs(away).max(initial=0.0)), radius)
+    near = squares - along * along <= (1.0 + MARGIN) * radius * radius + MARGIN_SQUARED * scale**2
+    for k in np.flatnonzero(near.any(axis=0)).tolist():
+        yield k, np.flatnonzero(near[:, k])
+
+
+def _blocks_on_rays(
+    points: Points, origins: NDArray[np.float64], directions: NDArray[np.float64], radius: float
+) -> NDArray[np.int64]:
+    """Blocks whose boxes, grown by ``radius``, one of the rays enters."""
+    each = [
+        _blocks_on_ray(points, origin, direction, radius)
+        for origin, direction in zip(origins, directions, strict=True)
+    ]
+    return np.unique(np.concatenate(each)) if len(each) > 1 else each[0]
 
 
 def _blocks_on_ray(

@@ -13,14 +13,16 @@ from pointbrush.selection.box import box
 from pointbrush.selection.grow import grow
 from pointbrush.selection.lasso import lasso
 from pointbrush.selection.plane import plane
-from pointbrush.selection.points import Points
+from pointbrush.selection.points import NOTHING, Points
 from pointbrush.selection.pointset import PointSet
-from pointbrush.selection.ray import Alive, first_hits, ray_balls, ray_tubes
+from pointbrush.selection.ray import Alive, first_hits, ray_balls, ray_tubes, runs
 from pointbrush.selection.sphere import swept_ball, swept_parts
 from pointbrush.selection.stroke import Stroke
 
 __all__ = ["Selector", "first_hits", "select", "select_parts"]
 
+SWEPT = 64
+"""Samples that are worked on at once while a stroke is drawn: the work between two turns."""
 REGIONS = {"grow": grow, "plane": plane}
 """Shapes that take a region round each place that a ray meets."""
 
@@ -52,7 +54,7 @@ def select_parts(
     if stroke.shape == "sphere":
         return swept_parts(points, stroke.origins, stroke.radius)
     if stroke.shape in REGIONS:
-        return _regions(points, stroke, alive)
+        return _regions(points, stroke, alive, PointSet())
     if stroke.through:
         return ray_tubes(points, stroke.origins, stroke.directions, stroke.radius)
     return ray_balls(points, stroke.origins, stroke.directions, stroke.radius, alive)
@@ -67,7 +69,7 @@ class Selector:
     def __init__(self, points: Points, brush: Stroke, alive: Alive | None = None) -> None:
         """``brush`` is the stroke without samples, in local coordinates."""
         self._points, self._brush, self._alive = points, brush, alive
-        self._last: Stroke | None = None
+        self._end = np.empty((0, 3))
         self.taken = PointSet()
         if brush.shape in ("lasso", "box"):
             for part in select_parts(points, brush):
@@ -77,23 +79,33 @@ class Selector:
         """Take in a batch (the brush with new samples) while the newly touched numbers are read."""
         if self._brush.shape in ("lasso", "box") or len(samples.origins) == 0:
             return
-        batch = samples
-        if self._last is not None and self._brush.shape == "sphere":
-            # The ball sweeps on from where the last batch ended.
+        if self._brush.shape in REGIONS:
+            yield from _regions(self._points, samples, self._alive, self.taken)
+            return
+        for start in range(0, len(samples.origins), SWEPT):
+            run = slice(start, start + SWEPT)
             batch = replace(
-                samples, origins=np.concatenate([self._last.origins[-1:], samples.origins])
+                samples, origins=samples.origins[run], directions=samples.directions[run]
             )
-        self._last = samples
-        for part in select_parts(self._points, batch, self._alive):
-            yield self.taken.add(part)
+            if self._brush.shape == "sphere":
+                # The ball sweeps on from where the last batch ended.
+                batch = replace(batch, origins=np.concatenate([self._end, batch.origins]))
+                self._end = batch.origins[-1:]
+            for part in select_parts(self._points, batch, self._alive):
+                yield self.taken.add(part)
 
 
-def _regions(points: Points, stroke: Stroke, alive: Alive | None) -> Iterator[NDArray[np.int64]]:
-    filled = PointSet()
-    hits = first_hits(points, stroke.origins, stroke.directions, stroke.radius, alive)
-    for hit in hits[np.isfinite(hits[:, 0])]:
-        near = swept_ball(points, hit[None], stroke.radius)
-        # Dragging over a region that is already filled must not fill it again.
-        if len(near) and not filled.has_any(near):
-            for part in REGIONS[stroke.shape](points, hit, stroke.radius, alive):
-                yield filled.add(part)
+def _regions(
+    points: Points, stroke: Stroke, alive: Alive | None, filled: PointSet
+) -> Iterator[NDArray[np.int64]]:
+    """Fill a region round each hit; yields what is new in ``filled``, often nothing."""
+    for run in runs(len(stroke.origins)):
+        rays = stroke.origins[run], stroke.directions[run]
+        hits = first_hits(points, *rays, stroke.radius, alive)
+        for hit in hits[np.isfinite(hits[:, 0])]:
+            near = swept_ball(points, hit[None], stroke.radius)
+            # Dragging over a region that is already filled must not fill it again.
+            if len(near) and not filled.has_any(near):
+                for part in REGIONS[stroke.shape](points, hit, stroke.radius, alive):
+                    yield filled.add(part)
+        yield NOTHING

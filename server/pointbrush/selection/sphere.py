@@ -34,6 +34,24 @@ def swept_parts(
         yield _swept_of(points, near, starts, stops, radius)
 
 
+def balls(
+    points: Points, centers: NDArray[np.float64], radius: float
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points within ``radius`` of one of ``centers`` (K, 3); parts, each sorted."""
+    if len(centers) == 0:
+        return
+    lo, hi = centers - radius, centers + radius
+
+    def touches(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.bool_]:
+        met = np.zeros(len(a), np.bool_)
+        for k in range(len(centers)):
+            met |= ((a <= hi[k]) & (b >= lo[k])).all(axis=1)
+        return met
+
+    for near in points.groups(points.blocks_where(touches)):
+        yield _swept_of(points, near, centers, centers, radius)
+
+
 def _swept_of(
     points: Points,
     near: NDArray[np.int64],

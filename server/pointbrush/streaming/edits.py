@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from typing import cast
 
 from pointbrush.errors import BadInputError, PointbrushError, TooManyRequestsError
 from pointbrush.labels import Commit
 from pointbrush.roles import require
 from pointbrush.streaming import messages
-from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
@@ -32,9 +34,16 @@ EDITS = (
     messages.Redo,
     messages.Track,
 )
-WAITING, WAITING_BYTES = 64, 1 << 20
-"""Edits that may wait, and their bytes; a viewer that sends faster is read more slowly."""
+WAITING, WAITING_BYTES = 1024, 12 << 20
+"""Edits that may wait, and their bytes; a viewer that sends faster is not read until fewer do.
+
+Enough for what a hand draws in an hour: behind what is not read, pings wait too.
+"""
 TOGETHER = 8
+TURN_SECONDS = 0.03
+"""Work on edits of one viewer after which others have their turn."""
+LONG_BYTES = 16 * 1024
+"""Messages from which on decoding is work for a thread."""
 LIVE_STROKES = 8
 
 
@@ -48,23 +57,34 @@ class Applied:
     changed: int = 0
 
 
+Result = Applied | PointbrushError | None
+"""What an edit came to: an answer, an error, or nothing to be said yet."""
+
+
+def take_turn(work: Iterator[None]) -> bool:
+    """Go on with work until it is done, or for a turn; returns whether it is done."""
+    end = time.monotonic() + TURN_SECONDS
+    return all(time.monotonic() < end for _ in work)
+
+
 class Editor:
-    """Applies one viewer's edits one after another, in threads."""
+    """Applies one viewer's edits one after another, in threads, a turn at a time."""
 
     def __init__(self, viewer: Viewer, hub: Hub) -> None:
         self._viewer, self._hub = viewer, hub
-        self._queue: asyncio.Queue[tuple[Edit, int]] = asyncio.Queue(WAITING)
+        self._queue: asyncio.Queue[tuple[Edit | bytes, int]] = asyncio.Queue(WAITING)
         self._bytes, self._fewer = 0, asyncio.Event()
         self._live: dict[str, LiveStroke | Commit] = {}
         self._refused: dict[str, None] = {}
 
-    async def put(self, edit: Edit, nbytes: int) -> None:
-        """Queue an edit that came as ``nbytes``; waits while too much is queued."""
+    async def put(self, edit: Edit, data: bytes) -> None:
+        """Queue an edit that came as ``data``; waits while too much is queued."""
         while self._bytes >= WAITING_BYTES:
             self._fewer.clear()
             await self._fewer.wait()
-        self._bytes += nbytes
-        await self._queue.put((edit, nbytes))
+        self._bytes += len(data)
+        # Of many samples the bytes wait: as objects they take ten times as much.
+        await self._queue.put((data if len(data) > LONG_BYTES else edit, len(data)))
 
     async def run(self) -> None:
         """Apply edits until cancelled.
@@ -77,16 +97,25 @@ class Editor:
             while len(batch) < TOGETHER and not self._queue.empty():
                 batch.append(self._queue.get_nowait())
             try:
-                results = await self._hub.edit(self._apply_all, [edit for edit, _ in batch])
-                for (edit, _), result in zip(batch, results, strict=True):
-                    self._tell(edit, result)
-                    if isinstance(edit, messages.StrokeEnd):
-                        self._hub.metrics.strokes.observe(time.monotonic() - started)
+                await self._apply_all([edit for edit, _ in batch], started)
             finally:
                 self._bytes -= sum(nbytes for _, nbytes in batch)
                 self._fewer.set()
                 for _ in batch:
                     self._queue.task_done()
+
+    async def _apply_all(self, edits: list[Edit | bytes], started: float) -> None:
+        """Apply edits and answer each once the turn that finished it is over."""
+        done: list[tuple[Edit, Result]] = []
+        work, finished, again = self._work(edits, done), False, False
+        while not finished:
+            finished = await self._hub.edit(take_turn, work, again=again)
+            again = True
+            for edit, result in done:
+                self._tell(edit, result)
+                if isinstance(edit, messages.StrokeEnd):
+                    self._hub.metrics.strokes.observe(time.monotonic() - started)
+            done.clear()
 
     async def idle(self) -> None:
         """Wait until every edit that was put has been answered."""
@@ -100,7 +129,7 @@ class Editor:
             if len(self._refused) > LIVE_STROKES * 8:
                 del self._refused[next(iter(self._refused))]
 
-    def _tell(self, edit: Edit, result: Applied | PointbrushError | None) -> None:
+    def _tell(self, edit: Edit, result: Result) -> None:
         if isinstance(result, PointbrushError):
             self._viewer.refuse(result, edit.id)
         elif result is not None:
@@ -108,18 +137,18 @@ class Editor:
 
     # ── in a thread, one batch at a time ─────────────────────────────────────────────────
 
-    def _apply_all(self, edits: list[Edit]) -> list[Applied | PointbrushError | None]:
-        """What each edit came to: an answer, an error, or nothing to be said yet."""
-        results: list[Applied | PointbrushError | None] = []
-        for edit in edits:
+    def _work(self, edits: list[Edit | bytes], done: list[tuple[Edit, Result]]) -> Iterator[None]:
+        """Apply edits, and note what each came to; pauses where others may have their turn."""
+        for waiting in edits:
+            edit = cast(Edit, decode(waiting)) if isinstance(waiting, bytes) else waiting
             try:
-                results.append(self._apply(edit))
+                done.append((edit, (yield from self._apply(edit))))
             except PointbrushError as error:
                 self._drop(edit)
-                results.append(error)
-        return results
+                done.append((edit, error))
+            yield
 
-    def _apply(self, edit: Edit) -> Applied | None:
+    def _apply(self, edit: Edit) -> Generator[None, None, Applied | None]:
         require(self._viewer.role, MESSAGES[edit.type])
         match edit:
             case messages.StrokeBegin():
@@ -128,7 +157,7 @@ class Editor:
                 if isinstance(edit, messages.StrokeEnd):
                     del self._refused[edit.id]
             case messages.StrokeSamples():
-                return self._samples(edit)
+                return (yield from self._samples(edit))
             case messages.StrokeEnd():
                 return self._end(edit)
             case messages.Undo() | messages.Redo():
@@ -153,12 +182,12 @@ class Editor:
             raise BadInputError(f"id: expected a stroke that has begun, got {stroke_id}")
         return self._live[stroke_id]
 
-    def _samples(self, edit: messages.StrokeSamples) -> Applied | None:
+    def _samples(self, edit: messages.StrokeSamples) -> Generator[None, None, Applied | None]:
         stroke = self._stroke(edit.id)
         if isinstance(stroke, Commit):
             return None
-        touched = stroke.add([sample.model_dump() for sample in edit.samples])
-        return Applied(stroke.frame, touched, changed=stroke.changing)
+        yield from stroke.adding([sample.model_dump() for sample in edit.samples])
+        return Applied(stroke.frame, stroke.touched, changed=stroke.changing)
 
     def _end(self, edit: messages.StrokeEnd) -> Applied:
         stroke = self._stroke(edit.id)

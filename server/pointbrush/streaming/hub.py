@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 VALUES_BYTES = 32 * 2**20
 """Memory for values of frames, run-length encoded: of an unlabelled frame 1 kB each."""
-READ_THREADS, EDIT_THREADS = 4, 8
+READ_THREADS, EDIT_THREADS, LONG_THREADS = 4, 8, 2
 PRESENCE_HZ = 30.0
 
 
@@ -50,6 +50,7 @@ class Hub:
         self._events: asyncio.Queue[Event] = asyncio.Queue()
         self._reads = anyio.CapacityLimiter(READ_THREADS)
         self._edits = anyio.CapacityLimiter(EDIT_THREADS)
+        self._long = anyio.CapacityLimiter(LONG_THREADS)
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[Hub]:
@@ -89,8 +90,13 @@ class Hub:
         """Run something short that reads, in a thread."""
         return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
 
-    async def edit(self, function: Callable[..., T], *args: Any) -> T:
-        """Run something that writes, in a thread of its own kind: readers do not wait for it."""
+    async def edit(self, function: Callable[..., T], *args: Any, again: bool = False) -> T:
+        """Run something that writes, in a thread of its own kind: readers do not wait for it.
+
+        ``again``: it goes on with something long, which leaves the threads to what is short.
+        """
+        if again:
+            return await anyio.to_thread.run_sync(function, *args, limiter=self._long)
         with self.load.edit():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
 

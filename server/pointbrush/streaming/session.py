@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
-from pointbrush.streaming.edits import EDITS, Editor
+from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.opening import of_this_import, sequence_info
@@ -134,10 +134,11 @@ class ViewerSession(Viewer):
         """Act on one message; anything wrong with it is answered with ``error``."""
         about = None
         try:
-            message = decode(data)
+            long = len(data) > LONG_BYTES
+            message = await self.hub.read(decode, data) if long else decode(data)
             if isinstance(message, EDITS):
                 about = message.id
-                await self._editor.put(message, len(data))
+                await self._editor.put(message, data)
             elif isinstance(message, messages.Open):
                 require(self.role, MESSAGES[message.type])
                 await self._open(message)

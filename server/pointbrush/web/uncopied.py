@@ -38,6 +38,8 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
     """Acts on a message at once; when it does not, the message comes by ASGI's ``receive``."""
     _tail = b""
     """The beginning of a frame whose head is not complete."""
+    _heard_at = float("-inf")
+    """When something came last."""
     _owed = 0
     """Bytes of a frame that has begun and that the library reads."""
 
@@ -49,8 +51,17 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
 
     # ── what comes ───────────────────────────────────────────────────────────────────────
 
+    def keepalive_timeout(self) -> None:
+        """No pong came.  Who was just heard is there, and who is not read cannot be heard."""
+        patience = self.ping_timeout or 0.0
+        if self.read_paused or self.loop.time() - self._heard_at < patience:
+            self.pong_timer = self.loop.call_later(patience, self.keepalive_timeout)
+            return
+        super().keepalive_timeout()
+
     def data_received(self, data: bytes) -> None:
         """Split what came into frames; short whole messages are heard without the library."""
+        self._heard_at = self.loop.time()
         if self.hear is None:
             super().data_received(data)
             return

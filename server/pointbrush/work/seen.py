@@ -10,11 +10,15 @@ from pointbrush.ranges import by_block
 
 LAYER_BLOCK = 65_536
 """Points whose values are looked up at once."""
+KEPT = 64
+"""Blocks that are kept, 64 kB each."""
 NONE: frozenset[int] = frozenset()
 
 
 class Seen:
-    """Tells points of one frame apart, as they are at each call; ``numbers`` are sorted.
+    """Tells points of one frame apart, as they were when ``renew`` was called; sorted ``numbers``.
+
+    Each ray asks: what was read of the store is kept in between, of ``KEPT`` blocks at most.
 
     ``hidden``: labels that only the viewer hides, beside those that the palette hides; 0: points
     without a label.
@@ -25,22 +29,38 @@ class Seen:
     ) -> None:
         self._store, self._sequence, self._frame = store, sequence, frame
         self._hidden = hidden
+        self._masks: dict[tuple[int, bool], NDArray[np.bool_]] = {}
+
+    def renew(self) -> None:
+        """Look at the store again."""
+        self._masks.clear()
 
     def shown(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Which of stored ``numbers`` (n,) rays meet and strokes change."""
-        hidden = self._store.hidden(self._sequence).copy()
-        hidden[list(self._hidden)] = True
-        shown = np.zeros(len(numbers), np.bool_)
-        for first, mine in by_block(numbers, LAYER_BLOCK):
-            values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)
-            at = numbers[mine] - first
-            shown[mine] = ~values.deleted[at] & ~hidden[values.label[at]]
-        return shown
+        return self._among(numbers, deleted=False)
 
     def deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Which of stored ``numbers`` (n,) are deleted: what is restored."""
-        deleted = np.zeros(len(numbers), np.bool_)
+        return self._among(numbers, deleted=True)
+
+    def _among(self, numbers: NDArray[np.int64], *, deleted: bool) -> NDArray[np.bool_]:
+        found = np.zeros(len(numbers), np.bool_)
         for first, mine in by_block(numbers, LAYER_BLOCK):
+            found[mine] = self._mask(first, deleted=deleted)[numbers[mine] - first]
+        return found
+
+    def _mask(self, first: int, *, deleted: bool) -> NDArray[np.bool_]:
+        """Which points of a block are deleted, or are shown."""
+        mask = self._masks.get((first, deleted))
+        if mask is None:
             values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)
-            deleted[mine] = values.deleted[numbers[mine] - first]
-        return deleted
+            if deleted:
+                mask = np.asarray(values.deleted)
+            else:
+                hidden = self._store.hidden(self._sequence).copy()
+                hidden[list(self._hidden)] = True
+                mask = ~values.deleted & ~hidden[values.label]
+            if len(self._masks) >= KEPT:
+                self._masks.clear()
+            self._masks[first, deleted] = mask
+        return mask

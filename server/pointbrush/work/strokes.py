@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,7 @@ class LiveStroke:
         if self._brush.tool == "paint":
             store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
         points = frame_points(recording[frame])
-        seen = Seen(store, recording.manifest.id, frame, self._brush.hidden)
+        self._seen = seen = Seen(store, recording.manifest.id, frame, self._brush.hidden)
         self._touchable = seen.deleted if self._brush.tool == "restore" else seen.shown
         self._selector = Selector(points, self._brush, self._touchable)
         self._changing = Changing(store, recording.manifest.id, frame, self._brush)
@@ -78,12 +78,19 @@ class LiveStroke:
 
         Raises DamagedError when the frame's files have been cut short meanwhile.
         """
+        for _ in self.adding(samples):
+            pass
+        return self.touched
+
+    def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
+        """Take in samples part by part; between two parts somebody else may have a turn."""
         self._recording[self.frame].look()
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
+        self._seen.renew()
         for fresh in self._selector.add(stroke):
             self._changing.add(fresh)
-        return self.touched
+            yield
 
     @property
     def touched(self) -> int:
@@ -101,6 +108,7 @@ class LiveStroke:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
+        self._seen.renew()
         count = sum(
             int(np.count_nonzero(self._touchable(numbers)))
             for numbers in self._selector.taken.parts()
