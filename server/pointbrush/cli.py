@@ -168,9 +168,9 @@ def parser() -> argparse.ArgumentParser:
 
 SERVE = (
     "workspace", "host", "port", "token", "database", "workers", "scheduler", "tls", "certfile",
-    "keyfile", "insecure", "import_roots", "allowed_hosts", "max_upload", "max_frame_points",
-    "exports", "exports_per_person", "stall_seconds", "body_seconds", "upload_seconds",
-    "statement_seconds", "keepalive_seconds", "database_password_file",
+    "keyfile", "insecure", "import_roots", "allowed_hosts", "trusted_proxies", "max_upload",
+    "max_frame_points", "exports", "exports_per_person", "stall_seconds", "body_seconds",
+    "upload_seconds", "statement_seconds", "keepalive_seconds", "database_password_file",
 )  # fmt: skip
 
 

@@ -415,4 +415,4 @@ def _sentence(error: BaseException) -> str:
         return "the worker process died, twice (out of memory, or a fault in a native decoder)"
     # Not one of ours: the operator needs the traceback, the user the gist.
     logger.error("a job failed unexpectedly", exc_info=error)
-    return f"{type(error).__name__}: {error}"
+    return f"failed unexpectedly ({type(error).__name__}); the server's log says why"

@@ -64,12 +64,18 @@ class Settings:
     import_roots: str = field(
         default="",
         metadata=_help(
-            f"folders REST may import from, separated by '{os.pathsep}'; "
-            "empty is the current folder and the home folder"
+            f"folders REST may import from, separated by '{os.pathsep}'; empty is the current "
+            "folder and the home folder, for the admin token on this machine only"
         ),
     )
     allowed_hosts: str = field(
         default="", metadata=_help("further host names the page may be reached by, with commas")
+    )
+    trusted_proxies: str = field(
+        default="",
+        metadata=_help(
+            "addresses or networks of proxies whose X-Forwarded-For is believed, with commas"
+        ),
     )
     max_body: int = field(
         default=64 * 2**20, metadata=_help("greatest body of a request, bytes (uploads apart)")
@@ -150,9 +156,13 @@ class Settings:
 
     @property
     def roots(self) -> list[Path]:
-        """Folders that REST may import from, resolved."""
-        given = [Path(root) for root in self.import_roots.split(os.pathsep) if root]
-        return [root.resolve() for root in given or [Path.cwd(), Path.home()]]
+        """Folders that REST may import from, as named, resolved."""
+        return [Path(root).resolve() for root in self.import_roots.split(os.pathsep) if root]
+
+    @property
+    def own_roots(self) -> list[Path]:
+        """The folders of who started the server: the current one and the home folder, resolved."""
+        return [Path.cwd().resolve(), Path.home().resolve()]
 
 
 def options() -> list[Field[Any]]:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import (
     BadInputError,
-    ForbiddenError,
     NotFoundError,
     ReadOnlyError,
 )
@@ -211,13 +210,13 @@ class Workspace:
         """Make the sample recording and import it, with a palette for its objects."""
         return self._imports.of_sample(frames, seed)
 
-    def allowed_path(self, path: str) -> Path:
-        """``path`` resolved, if it lies under the allowed roots; raises ForbiddenError."""
-        resolved = Path(path).resolve()
-        if not any(resolved.is_relative_to(root) for root in self.settings.roots):
-            roots = ", ".join(map(str, self.settings.roots))
-            raise ForbiddenError(f"path: expected one under {roots}, got {path}")
-        return resolved
+    def import_roots(self, *, own: bool) -> list[Path]:
+        """Folders that a caller over the network may import from.
+
+        ``own``: where none are named, the current folder and the home folder; the caller is who
+        started the server, on this machine.
+        """
+        return self.settings.roots or (self.settings.own_roots if own else [])
 
     # ── points and annotations ───────────────────────────────────────────────────────────
 

@@ -97,7 +97,10 @@ BAD = {
     "type": (header("element vertex 1", "property quad x"), "line 4"),
     "float count": (header("element vertex 1", "property list float int v"), "line 4"),
     "ascii cut off": (header("element vertex 2", *XYZ) + b"1 2 3\n4 5\n", "cut off"),
-    "ascii word": (header("element vertex 1", *XYZ) + b"1 2 three\n", "'three'"),
+    "ascii word": (
+        header("element vertex 1", *XYZ) + b"1 2 three\n",
+        "data line 1",
+    ),
     "ascii too large": (
         header("element vertex 1", *XYZ, "property uchar red") + b"1 2 3 256\n",
         "uint8",

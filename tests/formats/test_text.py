@@ -62,7 +62,7 @@ def test_columns_by_number_and_content(tmp_path, name, line, rgb, intensity):
         ("Dear diary\n1 2 3\n", "header with x, y and z"),
         ("1 2\n3 4\n", "3 columns"),
         ("1 2 3\n4 5\n", "line 2"),
-        ("1 2 3\n4 5 six\n", "'six'"),
+        ("1 2 3\n4 5 six\n", "line 2: expected a number, got another word"),
         ("x,y,z\n1,2,3,4\n", "header says"),
         ("3\n1 2 3\n4 5 6\n", "3 points"),
         ("1 2 nan\n", "first at point 0"),

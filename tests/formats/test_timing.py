@@ -64,7 +64,7 @@ def test_numbers_in_names_sort_as_numbers(numbers):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0\nsoon\n", "line 2: expected a time, got 'soon'"),
+        ("0\nsoon\n", "line 2: expected a time, got another line"),
         ("0\nnan\n", "line 2"),
         ("0.1 a.ply\n0.2 other.ply\n", "a time for 'b.ply'"),
         ("0\n", "expected 2 times"),

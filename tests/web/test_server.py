@@ -20,7 +20,8 @@ from waiting import eventually
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
 from pointbrush.web import tls
-from pointbrush.web.server import expect_tracking, is_loopback, listen, page_url, require_safe
+from pointbrush.web.clients import is_loopback
+from pointbrush.web.server import expect_tracking, listen, page_url, require_safe
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

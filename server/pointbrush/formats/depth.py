@@ -179,8 +179,8 @@ def _parse(path: Path, scale: float | None) -> Intrinsics:
                 numbers = [numbers[0], numbers[4], numbers[2], numbers[5]]
             if len(numbers) == 4:
                 numbers.append(scale or 1000.0)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise BadInputError(f"{expected}, {error}") from None
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise BadInputError(f"{expected}, got another form") from None
     if len(numbers) != 5 or not np.isfinite(numbers).all() or min(*numbers[:2], numbers[4]) <= 0:
-        raise BadInputError(f"{expected} with positive fx, fy and scale, got {numbers[:9]}")
+        raise BadInputError(f"{expected} with positive fx, fy and scale, got others")
     return Intrinsics(*numbers)

@@ -45,9 +45,7 @@ def _count(file: E57File, scan: Element) -> int:
     points = scan.find("points")
     text = "" if points is None else points.get("recordCount", "")
     if not (text.isascii() and text.isdigit()) or int(text[:18]) > 8 * len(file.logical):
-        raise BadInputError(
-            f"{file.name}: expected a recordCount that fits the file, got {text[:30]!r}"
-        )
+        raise BadInputError(f"{file.name}: expected a recordCount that fits the file, got another")
     return int(text)
 
 

@@ -129,7 +129,7 @@ def _value(name: str, text: str | None, default: float) -> float:
     try:
         return int(text) if text.strip().lstrip("+-").isdigit() else float(text)
     except ValueError:
-        raise BadInputError(f"{name}: expected a number, got {text[:40]!r}") from None
+        raise BadInputError(f"{name}: expected a number, got other text") from None
 
 
 def prototype(name: str, points: ElementTree.Element) -> list[Field]:

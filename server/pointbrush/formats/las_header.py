@@ -96,7 +96,7 @@ def _parse(name: str, start: bytes, size: int) -> LasHeader:
     if not start:
         raise BadInputError(f"{name}: expected points, got an empty file (0 bytes)")
     if start[:4] != b"LASF":
-        raise BadInputError(f"{name}: expected a LAS file starting with 'LASF', got {start[:4]!r}")
+        raise BadInputError(f"{name}: expected a LAS file starting with 'LASF', got another")
     if len(start) < 227:
         raise BadInputError(f"{name}: expected a header of 227 bytes or more, got {len(start)}")
     version = (start[24], start[25])

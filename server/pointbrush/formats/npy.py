@@ -67,9 +67,9 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
             if key in wanted or key in extra or len(archive.files) == 1:
                 try:
                     arrays[key] = np.asarray(archive[key])
-                except READ_ERRORS as error:
+                except READ_ERRORS:
                     raise BadInputError(
-                        f"{path.name}: expected a whole array '{key}', {error}"
+                        f"{path.name}: expected a whole array '{key}', it is damaged"
                     ) from None
         keys = ", ".join(archive.files) or "no arrays"
     points = _first(arrays, POINTS)
@@ -93,9 +93,8 @@ def _load(path: Path) -> Any:
         return np.load(path, allow_pickle=False, max_header_size=1 << 20)
     except FileNotFoundError:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
-    except READ_ERRORS as error:
-        message = str(error).split("\n")[0]
-        raise BadInputError(f"{path.name}: expected a NumPy file, {message}") from None
+    except READ_ERRORS:
+        raise BadInputError(f"{path.name}: expected a NumPy file, got another or a part") from None
 
 
 def require_array_header(path: Path, options: ReadOptions) -> None:
@@ -119,9 +118,9 @@ def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> Non
         )
         shape, _, dtype = reader(file, max_header_size=1 << 20)
     # The header is Python text that NumPy hands to Python's parser: errors of any kind.
-    except Exception as error:
-        message = str(error).split("\n")[0]
-        raise BadInputError(f"{name}: expected a NumPy array, {message}") from None
+    except Exception:
+        # … which may quote the file.
+        raise BadInputError(f"{name}: expected a NumPy array, got another header") from None
     if dtype.hasobject:
         raise BadInputError(f"{name}: expected an array of numbers, got Python objects (a pickle)")
     count = 1
@@ -160,8 +159,10 @@ def _require_sane_zip(path: Path, options: ReadOptions) -> None:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
     except BadInputError:
         raise
-    except READ_ERRORS as error:
-        raise BadInputError(f"{path.name}: expected a NumPy archive (.npz), {error}") from None
+    except READ_ERRORS:
+        raise BadInputError(
+            f"{path.name}: expected a NumPy archive (.npz), got another file or a damaged one"
+        ) from None
 
 
 def _first(arrays: Mapping[str, Array], keys: tuple[str, ...]) -> str | None:

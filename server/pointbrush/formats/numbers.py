@@ -23,6 +23,6 @@ def parse_numbers(name: str, text: bytes) -> NDArray[np.float64]:
                     float(word)
                 except ValueError:
                     raise BadInputError(
-                        f"{name}: expected numbers, got {word[:40]!r} in data line {line_number}"
+                        f"{name}: expected numbers, got another word in data line {line_number}"
                     ) from None
         raise BadInputError(f"{name}: expected numbers, got text that is none") from None

@@ -105,12 +105,12 @@ def parse_header(name: str, data: bytes) -> Header:
         if not words or words[0].startswith("#"):
             continue
         if words[0].upper() not in KEYS:
-            raise BadInputError(f"{name}: expected a PCD header line, got {words[0][:40]!r}")
+            raise BadInputError(f"{name}: expected a PCD header line, got an unknown one")
         entries[words[0].upper()] = words[1:]
     layout = " ".join(entries["DATA"]).lower()
     if layout not in ("ascii", "binary", "binary_compressed"):
         raise BadInputError(
-            f"{name}: expected DATA ascii, binary or binary_compressed, got {layout[:40]!r}"
+            f"{name}: expected DATA ascii, binary or binary_compressed, got another"
         )
     width = _whole(name, entries, "WIDTH")
     height = _whole(name, entries, "HEIGHT", 1)
@@ -125,7 +125,7 @@ def parse_header(name: str, data: bytes) -> Header:
         viewpoint = []
     if len(viewpoint) != 7:
         raise BadInputError(
-            f"{name}: expected VIEWPOINT with 7 numbers, got {' '.join(entries['VIEWPOINT'])[:60]}"
+            f"{name}: expected VIEWPOINT with 7 numbers, got {len(entries['VIEWPOINT'])} words"
         )
     return Header(_fields(name, entries), width, height, points, viewpoint, layout, at)
 
@@ -135,7 +135,7 @@ def _whole(name: str, entries: dict[str, list[str]], key: str, default: int | No
     if words is None and default is not None:
         return default
     if not words or not (words[0].isascii() and words[0].isdigit()) or len(words[0]) > 18:
-        raise BadInputError(f"{name}: expected {key} with a whole number, got {words}")
+        raise BadInputError(f"{name}: expected {key} with a whole number, got another word")
     return int(words[0])
 
 

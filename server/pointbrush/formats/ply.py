@@ -98,7 +98,7 @@ def read_ply(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 def parse_header(name: str, data: bytes) -> Header:
     """The header of a PLY file; raises BadInputError naming the line that is wrong."""
     if not data.startswith(b"ply"):
-        raise BadInputError(f"{name}: expected a PLY file starting with 'ply', got {data[:8]!r}")
+        raise BadInputError(f"{name}: expected a PLY file starting with 'ply', got another")
     start = data.find(b"end_header", 0, MAX_HEADER)
     if start < 0:
         raise BadInputError(f"{name}: expected 'end_header', the file is cut off in its header")
@@ -128,7 +128,7 @@ def parse_header(name: str, data: bytes) -> Header:
             case ["property", kind, prop] if elements:
                 elements[-1].properties.append(Property(prop, _kind(where, kind)))
             case _:
-                raise BadInputError(f"{where}: expected a PLY header line, got {line[:60]!r}")
+                raise BadInputError(f"{where}: expected a PLY header line, got another")
     if not layout:
         raise BadInputError(f"{name}: expected a line 'format ascii|binary_… 1.0', got none")
     # An element without properties takes no bytes, whatever count it claims.
@@ -138,7 +138,7 @@ def parse_header(name: str, data: bytes) -> Header:
 def _kind(where: str, text: str, *, count: bool = False) -> str:
     if text not in TYPES or (count and TYPES[text][0] == "f"):
         known = ", ".join(TYPES)
-        raise BadInputError(f"{where}: expected one of the types {known}, got {text[:40]!r}")
+        raise BadInputError(f"{where}: expected one of the types {known}, got another")
     return TYPES[text]
 
 

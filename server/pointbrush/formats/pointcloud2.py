@@ -89,7 +89,7 @@ def frame_of_message(
 def _parse(name: str, message: bytes, encoding: str) -> PointCloud2:
     if encoding == "cdr":
         if len(message) < 4 or message[1] not in (0, 1):
-            raise BadInputError(f"{name}: expected a CDR message, got {message[:4]!r}")
+            raise BadInputError(f"{name}: expected a CDR message, got other bytes")
         reader = _Reader(message, 4, "<" if message[1] else ">", True, 4)
     else:
         reader = _Reader(message, 0, "<", False, 0)

@@ -43,7 +43,7 @@ def map_recording(path: Path, magic: bytes, kind: str) -> mmap:
     start = data[: len(magic)]
     if start != magic:
         data.close()
-        raise BadInputError(f"{path.name}: expected {kind}, got {start!r}")
+        raise BadInputError(f"{path.name}: expected {kind}, got another file")
     return data
 
 
@@ -69,9 +69,7 @@ def unpack_chunk(name: str, packed: bytes, compression: str, size: int) -> bytes
         elif compression == "zstd":
             data = _zstd(packed, size)
         else:
-            raise BadInputError(
-                f"{name}: expected chunks packed by lz4, bz2 or zstd, got {compression[:40]!r}"
-            )
+            raise BadInputError(f"{name}: expected chunks packed by lz4, bz2 or zstd, got others")
     except (OSError, ValueError) as error:
         if isinstance(error, BadInputError):
             raise

@@ -124,12 +124,12 @@ def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
             time, path = float(words[0]), folder / words[1]
         except (ValueError, IndexError):
             raise BadInputError(
-                f"{name} line {number}: expected a time and a file, got {' '.join(words)[:60]!r}"
+                f"{name} line {number}: expected a time and a file, got another line"
             ) from None
         if not np.isfinite(time) or not path.resolve().is_relative_to(folder.resolve()):
             raise BadInputError(f"{name} line {number}: expected a file within {folder.name}")
         if not path.is_file():
-            raise BadInputError(f"{name} line {number}: expected the file {words[1]}, it is absent")
+            raise BadInputError(f"{name} line {number}: its file is absent")
         rows.append((time, path))
     return sorted(rows)
 

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
 from pointbrush.formats.folder import list_files, list_folder
+from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import Listing
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.registry import format_named
@@ -89,7 +90,8 @@ def open_source(
     if format is not None:
         format_named(format)
     found = _expand(paths)
-    _require_inside(found, options.limits.roots)
+    if options.limits.roots:
+        require_inside(found, options.limits.roots)
     temporary: list[Path] = []
     try:
         listings = _listings(found, format, options, temporary)
@@ -125,21 +127,6 @@ def _expand(paths: Sequence[Path]) -> list[Path]:
             raise NotFoundError(f"path: expected {kind}, there is no {path}")
         found += sorted((Path(match) for match in matches), key=natural_key)
     return found
-
-
-def _require_inside(paths: Sequence[Path], roots: Sequence[Path]) -> None:
-    """Raise ForbiddenError for a path, or a link below it, that leads outside the roots."""
-    if not roots:
-        return
-    for path in paths:
-        below = (
-            Path(folder, name)
-            for folder, folders, files in os.walk(path)
-            for name in (*folders, *files)
-        )
-        for candidate in (path, *(inner for inner in below if inner.is_symlink())):
-            if not any(candidate.resolve().is_relative_to(root) for root in roots):
-                raise ForbiddenError(f"path: expected nothing outside the allowed folders, {path}")
 
 
 def _listings(

@@ -65,7 +65,7 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         raise BadInputError(f"{name}: expected {claimed} points as line 1 says, got {len(rows)}")
     if header is not None and not {"x", "y", "z"} <= set(roles(header)):
         raise BadInputError(
-            f"{name}: expected numbers, or a header with x, y and z, got {first.strip()[:60]!r}"
+            f"{name}: expected numbers, or a header with x, y and z, got other words"
         )
     table = _table(name, lines, rows, separator)
     columns = _named(name, table, header, is_pts=path.suffix.lower() == ".pts")
@@ -129,7 +129,7 @@ def _complaint(
             )
         for word in words:
             if not _is_number(word):
-                return BadInputError(f"{name} line {row + 1}: expected a number, got {word[:40]!r}")
+                return BadInputError(f"{name} line {row + 1}: expected a number, got another word")
     return BadInputError(f"{name}: expected lines of {width} numbers")
 
 

@@ -92,7 +92,7 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
         if time is None:
             if number == 1:
                 continue  # a header
-            raise BadInputError(f"{path.name} line {number}: expected a time, got {line[:60]!r}")
+            raise BadInputError(f"{path.name} line {number}: expected a time, got another line")
         if name is not None:
             by_name[name] = time
         bare.append(time)

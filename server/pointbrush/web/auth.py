@@ -16,6 +16,7 @@ from starlette.requests import HTTPConnection
 from pointbrush.errors import ForbiddenError, UnauthorizedError
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
+from pointbrush.web.clients import Clients, is_loopback
 from pointbrush.web.roles import ROUTES, call_of
 from pointbrush.workspace import Workspace
 
@@ -42,6 +43,8 @@ class Gate:
         self._workspace = workspace
         self._token = token.encode()
         self._hosts = host_names(settings)
+        self._local = is_loopback(settings.host)
+        self.clients = Clients(settings.trusted_proxies)
 
     def check(self, secret: str) -> Principal:
         """Who holds ``secret``; raises UnauthorizedError.  Compared in constant time."""
@@ -63,6 +66,10 @@ class Gate:
         if connection.scope["type"] == "websocket" or (unsafe and not bearer):
             require_same_origin(connection)
         return principal
+
+    def is_own(self, connection: HTTPConnection, principal: Principal) -> bool:
+        """Whether who started this server calls it, on this machine and through no proxy."""
+        return principal.shared and self._local and self.clients.is_direct(connection)
 
     def require_host(self, connection: HTTPConnection) -> None:
         """Raise ForbiddenError unless the Host header names this server."""

@@ -91,9 +91,9 @@ class Guard:
         await self.app(scope, _Limited(receive, limit, seconds), secured)
 
     def _admit(self, scope: Scope, headers: Headers) -> None:
-        self.gate.require_host(HTTPConnection(scope))
-        client = scope.get("client") or ("unknown", 0)
-        self.rate.spend(bearer_of(headers) or client[0])
+        connection = HTTPConnection(scope)
+        self.gate.require_host(connection)
+        self.rate.spend(bearer_of(headers) or self.gate.clients.address(connection))
 
     def _body_limit(self, scope: Scope, headers: Headers, multipart: bool) -> int:
         limit = self.settings.max_upload if multipart else self.settings.max_body

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,7 +20,7 @@ from pointbrush.formats import format_names
 from pointbrush.jobs import Job
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, Gate
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -29,6 +30,7 @@ from pointbrush.web.schemas import (
     SequencePatch,
 )
 from pointbrush.web.schemas_work import ImportBody, JobOut
+from pointbrush.work.roots import allowed
 from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -144,7 +146,9 @@ async def import_sequence(
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
         body = _parse(ImportBody, await request.body())
-        job = await run_in_threadpool(_import_path, workspace, body, who.author)
+        gate: Gate = request.app.state.gate
+        roots = workspace.import_roots(own=gate.is_own(request, who))
+        job = await run_in_threadpool(_import_path, workspace, body, who.author, roots)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
 
@@ -158,15 +162,14 @@ def _parse(model: type[ImportBody], body: bytes) -> ImportBody:
         raise kind(describe(found)) from None
 
 
-def _import_path(workspace: Workspace, body: ImportBody, owner: str) -> Job:
-    path = workspace.allowed_path(body.path)
+def _import_path(workspace: Workspace, body: ImportBody, owner: str, roots: Sequence[Path]) -> Job:
     return workspace.import_paths(
-        [path],
+        allowed(body.path, roots),
         name=body.name,
         fps=body.fps,
         file_format=body.format,
         drop_invalid=body.drop_invalid,
-        roots=workspace.settings.roots,
+        roots=roots,
         owner=owner,
     )
 

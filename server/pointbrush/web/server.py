@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import ipaddress
 import os
 import signal
 import socket
@@ -20,6 +19,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
+from pointbrush.web.clients import is_loopback
 from pointbrush.web.patience import patient_protocol
 from pointbrush.web.routes_trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
@@ -122,14 +122,6 @@ def listen(host: str, port: int) -> socket.socket:
             f"expected a free address to listen on, got {host}:{port}: {error.strerror or error}"
         ) from None
     return listener
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach ``host``."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 def require_safe(settings: Settings, tls: Certificate | None) -> None:

@@ -1,0 +1,68 @@
+"""Where a request comes from: the client's address, through trusted proxies or not."""
+
+from __future__ import annotations
+
+import ipaddress
+
+from starlette.requests import HTTPConnection
+
+from pointbrush.errors import BadInputError
+
+FORWARDING = (
+    "forwarded", "via", "x-real-ip", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto",
+    "x-forwarded-port", "x-forwarded-server", "x-client-ip", "true-client-ip", "cf-connecting-ip",
+)  # fmt: skip
+"""Headers by which a proxy shows itself."""
+UNKNOWN = "unknown"
+
+
+class Clients:
+    """Reads the addresses of callers; ``trusted`` names proxies (addresses or networks, commas)."""
+
+    def __init__(self, trusted: str) -> None:
+        """Raises BadInputError for what is no address or network."""
+        self._trusted = []
+        for text in filter(None, map(str.strip, trusted.split(","))):
+            try:
+                self._trusted.append(ipaddress.ip_network(text, strict=False))
+            except ValueError:
+                raise BadInputError(
+                    f"trusted_proxies: expected addresses or networks, got {text!r}"
+                ) from None
+
+    def address(self, connection: HTTPConnection) -> str:
+        """The client's address: the peer's, or the last one that a trusted proxy names.
+
+        Whoever is no trusted proxy can write what it likes into the header; it is not read then.
+        """
+        found = connection.client.host if connection.client else UNKNOWN
+        hops = ",".join(connection.headers.getlist("x-forwarded-for")).split(",")
+        while self.trusts(found) and hops and _address(hops[-1]) is not None:
+            found = str(_address(hops.pop()))
+        return found
+
+    def trusts(self, address: str) -> bool:
+        """Whether an address is a trusted proxy's."""
+        known = _address(address)
+        return known is not None and any(known in network for network in self._trusted)
+
+    def is_direct(self, connection: HTTPConnection) -> bool:
+        """Whether no proxy stands between: none shows itself, and the peer is not known as one."""
+        shown = any(name in connection.headers for name in FORWARDING)
+        return not shown and not (connection.client and self.trusts(connection.client.host))
+
+
+def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    try:
+        found = ipaddress.ip_address(text.strip().strip("[]"))
+    except ValueError:
+        return None
+    return getattr(found, "ipv4_mapped", None) or found
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach ``host``."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
