@@ -87,6 +87,10 @@ class Settings:
     max_frame_points: int = field(
         default=500_000_000, metadata=_help("greatest number of points in a frame")
     )
+    wrong_tokens_per_minute: int = field(
+        default=20,
+        metadata=_help("wrong tokens that one address may try in a minute until it has to wait"),
+    )
     requests_per_second: int = field(
         default=200, metadata=_help("requests a second that one client may sustain")
     )

@@ -7,6 +7,7 @@ leave here are in source order unless a name says ``stored``.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -346,7 +347,8 @@ class Workspace:
     def edits(self, sequence: str, before: int | None = None, limit: int = 100) -> list[EditInfo]:
         """The history, newest first."""
         self.recording(sequence)
-        return self.store.edits(sequence, before=before, limit=limit)
+        found = self.store.edits(sequence, before=before, limit=limit)
+        return [replace(edit, author=self.store.accounts.name(edit.author)) for edit in found]
 
     # ── tracking ─────────────────────────────────────────────────────────────────────────
 

@@ -81,7 +81,13 @@ class Person:
     async def connect(self) -> None:
         self._pipe = pipe = Pipe()
         session = ViewerSession(
-            self.hub, self._sender(pipe), author=self.name, role="admin", shared=True
+            self.hub,
+            self._sender(pipe),
+            author="owner",
+            name="owner",
+            role="admin",
+            shared=True,
+            require_admitted=lambda: None,
         )
         self.view = PageLike(pipe, on_message=self._heard, frames=self.frames)  # type: ignore[arg-type]
         self._tasks = [

@@ -44,7 +44,15 @@ class Reader:
         self._up.put_nowait(msgpack.packb(message))
 
     async def run(self) -> None:
-        session = ViewerSession(self._hub, self.send, author="Ada", role="admin", shared=False)
+        session = ViewerSession(
+            self._hub,
+            self.send,
+            author="Ada",
+            name="Ada",
+            role="admin",
+            shared=False,
+            require_admitted=lambda: None,
+        )
         await session.run(self._up.get)
 
     async def frame(self, number: int) -> tuple[bytes | memoryview, ...]:

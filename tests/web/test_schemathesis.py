@@ -42,7 +42,12 @@ def npy(_context: Any, _value: Any) -> bytes:
 def described(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     folder = tmp_path_factory.mktemp("described")
     (folder / "inbox").mkdir()
-    chosen = settings_in(folder, import_roots=str(folder / "inbox"), requests_per_second=1_000_000)
+    chosen = settings_in(
+        folder,
+        import_roots=str(folder / "inbox"),
+        requests_per_second=1_000_000,
+        wrong_tokens_per_minute=1_000_000,
+    )
     for name in ("wall", "spare"):
         add_sequence(chosen, name, frames=2, points=POINTS)
     with serving(chosen) as served:

@@ -164,21 +164,30 @@ def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
 # ── undo and redo ────────────────────────────────────────────────────────────────────────────
 
 
+NOTHING_TO_UNDO = "undo: expected an edit of yours to take back, there is none"
+NOTHING_TO_REDO = "redo: expected an undone edit of yours, there is none"
+
+
 def take_back(entry: Entry) -> Plan:
     """Undo the author's last edit in force."""
-    return _turn(entry, schema.ACTIVE, undo.undo, "undo: {} has no edit to take back")
+    return _turn(
+        entry,
+        schema.ACTIVE,
+        undo.undo,
+        NOTHING_TO_UNDO,
+    )
 
 
 def bring_back(entry: Entry) -> Plan:
     """Redo the edit that the author's last undo took back."""
-    return _turn(entry, schema.UNDONE, undo.redo, "redo: {} has no undone edit to bring back")
+    return _turn(entry, schema.UNDONE, undo.redo, NOTHING_TO_REDO)
 
 
 def _turn(entry: Entry, state: int, turn: Callable[[Draft, Any], None], none: str) -> Plan:
     def plan(draft: Draft) -> Entry:
         edit = journal.top_of_stack(draft.connection, draft.state.number, entry.author, state)
         if edit is None:
-            raise ConflictError(none.format(entry.author))
+            raise ConflictError(none)
         turn(draft, edit)
         return replace(
             entry,

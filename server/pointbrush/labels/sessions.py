@@ -218,7 +218,7 @@ class Sessions:
             with state.lock:
                 with self._database.write() as connection:
                     self._refresh(connection, state, lock=True)
-                    _require_import(state, identity)
+                    require_import(state, identity)
                     first = self.find(connection, state, edit_id)
                     if first is not None:
                         return first
@@ -321,7 +321,8 @@ def _number(of: Mapping[str, tuple[int, int]], sequence: str) -> int | None:
     return of[sequence][0] if sequence in of else None
 
 
-def _require_import(state: SequenceState, identity: str | None) -> None:
+def require_import(state: SequenceState, identity: str | None) -> None:
+    """Raise NotFoundError when a sequence is another import than ``identity``."""
     if identity is not None and state.identity not in (None, identity):
         raise NotFoundError(
             f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import backup, check, history, integrity, palette, plans, reading, repair
+from pointbrush.labels.accounts import Accounts
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.recordings import Recordings
-from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.sessions import Sessions, require_import
+from pointbrush.labels.sign_ins import SignIns
 from pointbrush.labels.state import revisions
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
@@ -46,6 +48,8 @@ class LabelStore:
             self._database.close()
             raise
         self.tokens = Tokens(self._database)
+        self.accounts = Accounts(self._database)
+        self.sign_ins = SignIns(self._database)
         self.recordings = Recordings(self._database, self._sessions)
         self.guards = Guards(self._database)
 
@@ -89,6 +93,11 @@ class LabelStore:
     def forget(self, sequence: str) -> None:
         """Remove a sequence with its whole history; an unknown one is no error."""
         self.recordings.forget(sequence)
+
+    def require_import(self, sequence: str, identity: str) -> None:
+        """Raise NotFoundError when the sequence has gone, or another import has its id by now."""
+        with self._sessions.reading(sequence) as (_, state):
+            require_import(state, identity)
 
     def revision(self, sequence: str) -> int:
         """The number of edits so far, undos and redos among them."""

@@ -16,7 +16,8 @@ from typing import Any
 
 from sqlalchemy import Row, insert, select, update
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels.accounts import require_token_name
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import tokens
 from pointbrush.roles import ROLES, Role
@@ -32,6 +33,8 @@ class Token:
     created: float
     expires: float | None
     revoked: float | None
+    account: str
+    """The account that its edits are by."""
 
     @property
     def valid(self) -> bool:
@@ -48,22 +51,32 @@ class Tokens:
     def add(self, role: str, name: str = "", expires: float | None = None) -> str:
         """Make a token and return its secret, which is shown this once.
 
-        ``expires``: seconds since the epoch.  Raises BadInputError for an unknown role.
+        ``name`` is whom it is for; without one the token is an account of its own.  ``expires``:
+        seconds since the epoch.  Raises BadInputError for an unknown role or a name that no token
+        may have, ConflictError for the name of a valid token.
         """
         if role not in ROLES:
             raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
-        if len(name) > 128:
-            raise BadInputError(f"name: expected at most 128 characters, got {len(name)}")
+        if name:
+            require_token_name(name)
         secret = secrets.token_urlsafe(32)
+        number = secrets.token_hex(4)
         row = {
-            "id": secrets.token_hex(4),
+            "id": number,
+            "account": name or f"token {number}",
             "role": role,
             "name": name,
-            "digest": _digest(secret),
+            "digest": digest_of(secret),
             "created": time.time(),
             "expires": expires,
         }
         with self._database.write() as connection:
+            if name:
+                same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
+                if any(token_of(other).valid for other in same):
+                    raise ConflictError(
+                        f"name: expected one that no valid token has, got {name!r}; revoke it first"
+                    )
             connection.execute(insert(tokens), row)
         return secret
 
@@ -71,7 +84,7 @@ class Tokens:
         """All tokens, oldest first, revoked and expired ones too."""
         with self._database.read() as connection:
             rows = connection.execute(select(tokens).order_by(tokens.c.created)).all()
-        return [_token(row) for row in rows]
+        return [token_of(row) for row in rows]
 
     def revoke(self, token_id: str) -> Token:
         """End a token's validity now; raises NotFoundError for an unknown id."""
@@ -82,24 +95,26 @@ class Tokens:
                 raise NotFoundError(f"token: expected the id of a token, got {token_id!r}")
             if row.revoked is None:
                 connection.execute(update(tokens).where(here).values(revoked=time.time()))
-            return _token(connection.execute(select(tokens).where(here)).one())
+            return token_of(connection.execute(select(tokens).where(here)).one())
 
     def check(self, secret: str) -> Token | None:
         """The valid token with this secret, or None."""
-        digest = _digest(secret)
+        digest = digest_of(secret)
         with self._database.read() as connection:
             row = connection.execute(select(tokens).where(tokens.c.digest == digest)).one_or_none()
         # The look-up compares digests, from whose timing no secret can be built; the comparison
         # that decides is constant in time all the same.
         if row is None or not hmac.compare_digest(row.digest.encode(), digest.encode()):
             return None
-        token = _token(row)
+        token = token_of(row)
         return token if token.valid else None
 
 
-def _digest(secret: str) -> str:
+def digest_of(secret: str) -> str:
+    """Return what is kept of a secret."""
     return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
 
 
-def _token(row: Row[Any]) -> Token:
-    return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked)
+def token_of(row: Row[Any]) -> Token:
+    """Return what a row says."""
+    return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked, row.account)

@@ -8,7 +8,12 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import cast
 
-from pointbrush.errors import BadInputError, PointbrushError, TooManyRequestsError
+from pointbrush.errors import (
+    BadInputError,
+    PointbrushError,
+    TooManyRequestsError,
+    UnauthorizedError,
+)
 from pointbrush.labels import Commit
 from pointbrush.roles import require
 from pointbrush.streaming import messages
@@ -45,6 +50,8 @@ TURN_SECONDS = 0.03
 LONG_BYTES = 16 * 1024
 """Messages from which on decoding is work for a thread."""
 LIVE_STROKES = 8
+EXPEL_SECONDS = 0.5
+"""From the answer to an edit of a revoked token until its socket is closed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +139,9 @@ class Editor:
     def _tell(self, edit: Edit, result: Result) -> None:
         if isinstance(result, PointbrushError):
             self._viewer.refuse(result, edit.id)
+            if isinstance(result, UnauthorizedError):
+                # Once the answer has left.
+                asyncio.get_running_loop().call_later(EXPEL_SECONDS, self._viewer.expel)
         elif result is not None:
             self._answer(edit.id, result)
 
@@ -139,14 +149,27 @@ class Editor:
 
     def _work(self, edits: list[Edit | bytes], done: list[tuple[Edit, Result]]) -> Iterator[None]:
         """Apply edits, and note what each came to; pauses where others may have their turn."""
+        expelled = self._expelled()
         for waiting in edits:
             edit = cast(Edit, decode(waiting)) if isinstance(waiting, bytes) else waiting
             try:
+                if expelled is not None:
+                    raise expelled
                 done.append((edit, (yield from self._apply(edit))))
             except PointbrushError as error:
                 self._drop(edit)
                 done.append((edit, error))
             yield
+
+    def _expelled(self) -> UnauthorizedError | None:
+        """Why nothing of this viewer is applied any more: its token was revoked, or has expired."""
+        try:
+            self._viewer.require_admitted()
+        except UnauthorizedError as error:
+            return error
+        except PointbrushError:
+            pass  # the database is away: what edits come to says so
+        return None
 
     def _apply(self, edit: Edit) -> Generator[None, None, Applied | None]:
         require(self._viewer.role, MESSAGES[edit.type])

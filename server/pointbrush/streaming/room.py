@@ -181,9 +181,12 @@ class Room:
         """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""
         listed = {frame: delta for frame in bases if (delta := commit.frames[frame]) is not None}
 
+        author = self.workspace.store.accounts.name(commit.author)
+
         def encode_all() -> list[QueuedDelta]:
             return [
-                delta_message(commit, frame, delta, bases[frame]) for frame, delta in listed.items()
+                delta_message(commit, frame, delta, bases[frame], author)
+                for frame, delta in listed.items()
             ]
 
         # A tracking run touches many frames: too much to do while everybody waits.
@@ -216,7 +219,8 @@ class Room:
                         raise GapError(f"frame {frame}: too many points changed to list them")
                     base = touched.get(frame, revision)
                     touched[frame] = commit.revision
-                    deltas.append(delta_message(commit, frame, delta, base))
+                    author = self.workspace.store.accounts.name(commit.author)
+                    deltas.append(delta_message(commit, frame, delta, base, author))
             return commits[-1].revision
 
         reached = revision
@@ -233,9 +237,9 @@ class Room:
         return max(STATES_PERIOD, STATES_PERIOD_EACH * len(self.viewers))
 
 
-def delta_message(commit: Commit, frame: int, delta: Delta, base: int) -> QueuedDelta:
-    """A commit's part in one frame, ready to be sent."""
+def delta_message(commit: Commit, frame: int, delta: Delta, base: int, author: str) -> QueuedDelta:
+    """A commit's part in one frame, ready to be sent; ``author`` is the name that is shown."""
     data = encode_delta(
-        commit.sequence, frame, commit.revision, base, delta, commit.edit_id, commit.author
+        commit.sequence, frame, commit.revision, base, delta, commit.edit_id, author
     )
     return QueuedDelta(frame, commit.revision, data)

@@ -12,7 +12,8 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from pointbrush import __version__
-from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
+from pointbrush.labels.accounts import MARK, OWNER
 from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
@@ -28,7 +29,7 @@ from pointbrush.streaming.viewer import CREDITS, Send, Viewer
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
-SLOW = ("open", *(edit.model_fields["type"].default for edit in EDITS))
+SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in EDITS))
 """Types of messages that wait for files, the database, or each other."""
 
 
@@ -41,21 +42,29 @@ class ViewerSession(Viewer):
         send: Send,
         *,
         author: str,
+        name: str,
         role: messages.Role,
         shared: bool,
+        require_admitted: Callable[[], None],
     ) -> None:
-        """``shared``: several people may use this token, so the name in ``hello`` is the author."""
+        """``author`` is the account that edits are by, ``name`` what is shown for it.
+
+        ``shared``: several people may use this token, and the name in ``hello`` is what is shown.
+        ``require_admitted`` raises UnauthorizedError once the viewer's token lets nobody in.
+        """
         super().__init__(
             send, author=author, role=role, load=hub.load, public=hub.workspace.paths.hide
         )
-        self.hub, self._shared = hub, shared
+        self.hub, self._shared, self.name = hub, shared, name
+        self._require_admitted = require_admitted
+        self.expelled = False
+        """Its token lets nobody in any more."""
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)
         self._deaf = False
         self._hearing = False
         """Whether a message is acted on that takes its time: later ones wait."""
         self._handlers: dict[type, Callable[[Any], None]] = {
-            messages.Hello: self._hello,
             messages.Play: self._play,
             messages.Pause: self._pause,
             messages.Seek: self._seek,
@@ -96,6 +105,15 @@ class ViewerSession(Viewer):
 
     def close(self) -> None:
         """End the session: the server stops."""
+        self.closing.set()
+
+    def require_admitted(self) -> None:
+        """Raise UnauthorizedError once its token lets nobody in any more."""
+        self._require_admitted()
+
+    def expel(self) -> None:
+        """End the session: its token lets nobody in any more."""
+        self.expelled = True
         self.closing.set()
 
     async def _listen(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
@@ -139,6 +157,9 @@ class ViewerSession(Viewer):
             if isinstance(message, EDITS):
                 about = message.id
                 await self._editor.put(message, data)
+            elif isinstance(message, messages.Hello):
+                require(self.role, MESSAGES[message.type])
+                await self._hello(message)
             elif isinstance(message, messages.Open):
                 require(self.role, MESSAGES[message.type])
                 await self._open(message)
@@ -179,22 +200,30 @@ class ViewerSession(Viewer):
 
     # ── messages ─────────────────────────────────────────────────────────────────────────
 
-    def _hello(self, message: messages.Hello) -> None:
-        if message.name:
-            self.name = message.name
-            self.author = message.name if self._shared else self.author
+    async def _hello(self, message: messages.Hello) -> None:
+        if message.name and self._shared:
+            await self.hub.read(self._choose_name, message.name)
         self.color = message.color or self.color
         self.outbox.reply(
             encode(
                 messages.Welcome(
                     viewer=self.id,
-                    author=self.author,
+                    author=self.name,
                     role=self.role,
                     version=__version__,
                     credits=CREDITS,
                 )
             )
         )
+
+    def _choose_name(self, name: str) -> None:
+        """Show another name for who shares the server's own token; in a thread."""
+        if self.author == OWNER:
+            # No session tells them apart: the name does, and is no token's account.
+            self.author = f"{OWNER}{MARK}{name}"
+        with contextlib.suppress(ReadOnlyError):  # nothing is edited there
+            self.hub.workspace.store.accounts.rename(self.author, name)
+        self.name = name
 
     async def _open(self, message: messages.Open) -> None:
         message = await of_this_import(self.hub, message)

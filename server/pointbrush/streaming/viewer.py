@@ -66,6 +66,14 @@ class Viewer(ABC):
         """Hear nothing more and answer what was heard: the server is about to stop."""
 
     @abstractmethod
+    def require_admitted(self) -> None:
+        """Raise UnauthorizedError once its token lets nobody in any more; may read the database."""
+
+    @abstractmethod
+    def expel(self) -> None:
+        """End the session: its token lets nobody in any more."""
+
+    @abstractmethod
     def close(self) -> None:
         """End the session: the server stops."""
 

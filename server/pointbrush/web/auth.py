@@ -6,34 +6,43 @@ import hmac
 import ipaddress
 import socket
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
 from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.requests import HTTPConnection
 
-from pointbrush.errors import ForbiddenError, UnauthorizedError
+from pointbrush.errors import ForbiddenError, TooManyRequestsError, UnauthorizedError
+from pointbrush.labels import Token
+from pointbrush.labels.accounts import OWNER
+from pointbrush.labels.tokens import digest_of
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.clients import Clients, is_loopback
+from pointbrush.web.rates import KNOWN_CLIENTS, RateLimit
 from pointbrush.web.roles import ROUTES, call_of
+from pointbrush.web.sessions import WebSessions
 from pointbrush.workspace import Workspace
 
 COOKIE = "pointbrush_session"
-COOKIE_DAYS = 30
-OWNER = "owner"
-"""Author of edits made with the server's own token by somebody who gave no name."""
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 @dataclass(frozen=True)
 class Principal:
-    """An authenticated caller; ``shared``: the server's own token, which several may use."""
+    """An authenticated caller.
+
+    ``author`` is the account that edits are by, ``name`` what is shown for it; ``shared``: the
+    server's own token, which several may use and then choose a name; ``session``: by the page's
+    cookie.
+    """
 
     author: str
+    name: str
     role: Role
     shared: bool = False
+    session: bool = False
 
 
 class Gate:
@@ -45,23 +54,84 @@ class Gate:
         self._hosts = host_names(settings)
         self._local = is_loopback(settings.host)
         self.clients = Clients(settings.trusted_proxies)
+        self.sessions = WebSessions(workspace.store, token)
+        self._right: dict[str, None] = {}
+        self._tries = settings.wrong_tokens_per_minute
+        self._wrong = RateLimit(self._tries / 60, burst=self._tries)
 
-    def check(self, secret: str) -> Principal:
+    def check(self, secret: str, connection: HTTPConnection) -> Principal:
         """Who holds ``secret``; raises UnauthorizedError.  Compared in constant time."""
-        if hmac.compare_digest(secret.encode("utf-8", "surrogateescape"), self._token):
-            return Principal(OWNER, "admin", shared=True)
+        if self._is_own(secret):
+            self._note(secret)
+            return Principal(OWNER, OWNER, "admin", shared=True)
         token = self._workspace.store.tokens.check(secret)
         if token is None:
-            raise UnauthorizedError("expected a valid token, got a wrong, expired or revoked one")
-        return Principal(token.name or f"token {token.id}", token.role)
+            raise self._refusal(connection)
+        self._note(secret)
+        return _person(token)
+
+    def bucket_of(self, bearer: str, connection: HTTPConnection) -> str:
+        """Whose requests a request counts among: a token's that proved right, or an address's.
+
+        Who tries one token after the other has no bucket for each.
+        """
+        known = bearer and digest_of(bearer)
+        return known if known in self._right else self.clients.address(connection)
+
+    def _note(self, secret: str) -> None:
+        digest = digest_of(secret)
+        self._right.pop(digest, None)
+        self._right[digest] = None
+        if len(self._right) > KNOWN_CLIENTS:
+            self._right.pop(next(iter(self._right)), None)
+
+    def sign_in(self, secret: str, connection: HTTPConnection) -> tuple[Principal, str]:
+        """Begin a session for who holds ``secret``; returns its id for the cookie.
+
+        Raises UnauthorizedError.
+        """
+        principal = self.check(secret, connection)
+        token = None if principal.shared else self._workspace.store.tokens.check(secret)
+        return principal, self.sessions.begin(token, secret)
+
+    def sign_out(self, connection: HTTPConnection) -> None:
+        """End the session of the cookie, if there is one."""
+        session = connection.cookies.get(cookie_name(connection))
+        if session:
+            self.sessions.end(session)
+
+    def _is_own(self, secret: str) -> bool:
+        return hmac.compare_digest(secret.encode("utf-8", "surrogateescape"), self._token)
+
+    def _of_session(self, session: str, connection: HTTPConnection) -> Principal:
+        found = self.sessions.check(session)
+        if found is None:
+            raise self._refusal(connection)
+        if found.token is not None:
+            return replace(_person(found.token), session=True)
+        name = self._workspace.store.accounts.name(found.account)
+        return Principal(found.account, name, "admin", shared=True, session=True)
+
+    def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:
+        """What a wrong token is told: a right one is never refused for others' wrong ones."""
+        try:
+            self._wrong.spend(self.clients.address(connection))
+        except TooManyRequestsError:
+            return TooManyRequestsError(
+                f"expected at most {self._tries} wrong tokens a minute from one address"
+            )
+        return UnauthorizedError("expected a valid token, got a wrong, expired or revoked one")
 
     def admit(self, connection: HTTPConnection) -> Principal:
         """The caller of a request or socket; raises UnauthorizedError or ForbiddenError."""
         bearer = bearer_of(connection.headers)
-        secret = bearer or connection.cookies.get(cookie_name(connection))
-        if not secret:
+        session = connection.cookies.get(cookie_name(connection))
+        if bearer:
+            principal = self.check(bearer, connection)
+        elif session:
+            principal = self._of_session(session, connection)
+        else:
             raise UnauthorizedError("expected 'Authorization: Bearer TOKEN' or the page's cookie")
-        principal = self.check(secret)
         unsafe = connection.scope.get("method", "GET") not in SAFE_METHODS
         if connection.scope["type"] == "websocket" or (unsafe and not bearer):
             require_same_origin(connection)
@@ -89,6 +159,10 @@ class Gate:
         name = header.rsplit(":", 1)[0] if not header.endswith("]") else header
         name = name.strip("[]").lower().rstrip(".")
         return name in self._hosts or _is_address(name)
+
+
+def _person(token: Token) -> Principal:
+    return Principal(token.account, token.name or token.account, token.role)
 
 
 def _is_address(name: str) -> bool:

@@ -16,16 +16,13 @@ from pointbrush.errors import (
     BadInputError,
     PointbrushError,
     TooLargeError,
-    TooManyRequestsError,
 )
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web.auth import Gate, bearer_of
 from pointbrush.web.problems import problem_of
+from pointbrush.web.rates import RateLimit
 
-BURST_SECONDS = 10
-"""A client may spend this many seconds' worth of requests at once."""
-KNOWN_CLIENTS = 10_000
 PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)
 BODY_PAUSE = 30.0
 """Longest silence in the middle of a body, seconds: a slow-loris upload ends here."""
@@ -44,26 +41,6 @@ HEADERS: Mapping[str, str] = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
-
-
-class RateLimit:
-    """Token buckets by client; raises TooManyRequestsError when one is empty."""
-
-    def __init__(self, per_second: float) -> None:
-        self._rate, self._burst = per_second, per_second * BURST_SECONDS
-        self._buckets: dict[str, tuple[float, float]] = {}
-
-    def spend(self, client: str, now: float | None = None) -> None:
-        """Take one token of ``client``."""
-        now = time.monotonic() if now is None else now
-        left, since = self._buckets.pop(client, (self._burst, now))
-        left = min(self._burst, left + (now - since) * self._rate)
-        # Popped and put back: the dict stays in order of use, so the first is the stalest.
-        self._buckets[client] = (max(left - 1.0, 0.0), now)
-        if len(self._buckets) > KNOWN_CLIENTS:
-            del self._buckets[next(iter(self._buckets))]
-        if left < 1.0:
-            raise TooManyRequestsError(f"expected at most {self._rate:g} requests a second")
 
 
 class Guard:
@@ -93,7 +70,7 @@ class Guard:
     def _admit(self, scope: Scope, headers: Headers) -> None:
         connection = HTTPConnection(scope)
         self.gate.require_host(connection)
-        self.rate.spend(bearer_of(headers) or self.gate.clients.address(connection))
+        self.rate.spend(self.gate.bucket_of(bearer_of(headers), connection))
 
     def _body_limit(self, scope: Scope, headers: Headers, multipart: bool) -> int:
         limit = self.settings.max_upload if multipart else self.settings.max_body

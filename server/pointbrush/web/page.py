@@ -38,11 +38,11 @@ def index(request: Request, token: str | None = None) -> Response:
 def exchange(request: Request, token: str) -> Response:
     """Check the token, set the cookie, and redirect to the same URL without it."""
     gate: Gate = request.app.state.gate
-    gate.check(token)
+    _, session = gate.sign_in(token, request)
     clean = URL(str(request.url)).remove_query_params("token")
     target = "/" + (f"?{clean.query}" if clean.query else "")
     response = RedirectResponse(target, status_code=303)
-    set_cookie(request, response, token)
+    set_cookie(request, response, session)
     return response
 
 

@@ -16,6 +16,7 @@ from pointbrush.web.auth import Caller, Gate, Principal
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.schemas import Health, MeOut, Ready, SessionBody, SessionOut
+from pointbrush.web.sessions import SESSION_DAYS
 
 router = APIRouter(tags=["server"])
 sign_in_router = APIRouter(tags=["server"])
@@ -24,12 +25,12 @@ DOCS = Path(__file__).parent / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
 
 
-def set_cookie(request: Request, response: Response, secret: str) -> None:
-    """Keep the token where no script can read it."""
+def set_cookie(request: Request, response: Response, session: str) -> None:
+    """Keep a session's id where no script can read it."""
     response.set_cookie(
         auth.cookie_name(request),
-        secret,
-        max_age=auth.COOKIE_DAYS * 86_400,
+        session,
+        max_age=SESSION_DAYS * 86_400,
         httponly=True,
         samesite="strict",
         secure=request.url.scheme == "https",
@@ -37,7 +38,7 @@ def set_cookie(request: Request, response: Response, secret: str) -> None:
 
 
 def _out(principal: Principal) -> SessionOut:
-    return SessionOut(author=principal.author, role=principal.role)
+    return SessionOut(author=principal.name, role=principal.role)
 
 
 @sign_in_router.post("/session", responses=responses(413))
@@ -45,8 +46,8 @@ def sign_in(body: SessionBody, request: Request, response: Response) -> SessionO
     """Exchange a token for the page's cookie."""
     auth.require_same_origin(request)
     gate: Gate = request.app.state.gate
-    principal = gate.check(body.token)
-    set_cookie(request, response, body.token)
+    principal, session = gate.sign_in(body.token, request)
+    set_cookie(request, response, session)
     return _out(principal)
 
 
@@ -59,12 +60,14 @@ def who_am_i(who: Caller) -> SessionOut:
 @router.get("/me", responses=responses())
 def me(who: Caller) -> MeOut:
     """Who the caller is, and which message schema the socket speaks."""
-    return MeOut(author=who.author, role=who.role, schema_=schema_hash(), version=__version__)
+    return MeOut(author=who.name, role=who.role, schema_=schema_hash(), version=__version__)
 
 
 @router.delete("/session", status_code=204, responses=responses())
 def sign_out(request: Request, response: Response) -> None:
-    """Forget the page's cookie."""
+    """End the page's session, and forget its cookie."""
+    gate: Gate = request.app.state.gate
+    gate.sign_out(request)
     response.delete_cookie(auth.cookie_name(request), httponly=True, samesite="strict")
 
 

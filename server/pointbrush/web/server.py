@@ -52,7 +52,9 @@ def run(workspace: Workspace, settings: Settings) -> None:
     app.state.certificate = tls
     allow_many_sockets()
     listener = listen(settings.host, settings.port)
-    url = page_url(settings, listener.getsockname()[1], app.state.token, secure=tls is not None)
+    # One that the operator set is theirs to keep: it is neither printed nor logged.
+    token = "" if settings.token else app.state.token
+    url = page_url(settings, listener.getsockname()[1], token, secure=tls is not None)
     wide = tls is not None or not is_loopback(settings.host)
     authority = None if tls is None else tls.authority
     app.state.ready = lambda: announce(url, code=wide, authority=authority)
@@ -135,13 +137,14 @@ def require_safe(settings: Settings, tls: Certificate | None) -> None:
 
 
 def page_url(settings: Settings, port: int, token: str, *, secure: bool) -> str:
-    """The URL a person opens, with the token."""
+    """The URL a person opens, with the token if it is to be shown."""
     host = settings.host
     if host in ("0.0.0.0", "::"):  # noqa: S104 – compared, not bound
         host = lan_address()
     if ":" in host:
         host = f"[{host}]"
-    return f"{'https' if secure else 'http'}://{host}:{port}/?token={token}"
+    query = f"/?token={token}" if token else ""
+    return f"{'https' if secure else 'http'}://{host}:{port}{query}"
 
 
 def lan_address() -> str:

@@ -58,8 +58,10 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         hub,
         link.deliver,
         author=principal.author,
+        name=principal.name,
         role=principal.role,
         shared=principal.shared,
+        require_admitted=lambda: still_admitted(socket, principal),
     )
 
     async def receive() -> bytes | None:
@@ -75,7 +77,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     watch = asyncio.create_task(expiry(socket, hub, session))
     try:
         await session.run(receive)
-        if watch.done():
+        if watch.done() or session.expelled:
             await socket.close(
                 NOT_ADMITTED, "expected a valid token, it has expired or was revoked"
             )
@@ -85,6 +87,13 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         return
     finally:
         watch.cancel()
+
+
+def still_admitted(socket: WebSocket, principal: Principal) -> None:
+    """Raise UnauthorizedError once the token or session of an open socket lets nobody in."""
+    now = admit(socket)
+    if (now.author, now.role) != (principal.author, principal.role):
+        raise UnauthorizedError("expected the token that this socket was opened with")
 
 
 async def expiry(socket: WebSocket, hub: Hub, session: ViewerSession) -> None:

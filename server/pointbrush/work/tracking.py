@@ -197,6 +197,7 @@ class PendingEdit:
                     raise
 
     def _left_out(self) -> dict[int, str]:
+        self.store.require_import(self.sequence, self.identity)
         palette = {label.id: label for label in self.store.palette(self.sequence)}
         found = {number: palette.get(number) for number in self.labels}
         return {

@@ -1,0 +1,38 @@
+"""Authors are accounts: tokens belong to one, sessions have one, and sign-ins are kept."""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0005"
+down_revision = "0004"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    op.create_table(
+        "accounts",
+        sa.Column("id", sa.String(256), primary_key=True),
+        sa.Column("name", sa.Text, nullable=False),
+    )
+    op.create_table(
+        "sign_ins",
+        sa.Column("digest", sa.String(64), primary_key=True),
+        sa.Column("token", sa.String(16)),
+        sa.Column("owner", sa.String(64), nullable=False),
+        sa.Column("account", sa.String(256), nullable=False),
+        sa.Column("created", sa.Double, nullable=False),
+        sa.Column("expires", sa.Double, nullable=False),
+    )
+    op.add_column("tokens", sa.Column("account", sa.String(256), nullable=False, server_default=""))
+    # Edits are by the name that their author had, and that name is the account from now on.  A
+    # token that was called as the server's own is gets one of its own instead.
+    own = "lower(trim(name)) IN ('owner', 'command line', 'import') OR name LIKE '%:%'"
+    op.execute(f"UPDATE tokens SET account = 'token ' || id WHERE name = '' OR {own}")  # noqa: S608
+    op.execute("UPDATE tokens SET account = name WHERE account = ''")
+
+
+def downgrade() -> None:
+    op.drop_column("tokens", "account")
+    op.drop_table("sign_ins")
+    op.drop_table("accounts")

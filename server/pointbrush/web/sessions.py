@@ -1,0 +1,73 @@
+"""The page's sessions: a random id in a cookie, which signing out, or revoking its token, ends."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from dataclasses import dataclass, replace
+
+from pointbrush.errors import ReadOnlyError
+from pointbrush.labels import LabelStore, Token
+from pointbrush.labels.sign_ins import SignIn
+from pointbrush.labels.tokens import digest_of
+
+SESSION_DAYS = 30
+MOST_KEPT = 10_000
+"""Sessions kept in memory where the database may not be written."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A session in memory; ``secret``: of the person's token, by which it is checked again."""
+
+    sign_in: SignIn
+    secret: str
+    expires: float
+
+
+class WebSessions:
+    """Sessions of one server, in the database of all; in memory where that is read-only."""
+
+    def __init__(self, store: LabelStore, own_token: str) -> None:
+        """``own_token``: the server's own; sessions made with another one are void."""
+        self._store = store
+        self._own = digest_of(own_token)
+        self._kept: dict[str, _Kept] = {}
+
+    def begin(self, token: Token | None, secret: str) -> str:
+        """Begin a session of a person's token, or of the server's own (None); return its id."""
+        account = f"session:{secrets.token_hex(8)}" if token is None else token.account
+        expires = time.time() + SESSION_DAYS * 86_400
+        if token is not None and token.expires is not None:
+            expires = min(expires, token.expires)
+        owner = self._own if token is None else ""
+        number = None if token is None else token.id
+        try:
+            return self._store.sign_ins.add(account, number, owner, expires)
+        except ReadOnlyError:
+            made = secrets.token_urlsafe(32)
+            self._kept[digest_of(made)] = _Kept(SignIn(account, token, owner), secret, expires)
+            while len(self._kept) > MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+            return made
+
+    def check(self, session: str) -> SignIn | None:
+        """Return what a session stands for, or None once it lets nobody in."""
+        kept = self._kept.get(digest_of(session))
+        found = self._store.sign_ins.check(session) if kept is None else self._check_kept(kept)
+        if found is not None and found.token is None and found.owner != self._own:
+            return None
+        return found
+
+    def _check_kept(self, kept: _Kept) -> SignIn | None:
+        if kept.expires < time.time():
+            return None
+        if kept.sign_in.token is None:
+            return kept.sign_in
+        token = self._store.tokens.check(kept.secret)
+        return None if token is None else replace(kept.sign_in, token=token)
+
+    def end(self, session: str) -> None:
+        """End a session; an unknown one is no error."""
+        if self._kept.pop(digest_of(session), None) is None:
+            self._store.sign_ins.end(session)
