@@ -6,7 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from alembic import command
 from alembic.autogenerate import compare_metadata
+from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import text
@@ -56,3 +58,24 @@ def test_a_file_that_is_no_database(tmp_path: Path) -> None:
     with pytest.raises(Exception, match="not a database") as caught:
         LabelStore(f"sqlite:///{path}")
     assert not isinstance(caught.value, sqlite3.Error)
+
+
+def test_authors_of_before_with_a_colon_keep_their_account_and_name(url: str) -> None:
+    database = Database(url)
+    with database.write() as connection:
+        config = Config()
+        config.set_main_option("script_location", str(MIGRATIONS))
+        config.set_main_option("path_separator", "os")
+        config.attributes["connection"] = connection
+        command.upgrade(config, "0001")
+        token = (
+            "INSERT INTO tokens (id, role, name, digest, created) VALUES (:i, 'viewer', :n, :i, 0)"
+        )
+        for number, name in enumerate(("lab:ada", "owner:ada", "owner")):
+            connection.execute(text(token), {"i": str(number), "n": name})
+    database.close()
+    store = LabelStore(url)
+    accounts = {token.name: token.account for token in store.tokens.list()}
+    assert accounts == {"lab:ada": "lab:ada", "owner:ada": "token 1", "owner": "token 2"}
+    assert store.accounts.name("lab:ada") == "lab:ada"
+    store.close()

@@ -24,7 +24,7 @@ CONTROL = frozenset({"Cc", "Zl", "Zp"})
 BIDIRECTIONAL = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 """Signs that change how what stands behind them is read."""
 MARK = ":"
-"""Only accounts without a token of their name have this in their id."""
+"""In the id of accounts whose name is in the table: no token made now is called so."""
 
 
 class Accounts:

@@ -26,10 +26,18 @@ def upgrade() -> None:
     )
     op.add_column("tokens", sa.Column("account", sa.String(256), nullable=False, server_default=""))
     # Edits are by the name that their author had, and that name is the account from now on.  A
-    # token that was called as the server's own is gets one of its own instead.
-    own = "lower(trim(name)) IN ('owner', 'command line', 'import') OR name LIKE '%:%'"
+    # token that was called as an account of pointbrush's own gets one of its own instead.
+    own = (
+        "lower(trim(name)) IN ('owner', 'command line', 'import') "
+        "OR name LIKE 'owner:%' OR name LIKE 'session:%'"
+    )
     op.execute(f"UPDATE tokens SET account = 'token ' || id WHERE name = '' OR {own}")  # noqa: S608
     op.execute("UPDATE tokens SET account = name WHERE account = ''")
+    # The name of an account with a colon is read from here.
+    op.execute(
+        "INSERT INTO accounts (id, name) SELECT author, author FROM edits "
+        "WHERE author LIKE '%:%' UNION SELECT account, account FROM tokens WHERE account LIKE '%:%'"
+    )
 
 
 def downgrade() -> None:
