@@ -57,6 +57,8 @@ export interface Actions {
   setRadius(metres: number): void;
   /** One notch of [ and ]: 1 larger, −1 smaller. */
   nudgeRadius(notches: number): void;
+  /** Give up the stroke or outline in progress; false when there is none. */
+  cancelStroke(): boolean;
   /** Erase if painting, paint if erasing. */
   toggleEraser(): void;
   setView(settings: Partial<ViewSettings>): void;

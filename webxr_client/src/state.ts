@@ -151,6 +151,11 @@ function includes(role: (typeof ROLES)[number]): boolean {
   return own === undefined || ROLES.indexOf(own) >= ROLES.indexOf(role);
 }
 
+/** Whether strokes would be taken: they may be made, and the server has not refused the page. */
+export const canPaint: ReadonlySignal<boolean> = computed(
+  () => canEdit.value && state.connection.value.state !== 'refused',
+);
+
 export function isActive(job: Job): boolean {
   return job.state === 'queued' || job.state === 'running';
 }

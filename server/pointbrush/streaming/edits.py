@@ -27,6 +27,7 @@ Edit = (
     messages.StrokeBegin
     | messages.StrokeSamples
     | messages.StrokeEnd
+    | messages.StrokeCancel
     | messages.Undo
     | messages.Redo
     | messages.Track
@@ -35,6 +36,7 @@ EDITS = (
     messages.StrokeBegin,
     messages.StrokeSamples,
     messages.StrokeEnd,
+    messages.StrokeCancel,
     messages.Undo,
     messages.Redo,
     messages.Track,
@@ -183,6 +185,9 @@ class Editor:
                 return (yield from self._samples(edit))
             case messages.StrokeEnd():
                 return self._end(edit)
+            case messages.StrokeCancel():
+                self._live.pop(edit.id, None)
+                self._refused.pop(edit.id, None)
             case messages.Undo() | messages.Redo():
                 return self._undo(edit)
             case messages.Track():

@@ -19,6 +19,7 @@ MESSAGES: Mapping[str, Role] = {
     "stroke_begin": "annotator",
     "stroke_samples": "annotator",
     "stroke_end": "annotator",
+    "stroke_cancel": "annotator",
     "undo": "annotator",
     "redo": "annotator",
     "track": "annotator",

@@ -66,6 +66,8 @@ class LiveStroke:
         self._brush = self._source_brush.to_local(self._shift)
         if self._brush.tool == "paint":
             store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
+        if recording[frame].count == 0:
+            raise BadInputError(f"frame {frame}: expected one with points to paint, it is empty")
         points = frame_points(recording[frame])
         self._seen = seen = Seen(store, recording.manifest.id, frame, self._brush.hidden)
         self._touchable = seen.deleted if self._brush.tool == "restore" else seen.shown

@@ -129,6 +129,11 @@ export class CloudFrame {
     else applyDelta(piece, update.lengths, update.values);
   }
 
+  /** Whether it is known to have no points. */
+  get empty(): boolean {
+    return this.complete && this.total === 0;
+  }
+
   /** What to tell of it while it is on screen; another object after each change, and only then. */
   get shown(): Shown {
     const { index, loaded, total, version } = this;

@@ -53,6 +53,13 @@ export class FrameStore {
     return used;
   }
 
+  /** A frame that has no points. */
+  nothing(index: number): CloudFrame {
+    const frame = this.ensure(index);
+    frame.complete = true;
+    return frame;
+  }
+
   applyLabels(update: LabelUpdate): void {
     // A delta to a frame that is not here needs no keeping: its points bring whole labels.
     const frame = update.base === null ? this.ensure(update.frame) : this.frames.get(update.frame);

@@ -33,8 +33,9 @@ export function listenToKeys(camera: DeskCamera): () => void {
     if (binding) {
       // Space and Enter press the focused button; everywhere else they are ours.
       if (name === ' ' && event.target instanceof HTMLButtonElement) event.target.blur();
+      const runs = !event.repeat || binding.repeats === true;
+      if (runs && binding.run(event.key.toLowerCase()) === false) return;
       event.preventDefault();
-      if (!event.repeat || binding.repeats) binding.run(event.key.toLowerCase());
       return;
     }
     if (!event.ctrlKey && !event.metaKey && !event.altKey) {

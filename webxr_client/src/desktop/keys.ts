@@ -11,7 +11,8 @@ export interface KeyBinding {
   readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit';
   /** Also when the key is held. */
   readonly repeats?: boolean;
-  readonly run: (key: string) => void;
+  /** False: there was nothing to do, and the key is the browser's. */
+  readonly run: (key: string) => unknown;
 }
 
 export const KEYS: readonly KeyBinding[] = [
@@ -103,6 +104,13 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Tools',
     run: () => actions.setShape(shape),
   })),
+  {
+    keys: ['escape'],
+    shown: 'Esc',
+    what: 'Give up the stroke or lasso in progress',
+    group: 'Tools',
+    run: () => actions.cancelStroke(),
+  },
   {
     keys: ['x'],
     shown: 'X',

@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { type CloudFrame } from '../cloud/frame';
 import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
-import { state } from '../state';
+import { isStroke, state } from '../state';
 import { brushColor, brushFor } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
 import type { Stroke, Strokes } from '../tools/strokes';
@@ -12,6 +12,7 @@ import { deskWay } from '../tools/ways';
 import { Aim } from './aim';
 import type { DeskCamera } from './camera';
 import { BrushLight } from './light';
+import { Touches, type Pinch } from './touches';
 
 export interface PointerDeps {
   readonly viewer: Viewer;
@@ -21,11 +22,13 @@ export interface PointerDeps {
   readonly frame: () => CloudFrame | null;
 }
 
-type Drag = 'turn' | 'pan' | 'stroke' | 'lasso';
+type Drag = 'turn' | 'pan' | 'stroke' | 'lasso' | 'pinch' | 'tap';
 
 /** Dabs lie this part of the brush's radius apart on screen. */
 const DAB_SPACING = 0.4;
 const MAX_DABS = 48;
+/** Notches of the wheel that bring the camera as close as fingers e times farther apart. */
+const NOTCHES_PER_E = 1 / -Math.log(0.86);
 
 export class DeskPointer {
   private drag: Drag | null = null;
@@ -35,6 +38,7 @@ export class DeskPointer {
   private readonly light: BrushLight;
   private readonly lasso: LassoOutline;
   private readonly canvas: HTMLCanvasElement;
+  private readonly touches = new Touches();
   private readonly abort = new AbortController();
 
   constructor(private readonly deps: PointerDeps) {
@@ -50,7 +54,10 @@ export class DeskPointer {
     on('pointerdown', (event) => this.down(event));
     on('pointermove', (event) => this.move(event));
     on('pointerup', (event) => this.up(event));
-    on('pointercancel', (event) => this.up(event));
+    on('pointercancel', (event) => {
+      this.cancel();
+      this.up(event);
+    });
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
     on('contextmenu', (event) => event.preventDefault());
@@ -69,6 +76,11 @@ export class DeskPointer {
   // ── events ─────────────────────────────────────────────────────────────────────────────────
 
   private down(event: PointerEvent): void {
+    if (this.touches.down(event)) {
+      // What the first finger began was the beginning of a pinch.
+      this.cancel();
+      this.drag = 'pinch';
+    }
     if (this.drag) return;
     this.canvas.focus({ preventScroll: true });
     event.preventDefault();
@@ -85,15 +97,18 @@ export class DeskPointer {
     if (event.button !== 0) return null;
     const tool = state.tool.peek();
     if (tool === 'navigate') return this.pivotUnderCursor('turn');
-    if (tool === 'pick') {
-      this.pickLabel();
-      return null;
-    }
-    if (tool === 'floor') {
-      void actions.pointAtFloor(this.aim.ray());
+    if (!isStroke(tool)) {
+      // A finger's tap counts when it is up: a second one may follow.
+      if (event.pointerType === 'touch') return 'tap';
+      this.tap();
       return null;
     }
     return this.beginStroke();
+  }
+
+  private tap(): void {
+    if (state.tool.peek() === 'pick') this.pickLabel();
+    if (state.tool.peek() === 'floor') void actions.pointAtFloor(this.aim.ray());
   }
 
   private pivotUnderCursor(drag: Drag): Drag {
@@ -104,6 +119,11 @@ export class DeskPointer {
 
   private move(event: PointerEvent): void {
     const { x, y } = this.last;
+    const pinch = this.touches.move(event);
+    if (this.drag === 'pinch') {
+      if (pinch) this.pinch(event, pinch);
+      return;
+    }
     this.aim.place(event);
     if (this.drag === 'turn') this.deps.camera.turn(event.offsetX - x, event.offsetY - y);
     if (this.drag === 'pan') {
@@ -119,7 +139,43 @@ export class DeskPointer {
     this.deps.viewer.invalidate();
   }
 
+  /** Two fingers: their middle moves the camera, their distance brings it closer. */
+  private pinch(event: PointerEvent, { x, y, dx, dy, grown }: Pinch): void {
+    const { camera, viewer } = this.deps;
+    this.aim.place(event);
+    this.aim.x = x;
+    this.aim.y = y;
+    camera.pan(dx, dy, this.canvas.clientHeight);
+    const hit = this.aim.hit(0.1);
+    const target = hit ? this.aim.roomPosition(hit) : this.aim.ahead(camera.pivot);
+    camera.zoom(Math.log(grown) * NOTCHES_PER_E, target);
+    viewer.invalidate();
+  }
+
+  /** Give up the stroke or outline in progress; false when there is none. */
+  cancel(): boolean {
+    const { drag } = this;
+    if (drag !== 'stroke' && drag !== 'lasso') return false;
+    this.stroke?.cancel();
+    this.stroke = null;
+    this.lasso.cancel();
+    this.drag = null;
+    return true;
+  }
+
+  /** What is on screen, or may be painted, is another: a stroke ends here, an outline is void. */
+  interrupt(): void {
+    if (this.drag === 'lasso') this.cancel();
+    if (this.drag !== 'stroke') return;
+    this.stroke?.end();
+    this.stroke = null;
+    this.drag = null;
+  }
+
   private up(event: PointerEvent): void {
+    const more = this.touches.up(event);
+    if (this.drag === 'tap') this.tap();
+    if (this.drag === 'pinch' && more) return;
     if (this.drag === 'stroke') {
       this.stroke?.end();
       this.stroke = null;

@@ -12,7 +12,7 @@ import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush } from '../protocol/messages';
-import { dismiss, state, type Shown } from '../state';
+import { canPaint, dismiss, state, type Shown } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { follow, watch } from '../watch';
@@ -129,6 +129,7 @@ export class Engine {
     follow(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
+    watch([state.frame, state.sequence, state.tool, canPaint], () => this.pointer.interrupt());
     const { tool, brush, activeLabel, palette, solo, view } = state;
     watch([tool, brush, activeLabel, palette, solo, view], () => this.pointer.refresh());
   }
@@ -144,6 +145,7 @@ export class Engine {
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
+      cancelStroke: () => this.pointer.cancel(),
       undo: () => this.travel('undo'),
       redo: () => this.travel('redo'),
       track: (request) => this.track(request),

@@ -184,9 +184,12 @@ export class Playback {
     const playing = state.playing.peek();
     const head = state.frame.peek();
     const direction = playing ? this.clock.direction : 1;
-    const index = playing ? this.store.newest(head, direction, state.loop.peek()) : head;
-    const frame = this.store.get(index);
-    if (!frame || frame.loaded === 0) return;
+    // The server sends nothing of a frame without points.
+    const empty = this.info.points[head] === 0;
+    const coming = playing && !empty;
+    const index = coming ? this.store.newest(head, direction, state.loop.peek()) : head;
+    const frame = empty ? this.store.nothing(head) : this.store.get(index);
+    if (!frame || (frame.loaded === 0 && !frame.empty)) return;
     const changed =
       frame !== this.shown ||
       frame.pointsVersion !== this.shownVersion ||

@@ -137,6 +137,11 @@ function transmit(message: ClientMessage): void {
 }
 
 function send(message: ClientMessage): void {
+  if (message.type === 'stroke_cancel') {
+    outbox.settle(message.id);
+    report();
+    if (!live) return;
+  }
   if (isEdit(message)) {
     if (begins(message)) heard += 1;
     if (identity !== null) outbox.note(identity, message);

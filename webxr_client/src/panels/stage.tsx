@@ -31,6 +31,7 @@ function InRecording() {
     <>
       <OfflineBanner />
       {empty && <Opening />}
+      {!empty && state.shown.value.total === 0 && <EmptyFrame />}
       <Readout />
       <Views />
     </>
@@ -42,6 +43,14 @@ function Opening() {
     <div class="center" role="status">
       <div class="spinner" />
       <p class="soft">Opening {state.sequence.value?.name ?? 'the recording'}…</p>
+    </div>
+  );
+}
+
+function EmptyFrame() {
+  return (
+    <div class="center" role="status">
+      <p class="soft">No points in this frame: there is nothing to paint</p>
     </div>
   );
 }

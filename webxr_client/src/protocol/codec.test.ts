@@ -63,6 +63,7 @@ const CLIENT: ClientMessage[] = [
     samples: [{ origin: [500000.25, 1, -2], direction: [0, 0, -1], t: 16.25 }],
   },
   { type: 'stroke_end', id },
+  { type: 'stroke_cancel', id },
   { type: 'undo', id },
   { type: 'redo', id },
   { type: 'track', id, labels: [1, 2], start: 4, stop: 0, method: 'color-icp', overwrite: 'never' },

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '9258c30e14b0';
+export const SCHEMA_HASH = '4eb62c6c3297';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /** What a stroke does with its samples; see the contract for each shape. */
@@ -116,6 +116,12 @@ export interface StrokeBegin {
   id: string;
   frame: number;
   brush: Brush;
+}
+
+/** The stroke is given up before its end: nothing of it stays; there is no answer. */
+export interface StrokeCancel {
+  type: 'stroke_cancel';
+  id: string;
 }
 
 /** The stroke is over; answered with a final ``stroke_result`` once it is durable. */
@@ -359,6 +365,7 @@ export type ClientMessage =
   | StrokeBegin
   | StrokeSamples
   | StrokeEnd
+  | StrokeCancel
   | Undo
   | Redo
   | Track

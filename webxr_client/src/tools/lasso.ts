@@ -37,6 +37,12 @@ export class LassoOutline {
     this.line.setAttribute('points', this.corners.map((corner) => corner.join(',')).join(' '));
   }
 
+  /** Give it up. */
+  cancel(): void {
+    this.svg.remove();
+    this.corners = [];
+  }
+
   /** The outline in normalised device coordinates, or null when it encloses nothing. */
   end(): [number, number][] | null {
     this.svg.remove();

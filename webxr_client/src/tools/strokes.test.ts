@@ -86,6 +86,17 @@ describe('a stroke', () => {
     expect(sent).toHaveLength(before);
   });
 
+  it('that is given up leaves nothing, and tells the server so', () => {
+    const { frame, sent, strokes } = setUp();
+    const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+    stroke.add(at);
+    strokes.show();
+    stroke.cancel();
+    stroke.end();
+    expect(painted(frame, 2)).toBe(0);
+    expect(sent.map((message) => message.type)).toEqual(['stroke_begin', 'stroke_cancel']);
+  });
+
   it('spares locked labels, and labelled points when only unlabelled ones are asked for', () => {
     for (const [brush, locked] of [
       [ray, (label: number) => label === 1],

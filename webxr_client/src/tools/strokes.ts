@@ -36,6 +36,8 @@ export interface Stroke {
   /** The sample may be used again: it is copied.  `now`: when it was, milliseconds. */
   add(sample: PointerSample, now?: number): void;
   end(): void;
+  /** Give it up: nothing of it stays. */
+  cancel(): void;
 }
 
 /** Samples on their way into a message, used again once it was sent: what is posted is copied. */
@@ -112,6 +114,14 @@ class LiveStroke implements Stroke {
   refuse(): void {
     this.refused = true;
     this.preview.frame.dropOverlay(this.id);
+  }
+
+  cancel(): void {
+    if (this.refused) return;
+    this.refuse();
+    this.deps.send({ type: 'stroke_cancel', id: this.id });
+    this.finished(this);
+    this.deps.changed();
   }
 
   end(): void {

@@ -59,6 +59,8 @@ export class Cockpit {
   private readonly farPanels: readonly Panel[];
   private readonly parts = new Listeners<number>();
   private standing = false;
+  /** Of the rig, when the hand was last looked at. */
+  private jumps = 0;
   /** When the last picture was, and how long ago: numbers on their own would be boxed. */
   private readonly last = Float64Array.of(-1);
   private readonly seconds = new Float64Array(1);
@@ -133,7 +135,10 @@ export class Cockpit {
     undo.push(this.engine.viewer.ticks.add((now, frame) => this.update(now, frame)));
     // The headset's own way to recentre moved its space: the next picture has the new poses.
     const space = this.engine.viewer.renderer.xr.getReferenceSpace();
-    const moved = (): boolean => (this.standing = false);
+    const moved = (): void => {
+      this.standing = false;
+      this.painter.interrupt();
+    };
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
     undo.push(this.clearTheFloor());
@@ -242,6 +247,8 @@ export class Cockpit {
     const { brush, other } = this.controllers;
     const before = this.painter.painting;
     const blocked = this.controllers.bodyOf(brush).on !== null || this.grab.active;
+    if (this.rig.jumps !== this.jumps) this.painter.interrupt();
+    this.jumps = this.rig.jumps;
     this.painter.update(brush, other, this.rig.head, blocked, now);
     if (this.painter.painting && !before) this.lessons.done('paint');
   }
@@ -254,6 +261,7 @@ export class Cockpit {
   // ── the world ──────────────────────────────────────────────────────────────────────────────
 
   private scaleTo(scale: number): void {
+    this.painter.interrupt();
     const { world } = this.engine.viewer;
     const about = new Vector3().copy(this.rig.head).addScaledVector(this.rig.ahead, 0.6);
     about.y = scale < 1 ? 0.8 : 0;

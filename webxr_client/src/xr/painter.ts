@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush, StrokeResult } from '../protocol/messages';
-import { isStroke, state } from '../state';
+import { canPaint, isStroke, state } from '../state';
 import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
 import type { Stroke } from '../tools/strokes';
@@ -20,6 +20,8 @@ import type { Level } from './pressure';
 const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
 const PICK_RADIUS = 0.03;
+/** A trigger pressed less than this is released. */
+const RELEASED = 0.1;
 
 type Triple = [number, number, number];
 
@@ -35,6 +37,10 @@ export class Painter {
   private level: Level = 0;
   /** The trigger went down to point at something once, and is not up again. */
   private pointing = false;
+  /** The trigger was seen released since the hand came, a panel had it, or one jumped. */
+  private armed = false;
+  /** The frame that the stroke began in, as asked for and as shown. */
+  private readonly begunIn = { asked: -1, shown: -1 };
   private readonly counter = new ChangeCounter();
   private readonly mine = new Set<string>();
   private readonly local = new Vector3();
@@ -89,8 +95,10 @@ export class Painter {
   /** Once per frame. `blocked`: the trigger is for something else (a panel). */
   update(hand: Hand, other: Hand, head: Vector3, blocked: boolean, now: number): void {
     const usable = hand.tracked && state.sequence.peek() !== null;
-    const pressed = blocked && !this.painting ? 0 : hand.trigger;
-    const level = usable ? hand.pressure.update(pressed, now) : 0;
+    if (this.painting && (!usable || this.moved())) this.interrupt();
+    if (hand.trigger < RELEASED) this.armed = usable;
+    else if (!usable || (blocked && !this.painting)) this.armed = false;
+    const level = usable ? hand.pressure.update(this.armed ? hand.trigger : 0, now) : 0;
     this.measureBall();
     this.aimTip(hand);
     if (level !== this.level) this.turnTo(level, hand, head);
@@ -98,6 +106,25 @@ export class Painter {
     const way = this.level > 0 ? this.way : roomWay();
     const color = this.look.show(usable && !blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.material.color.set(color);
+  }
+
+  private noteFrame(): void {
+    this.begunIn.asked = state.frame.peek();
+    this.begunIn.shown = state.shown.peek().frame;
+  }
+
+  /** What is on screen, or may be painted, is not what the stroke began with. */
+  private moved(): boolean {
+    const { asked, shown } = this.begunIn;
+    const there = state.frame.peek() === asked && state.shown.peek().frame === shown;
+    return !there || !canPaint.peek();
+  }
+
+  /** The stroke ends here, what was drawn in the air is void, and the trigger must be let go. */
+  interrupt(): void {
+    if (!this.painting) return;
+    this.finish();
+    this.armed = false;
   }
 
   private measureBall(): void {
@@ -135,10 +162,12 @@ export class Painter {
     if (before === 0 && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
     if (this.way.samples === 'drawn') {
       this.air.begin(this.way, this.tip);
+      this.noteFrame();
       return;
     }
     const brush = brushFor(this.way, this.radius[0]!);
     this.stroke = brush && this.begin(brush);
+    this.noteFrame();
     this.last.set(NaN, NaN, NaN);
   }
 

@@ -4,6 +4,8 @@ import type { Poses } from './poses';
 import { turnBy } from './vectors';
 
 const UP = new Vector3(0, 1, 0);
+/** Radians in one picture that are no even turn. */
+const JUMP = 0.1;
 
 export class Rig {
   readonly group = new Group();
@@ -14,6 +16,8 @@ export class Rig {
   readonly turned = new Quaternion();
   /** Where they look, level, in the scene. */
   readonly ahead = new Vector3(0, 0, -1);
+  /** How often one was moved or turned at once, rather than evenly. */
+  jumps = 0;
   private readonly pose = new Matrix4();
   private readonly scratch = new Vector3();
 
@@ -48,6 +52,7 @@ export class Rig {
     const { position } = this.group;
     position.x += place.x - this.head.x;
     position.z += place.z - this.head.z;
+    this.jumps += 1;
     this.refresh();
   }
 
@@ -58,6 +63,7 @@ export class Rig {
     group.position.copy(this.head).sub(scratch);
     group.rotateY(angle);
     this.ahead.applyAxisAngle(UP, angle);
+    if (Math.abs(angle) > JUMP) this.jumps += 1;
     this.refresh();
   }
 

@@ -125,6 +125,13 @@ class StrokeEnd(Message):
     id: Uuid
 
 
+class StrokeCancel(Message):
+    """The stroke is given up before its end: nothing of it stays; there is no answer."""
+
+    type: Literal["stroke_cancel"] = "stroke_cancel"
+    id: Uuid
+
+
 class Undo(Message):
     """Take back this author's last edit; answered with a final ``stroke_result``."""
 
@@ -181,6 +188,7 @@ ClientMessage = Annotated[
     | StrokeBegin
     | StrokeSamples
     | StrokeEnd
+    | StrokeCancel
     | Undo
     | Redo
     | Track
