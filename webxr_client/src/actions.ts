@@ -29,6 +29,12 @@ export interface TrackRequest {
   readonly stop_unsure?: boolean;
 }
 
+/** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
+export interface ChosenFile {
+  readonly file: File;
+  readonly path: string;
+}
+
 export interface ImportOptions {
   readonly name?: string;
   readonly fps?: number;
@@ -107,7 +113,7 @@ export interface Actions {
   renameSequence(id: string, name: string): Promise<void>;
   deleteSequence(id: string): Promise<void>;
   importPath(path: string, options?: ImportOptions): Promise<void>;
-  importFiles(files: readonly File[], options?: ImportOptions): Promise<void>;
+  importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all. */
   exportSequence(format: string, frames?: string): Promise<void>;
 

@@ -30,6 +30,7 @@ from pointbrush.web.schemas import (
     SequencePatch,
 )
 from pointbrush.web.schemas_work import ImportBody, JobOut
+from pointbrush.web.upload_files import Saved, save
 from pointbrush.work.roots import allowed
 from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
@@ -181,45 +182,18 @@ async def _import_upload(request: Request, workspace: Workspace, owner: str) -> 
         async with request.form(
             max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
         ) as form:
-            paths = await run_in_threadpool(_save, form, folder)
-            fields = _fields(form)
+            saved = await run_in_threadpool(_save, form, folder)
+            fields = {"name": saved.name, **_fields(form)}
         return await run_in_threadpool(
-            lambda: workspace.import_paths(paths, cleanup=folder, owner=owner, **fields)
+            lambda: workspace.import_paths(saved.paths, cleanup=folder, owner=owner, **fields)
         )
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
 
 
-def _save(form: FormData, folder: Path) -> list[Path]:
-    uploads = [value for value in form.getlist("files") if isinstance(value, UploadFile)]
-    if not uploads:
-        raise BadInputError("files: expected at least one file in the field 'files', got none")
-    folder.mkdir(parents=True)
-    paths = []
-    for upload in uploads:
-        path = unused(folder / file_name(upload.filename or ""))
-        with path.open("xb") as target:
-            shutil.copyfileobj(upload.file, target, COPY_BLOCK)
-        paths.append(path)
-    return paths
-
-
-def unused(path: Path) -> Path:
-    """``path``, or the first of "name-2", "name-3", … that is not there yet."""
-    number, free = 1, path
-    while free.exists():
-        number += 1
-        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
-    return free
-
-
-def file_name(given: str) -> str:
-    """The last part of an uploaded file's name; raises BadInputError when it is no plain name."""
-    name = given.replace("\\", "/").rpartition("/")[2]
-    if not name or name.startswith(".") or len(name.encode()) > 200 or not name.isprintable():
-        raise BadInputError(f"files: expected a plain file name, got {given[:80]!r}")
-    return name
+def _save(form: FormData, folder: Path) -> Saved:
+    return save([file for file in form.getlist("files") if isinstance(file, UploadFile)], folder)
 
 
 _NAME: TypeAdapter[str] = TypeAdapter(Name)

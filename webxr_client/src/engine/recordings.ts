@@ -1,5 +1,5 @@
 /** Recordings: the list, import, export, change, delete. */
-import { actions, type Actions, type ImportOptions } from '../actions';
+import { actions, type Actions, type ChosenFile, type ImportOptions } from '../actions';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
@@ -58,14 +58,17 @@ export function sequencePath(id: string): string {
   return `sequences/${encodeURIComponent(id)}`;
 }
 
-async function importFiles(files: readonly File[], options: ImportOptions = {}): Promise<void> {
+async function importFiles(
+  files: readonly ChosenFile[],
+  options: ImportOptions = {},
+): Promise<void> {
   const name = options.name ?? commonName(files);
   const form = new FormData();
-  for (const file of files) form.append('files', file);
+  for (const { file, path } of files) form.append('files', file, path);
   form.append('name', name);
   if (options.fps !== undefined) form.append('fps', String(options.fps));
   if (options.format !== undefined) form.append('format', options.format);
-  const total = files.reduce((sum, file) => sum + file.size, 0);
+  const total = files.reduce((sum, { file }) => sum + file.size, 0);
   setUpload(name, { name, sent: 0, total });
   try {
     const job = await upload<Omit<Job, 'type' | 'frame'>>('sequences', form, (sent) =>
@@ -78,11 +81,10 @@ async function importFiles(files: readonly File[], options: ImportOptions = {}):
 }
 
 /** A folder's name, or the file's without its ending. */
-function commonName(files: readonly File[]): string {
-  const first = files[0];
+function commonName(files: readonly ChosenFile[]): string {
+  const first = files[0]?.path.split('/');
   if (!first) return 'recording';
-  const folder = first.webkitRelativePath.split('/')[0];
-  const name = folder ? folder : first.name.replace(/\.[^.]+$/, '');
+  const name = first.length > 1 ? first[0]! : first[0]!.replace(/\.[^.]+$/, '');
   return name.slice(0, 200) || 'recording';
 }
 

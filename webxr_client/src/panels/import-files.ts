@@ -1,21 +1,27 @@
 /** Choosing files to import: by the browser's dialog or by dropping them on the page. */
 import { signal } from '@preact/signals';
-import { actions } from '../actions';
+import { actions, type ChosenFile } from '../actions';
 
 /** Files are held over the page. */
 export const dropping = signal(false);
+
+function chosen(file: File): ChosenFile {
+  return { file, path: file.webkitRelativePath || file.name };
+}
 
 export function pickFiles(folder = false): void {
   const input = document.createElement('input');
   input.type = 'file';
   input.multiple = true;
   input.webkitdirectory = folder;
-  input.addEventListener('change', () => importAll([...(input.files ?? [])]));
+  input.addEventListener('change', () => importAll([...(input.files ?? [])].map(chosen)));
   input.click();
 }
 
-function importAll(files: readonly File[]): void {
-  if (files.length > 0) void actions.importFiles(files);
+function importAll(files: readonly ChosenFile[]): void {
+  // What systems leave in folders, .DS_Store say, is nobody's recording.
+  const shown = files.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
+  if (shown.length > 0) void actions.importFiles(shown);
 }
 
 /** Let files be dropped anywhere on the page; the result stops it. */
@@ -54,26 +60,27 @@ export function acceptDrops(): () => void {
 }
 
 /** All files dropped, those inside folders included. */
-async function filesOf(items: readonly DataTransferItem[]): Promise<File[]> {
+async function filesOf(items: readonly DataTransferItem[]): Promise<ChosenFile[]> {
   // Entries and files must be taken before the first await: the browser empties the list.
   const taken = items.map((item) => [item.webkitGetAsEntry(), item.getAsFile()] as const);
   const lists = await Promise.all(
     taken.map(async ([entry, file]) => {
       if (entry?.isDirectory) return walk(entry);
-      return file ? [file] : [];
+      return file ? [{ file, path: file.name }] : [];
     }),
   );
   return lists.flat();
 }
 
-async function walk(entry: FileSystemEntry): Promise<File[]> {
+async function walk(entry: FileSystemEntry): Promise<ChosenFile[]> {
   if (entry.isFile) {
-    return [
-      await new Promise<File>((found, lost) => (entry as FileSystemFileEntry).file(found, lost)),
-    ];
+    const file = await new Promise<File>((found, lost) =>
+      (entry as FileSystemFileEntry).file(found, lost),
+    );
+    return [{ file, path: entry.fullPath.replace(/^\//, '') }];
   }
   const reader = (entry as FileSystemDirectoryEntry).createReader();
-  const files: File[] = [];
+  const files: ChosenFile[] = [];
   for (;;) {
     const batch = await new Promise<FileSystemEntry[]>((found, lost) =>
       reader.readEntries(found, lost),

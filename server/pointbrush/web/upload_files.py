@@ -1,0 +1,121 @@
+"""Uploaded files on their way to an import: names that are safe, folders as they were chosen."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from starlette.datastructures import UploadFile
+
+from pointbrush.errors import BadInputError, TooLargeError
+
+COPY_BLOCK = 1 << 20
+TOGETHER = "upload"
+"""The folder, in the upload's own, that several chosen folders lie in."""
+
+
+@dataclass(frozen=True)
+class NameLimits:
+    """Bounds on the names of one upload."""
+
+    depth: int = 16
+    """Folders above a file, and the file."""
+    part_bytes: int = 200
+    path_bytes: int = 1000
+    folders: int = 2000
+
+    def __post_init__(self) -> None:
+        if min(self.depth, self.part_bytes, self.path_bytes, self.folders) < 1:
+            raise ValueError(f"expected limits of 1 or more, got {self}")
+
+
+LIMITS = NameLimits()
+PORTS = {f"{port}{number}" for port in ("com", "lpt") for number in range(10)}
+DEVICES = {"con", "prn", "aux", "nul", *PORTS}
+"""Names that mean a device on Windows, with any ending."""
+RESERVED = set('<>:"|?*')
+"""Characters that no name has there."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What an import is given: paths, and the chosen folder's name where there was one."""
+
+    paths: list[Path]
+    name: str | None
+
+
+def relative_path(given: str, limits: NameLimits = LIMITS) -> PurePosixPath:
+    """Return an uploaded file's path below its chosen folder, "/" between its parts.
+
+    Raises BadInputError for what is no plain relative path: absolute, with "..", hidden, reserved,
+    unprintable, too long or too deep.
+    """
+    parts = given.replace("\\", "/").split("/")
+    if len(parts) > limits.depth or len(given.encode()) > limits.path_bytes:
+        raise BadInputError(
+            f"files: expected paths of at most {limits.depth} parts and {limits.path_bytes} bytes, "
+            f"got {given[:80]!r}"
+        )
+    if not all(_is_plain(part, limits) for part in parts):
+        raise BadInputError(
+            "files: expected a plain file name, with the folders it lies in, none of them hidden, "
+            f"reserved or '..', got {given[:80]!r}"
+        )
+    return PurePosixPath(*parts)
+
+
+def _is_plain(part: str, limits: NameLimits) -> bool:
+    return (
+        0 < len(part.encode()) <= limits.part_bytes
+        and part.isprintable()
+        and not part.startswith(".")
+        and not part.endswith((".", " "))
+        and not RESERVED & set(part)
+        and part.partition(".")[0].strip().lower() not in DEVICES
+    )
+
+
+def save(uploads: Sequence[UploadFile], folder: Path, limits: NameLimits = LIMITS) -> Saved:
+    """Write uploaded files into a new ``folder``, in the folders that their names say.
+
+    All names are checked before anything is written.  Raises BadInputError, TooLargeError.
+    """
+    if not uploads:
+        raise BadInputError("files: expected at least one file in the field 'files', got none")
+    places = [relative_path(upload.filename or "", limits) for upload in uploads]
+    folders = {parent for place in places for parent in place.parents[:-1]}
+    if len(folders) > limits.folders:
+        raise TooLargeError(f"files: expected at most {limits.folders} folders, got {len(folders)}")
+    both = sorted(str(place) for place in set(places) & folders)
+    if both:
+        raise BadInputError(f"files: expected {both[0][:80]!r} as a file or a folder, got both")
+    tops = {place.parts[0] for place in places}
+    target = folder / TOGETHER if folders and len(tops) > 1 else folder
+    folder.mkdir(parents=True)
+    for each in sorted(folders):
+        (target / each).mkdir(parents=True, exist_ok=True)
+    target.mkdir(exist_ok=True)
+    files = [_write(upload, target / place) for upload, place in zip(uploads, places, strict=True)]
+    if not folders:
+        return Saved(files, None)
+    top = min(tops)
+    return Saved([target], None) if len(tops) > 1 else Saved([folder / top], top)
+
+
+def _write(upload: UploadFile, wanted: Path) -> Path:
+    path = unused(wanted)
+    with path.open("xb") as target:
+        shutil.copyfileobj(upload.file, target, COPY_BLOCK)
+    return path
+
+
+def unused(path: Path) -> Path:
+    """Return ``path``, or the first of "name-2", "name-3", … that is not there yet."""
+    number, free = 1, path
+    while free.exists():
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free
