@@ -13,7 +13,7 @@ from typing import Any
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
-from pointbrush.labels.accounts import MARK, OWNER
+from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.clock import PlayClock
@@ -218,11 +218,13 @@ class ViewerSession(Viewer):
 
     def _choose_name(self, name: str) -> None:
         """Show another name for who shares the server's own token; in a thread."""
-        if self.author == OWNER:
+        if self.author.partition(MARK)[0] == OWNER:
             # No session tells them apart: the name does, and is no token's account.
+            require_name(name)
             self.author = f"{OWNER}{MARK}{name}"
-        with contextlib.suppress(ReadOnlyError):  # nothing is edited there
-            self.hub.workspace.store.accounts.rename(self.author, name)
+        else:
+            with contextlib.suppress(ReadOnlyError):  # nothing is edited there
+                self.hub.workspace.store.accounts.rename(self.author, name)
         self.name = name
 
     async def _open(self, message: messages.Open) -> None:
