@@ -112,6 +112,9 @@ export interface Actions {
   closeSequence(): void;
   renameSequence(id: string, name: string): Promise<void>;
   deleteSequence(id: string): Promise<void>;
+  refreshDeleted(): Promise<void>;
+  /** Bring a deleted recording back, with its labels. */
+  restoreSequence(identity: string): Promise<void>;
   importPath(path: string, options?: ImportOptions): Promise<void>;
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all. */

@@ -12,6 +12,7 @@ import type {
   Me,
   Person,
   SequenceSummary,
+  DeletedSequence,
   Shown,
   LoadedRange,
   TimelineTable,
@@ -55,6 +56,8 @@ export const state = {
 
   /** null until the server answered; empty when there are none. */
   sequences: signal<readonly SequenceSummary[] | null>(null),
+  /** Deleted ones that can be restored, newest first. */
+  deleted: signal<readonly DeletedSequence[]>([]),
   sequence: signal<SequenceInfo | null>(null),
   /** Id of the recording being opened, until its first points are on screen. */
   opening: signal<string | null>(null),

@@ -46,6 +46,19 @@ export interface SequenceSummary {
   readonly fps: number;
   /** Points of the largest frame. */
   readonly points: number;
+  /** What is wrong with it, in a sentence: it cannot be opened; null when it is sound. */
+  readonly damaged: string | null;
+}
+
+/** A deleted recording that can still be brought back. */
+export interface DeletedSequence {
+  /** Of its import: tells it from others that had its id. */
+  readonly identity: string;
+  readonly name: string;
+  readonly frames: number;
+  /** ISO 8601: when it was deleted, and until when it is kept. */
+  readonly deleted: string;
+  readonly until: string;
 }
 
 /** What is on screen now. */

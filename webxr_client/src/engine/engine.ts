@@ -198,6 +198,7 @@ export class Engine {
   }
 
   private closeSequence(): void {
+    nameInAddress(null);
     this.link.close();
     this.playback.close();
     forgetRun();

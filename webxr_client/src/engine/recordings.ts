@@ -3,7 +3,7 @@ import { actions, type Actions, type ChosenFile, type ImportOptions } from '../a
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
-import { notify, state, type SequenceSummary, type Upload } from '../state';
+import { notify, state, type DeletedSequence, type SequenceSummary, type Upload } from '../state';
 
 type RecordingActions = Pick<
   Actions,
@@ -12,6 +12,8 @@ type RecordingActions = Pick<
   | 'deleteSequence'
   | 'importPath'
   | 'importFiles'
+  | 'refreshDeleted'
+  | 'restoreSequence'
   | 'exportSequence'
   | 'cancelJob'
   | 'dismissJob'
@@ -44,13 +46,20 @@ function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
 
 async function refreshSequences(): Promise<void> {
   const list = await listSequences();
-  state.sequences.value = list.map(({ id, name, frames, fps, points }): SequenceSummary => ({
-    id,
-    name,
-    frames,
-    fps,
-    points: points.reduce((most, count) => Math.max(most, count), 0),
-  }));
+  state.sequences.value = list.map(
+    ({ id, name, frames, fps, points, damaged }): SequenceSummary => ({
+      id,
+      name,
+      frames,
+      fps,
+      damaged,
+      points: points.reduce((most, count) => Math.max(most, count), 0),
+    }),
+  );
+}
+
+async function refreshDeleted(): Promise<void> {
+  state.deleted.value = await api<DeletedSequence[]>('GET', 'sequences?deleted=true');
 }
 
 /** The address of a recording, under the API's. */
@@ -119,6 +128,15 @@ export const recordingActions: RecordingActions = {
       await api('DELETE', sequencePath(id));
       if (state.sequence.peek()?.id === id) actions.closeSequence();
       await refreshSequences();
+      await refreshDeleted();
+    }),
+  refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
+  restoreSequence: (identity) =>
+    attempt('The recording was not restored', async () => {
+      const restored = await api<{ name: string }>('POST', `${sequencePath(identity)}/restore`);
+      notify('success', 'Restored', restored.name);
+      await refreshSequences();
+      await refreshDeleted();
     }),
   importPath: (path, options = {}) =>
     attempt('The import did not start', async () => {

@@ -9,6 +9,7 @@ export interface SequenceOut {
   readonly frames: number;
   readonly fps: number;
   readonly points: readonly number[];
+  readonly damaged: string | null;
 }
 
 export class Early {
@@ -42,9 +43,10 @@ export function firstOf(list: readonly { readonly id: string }[]): string | null
   return list.length === 1 ? list[0]!.id : null;
 }
 
-/** Reloading the page opens the same recording again. */
-export function nameInAddress(id: string): void {
+/** Reloading the page opens the same recording again, or the list of them (null). */
+export function nameInAddress(id: string | null): void {
   const url = new URL(location.href);
-  url.searchParams.set('sequence', id);
+  if (id === null) url.searchParams.delete('sequence');
+  else url.searchParams.set('sequence', id);
   history.replaceState(null, '', url);
 }

@@ -1,7 +1,7 @@
 /** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
-import { state, type SequenceSummary } from '../state';
+import { canManage, state, type SequenceSummary } from '../state';
 import { Button } from './controls';
 import { clock, plural, shortCount } from './format';
 import { Icon } from './icon';
@@ -20,6 +20,7 @@ export function Welcome() {
       <div class="welcome-box">
         {sequences.length > 0 ? <Recordings sequences={sequences} /> : <Empty />}
         <ImportBox />
+        <Deleted />
       </div>
     </div>
   );
@@ -79,10 +80,16 @@ function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
       <ul class="recordings">
         {sequences.map((row) => (
           <li key={row.id}>
-            <button type="button" class="recording" onClick={() => actions.openSequence(row.id)}>
-              <Icon name="points" />
+            <button
+              type="button"
+              class="recording"
+              disabled={row.damaged !== null}
+              onClick={() => actions.openSequence(row.id)}
+            >
+              <Icon name={row.damaged === null ? 'points' : 'warning'} />
               <strong class="name">{row.name}</strong>
-              <span class="soft number">
+              {row.damaged !== null && <span class="soft">Damaged: {row.damaged}</span>}
+              <span class="soft number" hidden={row.damaged !== null}>
                 {plural(row.frames, 'frame')}
                 {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
                 {shortCount(row.points)} points
@@ -93,6 +100,47 @@ function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
         ))}
       </ul>
     </>
+  );
+}
+
+const day = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium' });
+
+/** What was deleted and can be brought back. */
+function Deleted() {
+  const [shown, setShown] = useState(false);
+  const { value: deleted } = state.deleted;
+  useEffect(() => void actions.refreshDeleted(), []);
+  if (deleted.length === 0) return null;
+  return (
+    <section aria-label="Deleted recordings">
+      <Button
+        icon="trash"
+        label={plural(deleted.length, 'deleted recording')}
+        expanded={shown}
+        onClick={() => setShown(!shown)}
+      />
+      {shown && (
+        <ul class="recordings">
+          {deleted.map((row) => (
+            <li key={row.identity} class="recording">
+              <Icon name="trash" />
+              <strong class="name">{row.name}</strong>
+              <span class="soft">
+                Deleted {day.format(new Date(row.deleted))} · kept until{' '}
+                {day.format(new Date(row.until))}
+              </span>
+              <Button
+                icon="restore"
+                label="Restore"
+                kind="outlined"
+                disabled={!canManage.value}
+                onClick={() => void actions.restoreSequence(row.identity)}
+              />
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
   );
 }
 
