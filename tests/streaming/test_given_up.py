@@ -80,3 +80,28 @@ def test_an_empty_frame_takes_no_strokes(served: Served, brush: dict[str, object
             assert "it is empty" in refused["detail"]
 
     run(scenario)
+
+
+@pytest.mark.parametrize("change", [{"locked": True}, {"visible": False}, None])
+def test_a_stroke_ends_where_its_label_may_not_be_painted_with_any_more(
+    served: Served, change: dict[str, bool] | None
+) -> None:
+    workspace = served.workspace
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=0)
+            stroke, sample = await begin(client), {"origin": [0.0, 0.0, 3.0]}
+            await client.send(type="stroke_samples", id=stroke, samples=[sample])
+            await client.until("stroke_result", id=stroke)
+            if change is None:
+                workspace.delete_label("wall", "somebody", 1)
+            else:
+                workspace.update_label("wall", "somebody", 1, **change)
+            await client.send(type="stroke_samples", id=stroke, samples=[sample])
+            refused = await client.until("error", about=stroke)
+            assert "label" in refused["detail"]
+            await client.send(type="stroke_end", id=stroke)
+
+    run(scenario)
+    assert {edit.kind for edit in workspace.edits("wall")} == {"label"}

@@ -135,3 +135,26 @@ def test_given_certificates_must_be_there(tmp_path: Path) -> None:
     with pytest.raises(BadInputError, match="exist"):
         tls.certificate(Settings(certfile=str(tmp_path / "a"), keyfile=str(tmp_path / "b")))
     assert tls.certificate(Settings()) is None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="glibc's settings")
+def test_large_blocks_are_given_back_to_the_system() -> None:
+    code = """
+import re, pathlib, numpy as np, threading
+from pointbrush.web.server import give_large_blocks_back
+give_large_blocks_back()
+def resident():
+    return int(re.search(r"RssAnon:\\s+(\\d+)", pathlib.Path("/proc/self/status").read_text())[1])
+def work():
+    kept = []
+    for i in range(40):
+        frame = np.ones(6_000_000 + 1000 * i, np.uint8)
+        kept.append(np.ones(1000))
+        del frame
+before = resident()
+threads = [threading.Thread(target=work) for _ in range(8)]
+[t.start() for t in threads]; [t.join() for t in threads]
+print(resident() - before)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 6_000

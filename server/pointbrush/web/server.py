@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import gc
 import os
 import signal
@@ -32,6 +33,12 @@ MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
 READY_AFTER = 1.5
 """Seconds from the first label until a worker begins: not beside somebody's first strokes."""
+M_MMAP_THRESHOLD, M_ARENA_MAX = -3, -8
+"""glibc's numbers of these options (malloc.h)."""
+MAPPED_BYTES = 4 << 20
+"""Blocks from this size on are mapped by themselves: copies of frames, not passing arrays."""
+ARENAS = 4
+"""Heaps that threads share."""
 COLLECT_AFTER = (10_000, 20, 20)
 """Objects more than before until the youngest are looked through, and how often the older are."""
 
@@ -186,14 +193,28 @@ def keep_off_memory(temporary: Path) -> None:
 
 
 def settle_memory() -> None:
-    """Spare the collector of cycles what stays.
+    """Spare the collector of cycles what stays, and give back to the system what goes.
 
     Modules and models are 160,000 objects: to look through them all takes 0.1 s, in which
     nobody is served.
     """
+    give_large_blocks_back()
     gc.collect()
     gc.freeze()
     gc.set_threshold(*COLLECT_AFTER)
+
+
+def give_large_blocks_back() -> None:
+    """Have glibc map each large block by itself, and share few heaps among the threads.
+
+    Else it raises the size from which it maps to that of the largest block freed: copies of frames
+    then come from the heaps of many threads, which keep what is freed between other blocks
+    (``benchmarks/bench_annotators.py``: 75 MiB a minute).
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
+    if mallopt is not None:
+        mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
+        mallopt(M_ARENA_MAX, ARENAS)
 
 
 def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:

@@ -87,6 +87,10 @@ class LiveStroke:
     def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
         """Take in samples part by part; between two parts somebody else may have a turn."""
         self._recording[self.frame].look()
+        if self._brush.tool == "paint":
+            # A stroke ends where its label may not be painted with any more.
+            sequence, brush = self._recording.manifest.id, self._brush
+            self._store.require_paintable(sequence, brush.label, brush.hidden)
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
         self._seen.renew()
