@@ -13,8 +13,8 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Points, Selector, Stroke
+from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences import StoredFrame
 from pointbrush.work.changing import Changing
 from pointbrush.work.seen import Seen
 
@@ -22,13 +22,13 @@ from pointbrush.work.seen import Seen
 def frame_points(frame: StoredFrame) -> Points:
     """The view of a stored frame that selection works on."""
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
-    large = frame.large
+    large, many = frame.large, frame.count > LARGE_POINTS
     return Points(
         xyz=frame.xyz,
         blocks=frame.blocks,
         rgb=frame.rgb,
         # An octree's nodes are not global levels: there each block stands for itself.
-        levels=(0,) if large else tuple(first for _, first in levels) or (0,),
+        levels=(0,) if many else tuple(first for _, first in levels) or (0,),
         kdtree=None if large else lambda: frame.kdtree,
         release=frame.release if large else None,
     )
