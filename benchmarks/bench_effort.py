@@ -1,6 +1,6 @@
 """How much work a recording is: strokes and corrected frames, for each method and for none.
 
-python benchmarks/bench_effort.py [--frames 60] [--methods none,icp,color-icp,auto]
+python benchmarks/bench_effort.py [--frames 60] [--methods none,icp,color-icp,auto] [--objects]
 
 A simulated annotator (annotator.py) paints over REST, on a server of its own, until the mean IoU
 over the objects of every frame is at least 0.9.  Goal: under 1 corrected frame in 30 on the
@@ -75,6 +75,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--methods", default="none,icp,color-icp,auto")
     parser.add_argument("--kinds", default="3 pins,6 pins, passing", help="; ".join(KINDS))
+    parser.add_argument(
+        "--objects", action="store_true", help="the annotator has the object tool besides the ball"
+    )
     given = parser.parse_args()
     methods = given.methods.split(",")
     kinds = [k.strip() for k in re.split(r",(?! passing)", given.kinds)]
@@ -99,7 +102,8 @@ def main() -> None:
                 for method in methods:
                     sequence, truth = sequences[kind, method], truths[kind]
                     create_labels(api, sequence, recordings[kind])
-                    person, begun = Annotator(api, sequence, truth), time.perf_counter()
+                    begun = time.perf_counter()
+                    person = Annotator(api, sequence, truth, objects=given.objects)
                     if method == "none":
                         person.label_all_by_hand()
                         by_hand = person.strokes

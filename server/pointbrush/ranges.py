@@ -22,3 +22,12 @@ def by_block(numbers: NDArray[np.int64], size: int) -> Iterator[tuple[int, slice
     starts = np.flatnonzero(np.diff(blocks, prepend=-1))
     for start, stop in zip(starts.tolist(), [*starts[1:].tolist(), len(numbers)], strict=False):
         yield int(blocks[start]) * size, slice(start, stop)
+
+
+def runs_of(numbers: NDArray[np.integer]) -> NDArray[np.int64]:
+    """First number and length (R, 2) of each run of ascending numbers (n,)."""
+    if len(numbers) == 0:
+        return np.empty((0, 2), np.int64)
+    starts = np.flatnonzero(np.diff(numbers, prepend=int(numbers[0]) - 2) != 1)
+    lengths = np.diff(starts, append=len(numbers))
+    return np.column_stack([numbers[starts], lengths]).astype(np.int64)

@@ -46,6 +46,13 @@ class Settings:
         default="", metadata=_help("file that holds the password of the database's user")
     )
     workers: int = field(default=2, metadata=_help("local processes for jobs"))
+    selector: str = field(
+        default="tree",
+        metadata=_help(
+            "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
+            "http(s) address of a service"
+        ),
+    )
     scheduler: str = field(
         default="",
         metadata=_help("Dask scheduler (tcp://host:port) whose workers run jobs instead"),

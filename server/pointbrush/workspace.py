@@ -31,22 +31,39 @@ from pointbrush.work import accepting, checking, exporting, flooring, layers, pl
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
 from pointbrush.work.deletion import Deleted, Deletion
-from pointbrush.work.events import Event, Listeners, Provisional, Retracted, SequencesChanged
+from pointbrush.work.events import (
+    Event,
+    Listeners,
+    Prepared,
+    Provisional,
+    Retracted,
+    SequencesChanged,
+)
 from pointbrush.work.imports import Imports
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listed, entry, listing, problems_of
+from pointbrush.work.objects import (
+    Answer,
+    Level,
+    Objects,
+    ObjectStroke,
+    StaleCandidateError,
+)
 from pointbrush.work.readiness import require_room
 from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
 
 __all__ = [
+    "Answer",
     "Deleted",
     "Event",
     "Listed",
+    "Prepared",
     "Provisional",
     "Retracted",
     "SequencesChanged",
+    "StaleCandidateError",
     "Workspace",
 ]
 
@@ -78,6 +95,9 @@ class Workspace:
         self._imports = Imports(
             self.library, self.store, self.runner, self._publish, settings.max_frame_points
         )
+        self._objects = Objects(
+            self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
+        )
         self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
         self._deletion = Deletion(self.library, self.store)
         self._deletion.tidy()
@@ -87,6 +107,7 @@ class Workspace:
 
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""
+        self._objects.close()
         self.runner.close()
         self._unsubscribe()
         self.store.close()
@@ -320,8 +341,11 @@ class Workspace:
 
     def begin_stroke(
         self, sequence: str, frame: int, brush: Mapping[str, Any], stroke_id: str | None = None
-    ) -> LiveStroke:
+    ) -> LiveStroke | ObjectStroke:
         """Start a stroke that is still being drawn; see LiveStroke."""
+        if brush.get("shape") == "object":
+            recording, given = self.recording(sequence), edit_id(stroke_id)
+            return ObjectStroke(self._objects, self.store, recording, frame, brush, given)
         return LiveStroke(self.store, self.recording(sequence), frame, brush, edit_id(stroke_id))
 
     def stroke(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
@@ -333,6 +357,21 @@ class Workspace:
         live = self.begin_stroke(sequence, frame, fields, stroke_id)
         live.add(fields.get("samples") or [])
         return live.commit(author)
+
+    def ask(self, sequence: str, frame: int, fields: Mapping[str, Any]) -> Answer:
+        """Return what a stroke would take: levels of an object, or a region of another shape.
+
+        ``fields`` are the contract's of a stroke, with ``positives`` for its samples.
+        Raises BadInputError, NotFoundError.
+        """
+        recording = self.recording(sequence)
+        if fields.get("shape", "object") == "object":
+            return self._objects.answer(recording, frame, self._objects.parse(fields))
+        live = LiveStroke(self.store, recording, frame, fields, edit_id(None))
+        live.add(fields.get("positives") or [])
+        numbers = live.previewed()
+        levels = (Level("", 0, 1.0, numbers),) if len(numbers) else ()
+        return Answer(levels, 0, ready=True)
 
     def undo(self, sequence: str, author: str, edit: str | None = None) -> Commit:
         """Take back this author's last edit; raises ConflictError when there is none."""

@@ -77,6 +77,14 @@ SERVER: list[m.Message] = [
         lengths=bytes([1, 0, 0, 0]),
         values=bytes([3, 0]),
     ),
+    m.Candidates(
+        id="5f0c8a52-0b0e-4c0a-8a50-3a3f6a4d9f11",
+        frame=1,
+        first=0,
+        ready=False,
+        candidates=[m.Candidate(id="c0ffee", level=0, score=0.75, points=3, runs=bytes(8))],
+    ),
+    m.Prepared(sequence="juggling", frame=1),
     m.StrokeResult(
         id="5f0c8a52-0b0e-4c0a-8a50-3a3f6a4d9f11",
         frame=1,

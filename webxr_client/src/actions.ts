@@ -67,6 +67,12 @@ export interface Actions {
   cancelStroke(): boolean;
   /** Erase if painting, paint if erasing. */
   toggleEraser(): void;
+  /** Levels of the object tool: 1 towards the group, −1 towards the part; false when none shows. */
+  stepObject(levels: number): boolean;
+  /** Take the object that a stroke can be completed to; false when none is offered. */
+  completeObject(): boolean;
+  /** What is clicked next is another object. */
+  endObject(): void;
   setView(settings: Partial<ViewSettings>): void;
   viewFrom(preset: ViewPreset): void;
 

@@ -20,6 +20,7 @@ import type {
   Tool,
   BrushSettings,
   Hover,
+  ObjectView,
   ViewSettings,
   HistoryEntry,
   Notice,
@@ -86,8 +87,12 @@ export const state = {
     radius: 0.05,
     onlyUnlabeled: false,
     through: false,
+    takeLabelled: false,
+    complete: true,
   }),
   hover: signal<Hover | null>(null),
+  /** What the object tool offers or has taken; null when nothing. */
+  object: signal<ObjectView | null>(null),
   view: signal<ViewSettings>({
     color: 'rgb',
     pointSize: 1,

@@ -102,8 +102,8 @@ export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
  */
 export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
 
-/** How a stroke chooses points: under the brush, a region, a flat surface, an outline. */
-export type BrushShape = 'brush' | 'fill' | 'plane' | 'lasso';
+/** How a stroke chooses points: an object, under the brush, a region, a flat surface, an outline. */
+export type BrushShape = 'object' | 'brush' | 'fill' | 'plane' | 'lasso';
 
 export interface BrushSettings {
   readonly shape: BrushShape;
@@ -112,6 +112,10 @@ export interface BrushSettings {
   readonly onlyUnlabeled: boolean;
   /** The brush also reaches points behind the first surface. */
   readonly through: boolean;
+  /** An object also takes points of other labels. */
+  readonly takeLabelled: boolean;
+  /** After a stroke the object that it lies on is offered. */
+  readonly complete: boolean;
 }
 
 /** What is under the mouse or the controller's ray. */
@@ -122,6 +126,21 @@ export interface Hover {
   readonly distance: number;
   /** Points under the brush. */
   readonly points: number;
+}
+
+/** What the panels and the room show of the tool. */
+export interface ObjectView {
+  /** Levels offered, from part to group, and the one shown. */
+  readonly levels: number;
+  readonly level: number;
+  /** Points of that level. */
+  readonly points: number;
+  /** The whole frame is prepared; else answers come from what is near. */
+  readonly ready: boolean;
+  /** An object was taken: clicks refine it. */
+  readonly taken: boolean;
+  /** A stroke was drawn, and this is what it would be completed to. */
+  readonly completes: boolean;
 }
 
 // ── view ─────────────────────────────────────────────────────────────────────────────────────

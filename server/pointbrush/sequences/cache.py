@@ -20,6 +20,20 @@ class Cache(Generic[K, V]):
         self._total = 0
         self._lock = Lock()
 
+    def known(self, key: K) -> V | None:
+        """The entry under ``key``, or None."""
+        with self._lock:
+            if key not in self._entries:
+                return None
+            self._entries.move_to_end(key)
+            return self._entries[key][0]
+
+    def drop(self, key: K) -> None:
+        """Forget the entry under ``key``, if there is one."""
+        with self._lock:
+            _, freed = self._entries.pop(key, (None, 0))
+            self._total -= freed
+
     def get(self, key: K, make: Callable[[], V], size: int) -> V:
         """The entry under ``key``, made when absent.
 

@@ -21,6 +21,7 @@ from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
+from pointbrush.work.objects import ObjectStroke
 from pointbrush.work.strokes import LiveStroke
 
 Edit = (
@@ -83,7 +84,7 @@ class Editor:
         self._viewer, self._hub = viewer, hub
         self._queue: asyncio.Queue[tuple[Edit | bytes, int]] = asyncio.Queue(WAITING)
         self._bytes, self._fewer = 0, asyncio.Event()
-        self._live: dict[str, LiveStroke | Commit] = {}
+        self._live: dict[str, LiveStroke | ObjectStroke | Commit] = {}
         self._refused: dict[str, None] = {}
 
     async def put(self, edit: Edit, data: bytes) -> None:
@@ -205,7 +206,7 @@ class Editor:
             sequence, edit.frame, edit.brush.model_dump(), edit.id
         )
 
-    def _stroke(self, stroke_id: str) -> LiveStroke | Commit:
+    def _stroke(self, stroke_id: str) -> LiveStroke | ObjectStroke | Commit:
         if stroke_id not in self._live:
             raise BadInputError(f"id: expected a stroke that has begun, got {stroke_id}")
         return self._live[stroke_id]

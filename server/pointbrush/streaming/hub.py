@@ -23,7 +23,14 @@ from pointbrush.streaming.presence import Presence
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.shelf import Shelf
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.workspace import Event, Provisional, Retracted, SequencesChanged, Workspace
+from pointbrush.workspace import (
+    Event,
+    Prepared,
+    Provisional,
+    Retracted,
+    SequencesChanged,
+    Workspace,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -203,6 +210,10 @@ class Hub:
             return
         if isinstance(event, Commit):
             await room.committed(event)
+        elif isinstance(event, Prepared):
+            message = encode(messages.Prepared(sequence=event.sequence, frame=event.frame))
+            for viewer in room.viewers:
+                viewer.outbox.reply(message)
         elif isinstance(event, Provisional):
             room.provisional(event)
         elif isinstance(event, Retracted):

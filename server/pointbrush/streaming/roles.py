@@ -20,6 +20,7 @@ MESSAGES: Mapping[str, Role] = {
     "stroke_samples": "annotator",
     "stroke_end": "annotator",
     "stroke_cancel": "annotator",
+    "ask": "annotator",
     "undo": "annotator",
     "redo": "annotator",
     "track": "annotator",

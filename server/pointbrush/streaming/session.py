@@ -1,7 +1,8 @@
 """One viewer's session: takes its messages, follows its clock, sends what it should see.
 
-Three tasks: the caller's feeds ``receive``; one sends, so that messages keep their order; one
-applies edits in the order they came, so that a slow commit holds up no credit.
+Four tasks: the caller's feeds ``receive``; one sends, so that messages keep their order; one
+applies edits in the order they came, so that a slow commit holds up no credit; one answers the
+newest question.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
+from pointbrush.streaming.asking import Asker
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
@@ -61,6 +63,7 @@ class ViewerSession(Viewer):
         """Its token lets nobody in any more."""
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)
+        self._asker = Asker(self, hub)
         self._deaf = False
         self._hearing = False
         """Whether a message is acted on that takes its time: later ones wait."""
@@ -72,6 +75,7 @@ class ViewerSession(Viewer):
             messages.Forget: self._forget,
             messages.Want: self._want,
             messages.ClientPresence: self._presence,
+            messages.Ask: self._asker.put,
         }
 
     # ── life ─────────────────────────────────────────────────────────────────────────────
@@ -82,6 +86,7 @@ class ViewerSession(Viewer):
         tasks = [
             asyncio.create_task(self._listen(receive)),
             asyncio.create_task(self._editor.run()),
+            asyncio.create_task(self._asker.run()),
             asyncio.create_task(Sender(self, self.hub).run()),
             asyncio.create_task(self.closing.wait()),
         ]

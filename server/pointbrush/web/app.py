@@ -23,6 +23,7 @@ from pointbrush.web import (
     routes_jobs,
     routes_labels,
     routes_meta,
+    routes_objects,
     routes_sequences,
     routes_tracking,
     routes_trust,
@@ -34,11 +35,11 @@ from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
 from pointbrush.work.uploads import Uploads
-from pointbrush.workspace import Workspace
+from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_frames, routes_labels, routes_edits, routes_tracking,
-    routes_export, routes_jobs,
+    routes_meta, routes_sequences, routes_frames, routes_labels, routes_edits, routes_objects,
+    routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 
 
@@ -63,6 +64,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
+    app.add_exception_handler(StaleCandidateError, routes_objects.stale_candidate)
     api = APIRouter(prefix=PREFIX, dependencies=[Depends(caller)])
     for resource in RESOURCES:
         api.include_router(resource.router)

@@ -40,21 +40,27 @@ class Problem(BaseModel):
 
 
 def problem(
-    status: int, detail: str, title: str = "", headers: Mapping[str, str] | None = None
+    status: int,
+    detail: str,
+    title: str = "",
+    headers: Mapping[str, str] | None = None,
+    more: Mapping[str, Any] | None = None,
 ) -> JSONResponse:
-    """A problem+json response."""
+    """A problem+json response; ``more`` are members of its own."""
     body = Problem(title=title or HTTPStatus(status).phrase, status=status, detail=detail)
     return JSONResponse(
-        body.model_dump(),
+        {**body.model_dump(), **(more or {})},
         status,
         media_type=MEDIA_TYPE,
         headers={**EXTRA_HEADERS.get(status, {}), **(headers or {})},
     )
 
 
-def problem_of(error: errors.PointbrushError) -> JSONResponse:
-    """The response for one of our own errors."""
-    return problem(status_of(error), str(error), error.title)
+def problem_of(
+    error: errors.PointbrushError, more: Mapping[str, Any] | None = None
+) -> JSONResponse:
+    """The response for one of our own errors; ``more`` are members of its own."""
+    return problem(status_of(error), str(error), error.title, more=more)
 
 
 def install(app: FastAPI) -> None:

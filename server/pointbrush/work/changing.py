@@ -38,6 +38,14 @@ class Changing:
                 self._count += int(np.count_nonzero(self._block(first)[numbers[mine] - first]))
         return self._count
 
+    def those(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return those of sorted stored numbers (n,) that will change."""
+        changes = [
+            numbers[mine][self._block(first)[numbers[mine] - first]]
+            for first, mine in by_block(numbers, LAYER_BLOCK)
+        ]
+        return np.concatenate([np.empty(0, np.int64), *changes])
+
     def _block(self, first: int) -> NDArray[np.bool_]:
         if first not in self._blocks:
             values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)

@@ -42,7 +42,15 @@ class SequencesChanged:
     sequence: str
 
 
-Event = Commit | Job | Provisional | Retracted | SequencesChanged
+@dataclass(frozen=True)
+class Prepared:
+    """A frame is ready for the object tool: its clicks are answered from all of it."""
+
+    sequence: str
+    frame: int
+
+
+Event = Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
 
 
 class Listeners:

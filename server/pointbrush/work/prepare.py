@@ -1,4 +1,4 @@
-"""Compile what tracking runs, once on a machine, so that nobody's first run waits for it.
+"""Compile what tracking and object selection run, once on a machine, so that nobody waits for it.
 
 python -m pointbrush.work.prepare
 """
@@ -14,6 +14,8 @@ from scipy.spatial import cKDTree
 
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
+from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
+from pointbrush.selection.objects import prepare as prepare_objects
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 
 FRAMES = 5
@@ -46,13 +48,29 @@ class _Frame:
 
 
 def prepare() -> None:
-    """Track small samples by every method; by the paper's, whose loops are few, a step."""
+    """Track small samples by every method, by the paper's, whose loops are few, a step; and
+    select an object."""
+    select_object(generate("tabletop", 1, 1).frame(0))
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("tabletop", 1, 3), "auto")
     track(generate("walking", 1, 2), "auto", leaves=1)
     track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
     for method in METHODS.keys() - {"auto"}:
         track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
+
+
+def select_object(made: PointFrame) -> None:
+    """Click on a frame, with and without a viewpoint, and correct what was taken."""
+    views: tuple[tuple[SensorKind, NDArray[np.float64] | None], ...] = (
+        ("lidar", made.viewpoint),
+        ("room", None),
+    )
+    at = made.xyz[:2].astype(np.float64)
+    for sensor, viewpoint in views:
+        frame = ObjectFrame(made.xyz, made.rgb, viewpoint=viewpoint, sensor=sensor)
+        state = prepare_objects(frame)
+        taken = candidates(state, at[:1])[0].indices
+        candidates(state, at[:1], at[1:], taken)
 
 
 def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:

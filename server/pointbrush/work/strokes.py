@@ -108,6 +108,11 @@ class LiveStroke:
         """Those of the points taken so far that the stroke will change; reads the store."""
         return self._changing.count()
 
+    def previewed(self) -> NDArray[np.int64]:
+        """Return stored numbers of the points that the stroke would change now, ascending."""
+        parts = [self._changing.those(numbers) for numbers in self._selector.taken.parts()]
+        return np.concatenate([np.empty(0, np.int64), *parts])
+
     def commit(self, author: str) -> Commit:
         """Write the stroke as one edit, durable when this returns."""
         if not self._sampled and self._brush.shape not in ("lasso", "box"):
@@ -125,7 +130,7 @@ class LiveStroke:
             author=author,
             kind=self._brush.tool,
             writes=(
-                (self.frame, _write(self._brush, numbers))
+                (self.frame, write_of(self._brush, numbers))
                 for numbers in self._selector.taken.parts()
             ),
             summary=f"{self._brush.tool} {count:,} points{self._as_what()}",
@@ -139,7 +144,8 @@ class LiveStroke:
         return "".join(f" as '{label.name}'" for label in palette if label.id == self._brush.label)
 
 
-def _write(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
+def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
+    """Return what a brush writes to stored numbers (n,)."""
     # Which points are deleted or hidden is looked at when the edit commits: somebody may delete
     # some of them until then, and the order of the journal decides what the stroke finds.
     only: Only = "unlabeled" if brush.only_unlabeled else "any"

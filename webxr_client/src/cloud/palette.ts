@@ -3,6 +3,10 @@ import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from 'three'
 import type { Label } from '../protocol/messages';
 
 const SIDE = 256;
+/** Shows what a click would take: lighter than the label that it would get. */
+export const PREVIEW = 65534;
+/** How much of the preview's colour is white. */
+const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
 /** Strokes leave its points alone: it is locked, or hidden for all. */
 export const FLAG_SPARED = 64;
@@ -42,6 +46,17 @@ export class PaletteTexture {
         (label.locked || !label.visible ? FLAG_SPARED : 0) |
         (label.visible ? 0 : FLAG_HIDDEN) |
         (unsure.includes(label.id) ? FLAG_UNSURE : 0);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** The colour that is previewed, "#rrggbb". */
+  setPreview(color: string): void {
+    const rgb = Number.parseInt(color.slice(1), 16);
+    const at = PREVIEW * 4;
+    for (let k = 0; k < 3; k++) {
+      const value = (rgb >> (16 - 8 * k)) & 255;
+      this.data[at + k] = Math.round(value + (255 - value) * PREVIEW_WHITE);
     }
     this.texture.needsUpdate = true;
   }

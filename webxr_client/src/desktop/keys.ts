@@ -107,9 +107,32 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['escape'],
     shown: 'Esc',
-    what: 'Give up the stroke or lasso in progress',
+    what: 'Give up the stroke, lasso or object in progress',
     group: 'Tools',
     run: () => actions.cancelStroke(),
+  },
+  {
+    keys: ['tab'],
+    shown: 'Tab',
+    what: 'Complete the stroke to an object',
+    group: 'Tools',
+    run: () => actions.completeObject(),
+  },
+  {
+    keys: ['+', '='],
+    shown: '+',
+    what: 'Object: towards the group',
+    group: 'Tools',
+    repeats: true,
+    run: () => actions.stepObject(1),
+  },
+  {
+    keys: ['-'],
+    shown: '−',
+    what: 'Object: towards the part',
+    group: 'Tools',
+    repeats: true,
+    run: () => actions.stepObject(-1),
   },
   {
     keys: ['x'],

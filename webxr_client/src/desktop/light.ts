@@ -37,7 +37,7 @@ export class BrushLight {
     }
     let points = 0;
     if (tool === 'floor') this.show(hit, FLOOR_SPOT);
-    else if (painting && deskWay().samples !== 'drawn') {
+    else if (painting && deskWay().size !== null) {
       this.show(hit, radius);
       inCapsule(frame, hit.position, hit.position, radius, () => (points += 1));
     } else this.putOut();

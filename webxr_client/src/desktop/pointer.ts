@@ -7,6 +7,9 @@ import type { Viewer } from '../cloud/viewer';
 import { isStroke, state } from '../state';
 import { brushColor, brushFor } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
+import type { ObjectTool } from '../tools/object';
+import type { RegionPreview } from '../tools/region';
+import type { PointerSample } from '../tools/sample';
 import type { Stroke, Strokes } from '../tools/strokes';
 import { deskWay } from '../tools/ways';
 import { Aim } from './aim';
@@ -18,6 +21,8 @@ export interface PointerDeps {
   readonly viewer: Viewer;
   readonly camera: DeskCamera;
   readonly strokes: Strokes;
+  readonly objects: ObjectTool;
+  readonly regions: RegionPreview;
   /** The frame on screen. */
   readonly frame: () => CloudFrame | null;
 }
@@ -29,11 +34,17 @@ const DAB_SPACING = 0.4;
 const MAX_DABS = 48;
 /** Notches of the wheel that bring the camera as close as fingers e times farther apart. */
 const NOTCHES_PER_E = 1 / -Math.log(0.86);
+/** Places of a stroke that are kept for completing it. */
+const MOST_PATH = 512;
 
 export class DeskPointer {
   private drag: Drag | null = null;
   private stroke: Stroke | null = null;
   private readonly last = { x: 0, y: 0 };
+  /** Notches of the wheel that are no level yet. */
+  private turned = 0;
+  /** Where the stroke went, to be completed to an object. */
+  private path: PointerSample[] = [];
   private readonly aim: Aim;
   private readonly light: BrushLight;
   private readonly lasso: LassoOutline;
@@ -93,7 +104,8 @@ export class DeskPointer {
 
   private chooseDrag(event: PointerEvent): Drag | null {
     if (event.button === 2) return this.pivotUnderCursor('pan');
-    if (event.button === 1 || event.altKey) return this.pivotUnderCursor('turn');
+    const removes = event.altKey && event.button === 0 && this.clicksObjects();
+    if (event.button === 1 || (event.altKey && !removes)) return this.pivotUnderCursor('turn');
     if (event.button !== 0) return null;
     const tool = state.tool.peek();
     if (tool === 'navigate') return this.pivotUnderCursor('turn');
@@ -103,7 +115,11 @@ export class DeskPointer {
       this.tap();
       return null;
     }
-    return this.beginStroke();
+    return this.beginStroke(removes);
+  }
+
+  private clicksObjects(): boolean {
+    return isStroke(state.tool.peek()) && deskWay().samples === 'clicks';
   }
 
   private tap(): void {
@@ -178,6 +194,10 @@ export class DeskPointer {
     if (this.drag === 'pinch' && more) return;
     if (this.drag === 'stroke') {
       this.stroke?.end();
+      const { tool, brush } = state;
+      const offers =
+        brush.peek().complete && tool.peek() === 'paint' && deskWay().samples === 'path';
+      if (this.stroke && offers) this.deps.objects.complete(this.path, this.stroke.id);
       this.stroke = null;
     }
     if (this.drag === 'lasso') this.endLasso();
@@ -197,7 +217,10 @@ export class DeskPointer {
     event.preventDefault();
     this.aim.place(event);
     const notches = -event.deltaY / (event.deltaMode === 0 ? 100 : 3);
-    if (event.ctrlKey && !event.metaKey && Math.abs(event.deltaY) >= 50) {
+    // The wheel is the object's while it shows one; with Ctrl it brings closer.
+    if (this.clicksObjects() && !event.ctrlKey && this.turnLevels(notches)) return;
+    const notch = event.ctrlKey && !event.metaKey && Math.abs(event.deltaY) >= 50;
+    if (notch && !this.clicksObjects()) {
       actions.nudgeRadius(Math.sign(notches));
       return;
     }
@@ -207,9 +230,18 @@ export class DeskPointer {
     this.deps.viewer.invalidate();
   }
 
+  /** A touchpad sends parts of a notch: they add up. */
+  private turnLevels(notches: number): boolean {
+    this.turned += notches;
+    const levels = Math.trunc(this.turned);
+    const shows = this.deps.objects.step(levels);
+    this.turned = shows ? this.turned - levels : 0;
+    return shows;
+  }
+
   // ── strokes ────────────────────────────────────────────────────────────────────────────────
 
-  private beginStroke(): Drag | null {
+  private beginStroke(removes: boolean): Drag | null {
     const frame = this.aim.frame();
     const info = state.sequence.peek();
     if (!frame || !info) return null;
@@ -218,12 +250,20 @@ export class DeskPointer {
     if (way.samples !== 'drawn' && !this.aim.hit(radius)) return 'turn';
     const brush = brushFor(way, radius);
     if (!brush) return null;
+    if (way.samples === 'clicks') {
+      this.deps.objects.click(this.aim.ray(), removes);
+      return null;
+    }
+    this.deps.objects.end();
+    this.deps.regions.leave();
     if (way.samples === 'drawn') {
       this.lasso.begin(this.aim.x, this.aim.y, brushColor());
       return 'lasso';
     }
     this.stroke = this.deps.strokes.begin(frame, brush, info.shift);
-    this.stroke.add(this.aim.ray());
+    const ray = this.aim.ray();
+    this.path = [ray];
+    this.stroke.add(ray);
     return 'stroke';
   }
 
@@ -236,9 +276,10 @@ export class DeskPointer {
     const dabs = Math.min(MAX_DABS, Math.ceil(distance / gap));
     for (let i = 1; i <= dabs; i++) {
       const t = i / dabs;
-      this.stroke.add(
-        this.aim.ray(this.last.x + (x - this.last.x) * t, this.last.y + (y - this.last.y) * t),
-      );
+      const { last } = this;
+      const ray = this.aim.ray(last.x + (x - last.x) * t, last.y + (y - last.y) * t);
+      if (this.path.length < MOST_PATH) this.path.push(ray);
+      this.stroke.add(ray);
     }
     this.last.x = x;
     this.last.y = y;
@@ -279,5 +320,19 @@ export class DeskPointer {
     if (!this.aim.moved || this.drag === 'turn' || this.drag === 'pan') return;
     this.aim.moved = false;
     this.light.update();
+    if (this.drag === null) this.askAhead();
+  }
+
+  /** Ask the server what a click here would take. */
+  private askAhead(): void {
+    const { objects, regions } = this.deps;
+    const way = deskWay();
+    if (!isStroke(state.tool.peek()) || way.preview !== 'asked') return;
+    const hit = this.aim.hit(state.brush.peek().radius);
+    if (way.samples === 'clicks') {
+      if (hit) objects.hover(this.aim.ray());
+      else objects.leave();
+    } else if (hit) regions.hover(this.aim.ray());
+    else regions.leave();
   }
 }

@@ -1,6 +1,7 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
 import { bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
+import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
 import { viewOf } from '../desktop/framing';
@@ -11,10 +12,14 @@ import { Listeners } from '../listeners';
 import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
-import type { Brush } from '../protocol/messages';
-import { canPaint, dismiss, state, type Shown } from '../state';
+import type { Brush, ClientMessage } from '../protocol/messages';
+import { activeLabel as active, canPaint, dismiss, state, type Shown } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
+import { brushNow } from '../tools/brush';
+import { ObjectTool } from '../tools/object';
+import { RegionPreview } from '../tools/region';
 import { Strokes, type Stroke } from '../tools/strokes';
+import { roomWay, wayOf } from '../tools/ways';
 import { follow, watch } from '../watch';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
@@ -32,6 +37,8 @@ export class Engine {
   readonly link: Link;
   readonly playback: Playback;
   readonly strokes: Strokes;
+  readonly objects: ObjectTool;
+  readonly regions: RegionPreview;
   readonly pacing: Pacing;
   readonly camera: DeskCamera;
   private readonly pointer: DeskPointer;
@@ -58,7 +65,25 @@ export class Engine {
     this.camera = new DeskCamera(this.viewer.camera);
     const frame = (): CloudFrame | null => this.playback.frame;
     const { viewer, camera, strokes } = this;
-    this.pointer = new DeskPointer({ viewer, camera, strokes, frame });
+    const send = (message: ClientMessage): void => this.link.send(message);
+    const changed = (): void => viewer.invalidate();
+    const shift = (): Vec => state.sequence.peek()?.shift ?? [0, 0, 0];
+    this.objects = new ObjectTool({
+      send,
+      strokes,
+      frame,
+      changed,
+      shift,
+      brush: () => brushNow(wayOf('object'), state.brush.peek().radius),
+      later: (run, milliseconds) => {
+        const timer = setTimeout(run, milliseconds);
+        return () => clearTimeout(timer);
+      },
+    });
+    const region = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
+    this.regions = new RegionPreview({ send, frame, shift, changed, brush: region });
+    const { objects, regions } = this;
+    this.pointer = new DeskPointer({ viewer, camera, strokes, objects, regions, frame });
     this.presence = new DeskPresence(this.link);
     this.detail = new Detail(this.viewer, this.playback, this.link);
     const { playback, link } = this;
@@ -67,7 +92,7 @@ export class Engine {
       this.unframed = true;
     };
     const { opening } = early;
-    const inbox = new Inbox({ viewer, playback, strokes, link, opened, opening });
+    const inbox = new Inbox({ viewer, playback, strokes, objects, regions, link, opened, opening });
     this.bind();
     void opening.then((id) => {
       if (state.sequence.peek() === null) state.opening.value = id;
@@ -130,6 +155,11 @@ export class Engine {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
     watch([state.frame, state.sequence, state.tool, canPaint], () => this.pointer.interrupt());
+    follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
+    watch([state.tool, state.brush, state.activeLabel, state.frame, state.sequence], () => {
+      this.objects.end();
+      this.regions.leave();
+    });
     const { tool, brush, activeLabel, palette, solo, view } = state;
     watch([tool, brush, activeLabel, palette, solo, view], () => this.pointer.refresh());
   }
@@ -145,9 +175,12 @@ export class Engine {
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
-      cancelStroke: () => this.pointer.cancel(),
+      cancelStroke: () => this.pointer.cancel() || this.objects.end(),
       undo: () => this.travel('undo'),
       redo: () => this.travel('redo'),
+      stepObject: (levels) => this.objects.step(levels),
+      completeObject: () => this.objects.accept(),
+      endObject: () => this.objects.end(),
       track: (request) => this.track(request),
       openSequence: (id) => this.openSequence(id),
       closeSequence: () => this.closeSequence(),
@@ -157,7 +190,9 @@ export class Engine {
   }
 
   private travel(type: 'undo' | 'redo'): void {
-    if (state.sequence.peek()) this.link.send({ type, id: crypto.randomUUID() });
+    if (!state.sequence.peek()) return;
+    this.objects.end();
+    this.link.send({ type, id: crypto.randomUUID() });
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {

@@ -7,6 +7,8 @@ import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { SequenceInfo, ServerPresence } from '../protocol/messages';
 import { isActive, isTracking, notify, state } from '../state';
+import type { ObjectTool } from '../tools/object';
+import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
@@ -17,6 +19,8 @@ export interface InboxDeps {
   readonly viewer: Viewer;
   readonly playback: Playback;
   readonly strokes: Strokes;
+  readonly objects: ObjectTool;
+  readonly regions: RegionPreview;
   readonly link: Link;
   /** A recording was opened that was not open before. */
   readonly opened: () => void;
@@ -74,6 +78,8 @@ export class Inbox {
       case 'welcome': {
         const { viewer, author, role, version } = message;
         state.me.value = { viewer, author, role, serverVersion: version };
+        this.deps.objects.restart();
+        this.deps.regions.leave();
         void this.welcomed();
         return;
       }
@@ -90,6 +96,15 @@ export class Inbox {
       }
       case 'stroke_result':
         this.deps.strokes.onResult(message);
+        if (message.final) this.deps.objects.onResult(message.id);
+        return;
+      case 'candidates':
+        this.deps.objects.onCandidates(message);
+        this.deps.regions.onCandidates(message);
+        return;
+      case 'prepared':
+        if (message.sequence === state.sequence.peek()?.id)
+          this.deps.objects.onPrepared(message.frame);
         return;
       case 'job':
         this.takeJob(message);
@@ -101,6 +116,13 @@ export class Inbox {
         if (message.closed !== null) {
           this.sendOut(message.closed, message.detail);
           return;
+        }
+        if (message.about !== null) {
+          this.deps.regions.onError(message.about);
+          if (this.deps.objects.onError(message.about, message.status)) {
+            this.deps.strokes.drop(message.about);
+            return;
+          }
         }
         if (message.about !== null) this.deps.strokes.drop(message.about);
         // A recording that is not there (any more) stays neither "opening" nor open.

@@ -7,6 +7,7 @@ import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
 import { Icon } from './icon';
 import { JobCards } from './jobs';
+import { ObjectBar } from './object-bar';
 import { Toasts } from './toasts';
 import { Welcome } from './welcome';
 
@@ -33,6 +34,7 @@ function InRecording() {
       {empty && <Opening />}
       {!empty && state.shown.value.total === 0 && <EmptyFrame />}
       <Readout />
+      <ObjectBar />
       <Views />
     </>
   );

@@ -106,12 +106,28 @@ function BrushOptions() {
           onInput={(radius) => actions.setRadius(radius)}
         />
       )}
-      {state.tool.value === 'paint' && (
+      {state.tool.value === 'paint' && way.name !== 'object' && (
         <Check
           label="Only unlabeled"
           tip="Points that have a label keep it"
           checked={brush.onlyUnlabeled}
           onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}
+        />
+      )}
+      {way.name === 'object' && (
+        <Check
+          label="Take from other labels"
+          tip="Points that have another label are taken as well"
+          checked={brush.takeLabelled}
+          onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
+        />
+      )}
+      {way.samples === 'path' && state.tool.value === 'paint' && (
+        <Check
+          label="Offer objects"
+          tip="After a stroke, offer to complete it to the object that it lies on"
+          checked={brush.complete}
+          onChange={(complete) => patch(state.brush, { complete })}
         />
       )}
       {way.through && (

@@ -64,6 +64,7 @@ const CLIENT: ClientMessage[] = [
   },
   { type: 'stroke_end', id },
   { type: 'stroke_cancel', id },
+  { type: 'ask', id, frame: 3, brush: { label: 2, shape: 'object', negatives: [], candidate: '', level: null, previous: '', take_labelled: true, replaces: null }, samples: [{ origin: [0, 0, 0], direction: [0, 0, 1] }], negatives: [{ origin: [1, 0, 0], direction: [0, 0, 1], t: 0.5 }], previous: 'c0ffee' },
   { type: 'undo', id },
   { type: 'redo', id },
   { type: 'track', id, labels: [1, 2], start: 4, stop: 0, method: 'color-icp', overwrite: 'never' },

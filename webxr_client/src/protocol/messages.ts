@@ -1,14 +1,29 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '4eb62c6c3297';
+export const SCHEMA_HASH = '21fc85084147';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
+
+/**
+ * What a stroke of shape ``object``, ``grow`` or ``plane`` would take; the newest counts.
+ *
+ * Without ``samples``: only whether the frame is prepared for objects, which it is from then on.
+ */
+export interface Ask {
+  type: 'ask';
+  id: string;
+  frame: number;
+  brush: Brush;
+  samples: Sample[];
+  negatives?: Sample[];
+  previous?: string;
+}
 
 /** What a stroke does with its samples; see the contract for each shape. */
 export interface Brush {
   label?: number;
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
-  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'plane';
+  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'plane' | 'object';
   radius?: number;
   only_unlabeled?: boolean;
   through?: boolean;
@@ -18,6 +33,12 @@ export interface Brush {
   size?: [number, number, number] | null;
   quaternion?: [number, number, number, number] | null;
   hidden?: number[];
+  negatives?: Sample[];
+  candidate?: string;
+  level?: number | null;
+  previous?: string;
+  take_labelled?: boolean;
+  replaces?: string | null;
 }
 
 /** Where this person is, in room coordinates (y up, metres); absent parts are null. */
@@ -192,6 +213,35 @@ export interface Annotation {
 }
 
 /**
+ * Points that a click would take: ``runs`` holds first number and length, uint32 each.
+ *
+ * ``id`` is opaque, and void once the frame or the clicks change; ``score``: the overlap with the
+ * object that is expected, 0..1.
+ */
+export interface Candidate {
+  id: string;
+  level: number;
+  score: number;
+  points: number;
+  runs: Uint8Array;
+}
+
+/**
+ * The answer to ``ask``: at most six candidates from part to group.
+ *
+ * ``first``: the one to show first.  ``ready``: the whole frame is prepared; else they come from
+ * what is near the clicks.
+ */
+export interface Candidates {
+  type: 'candidates';
+  id: string;
+  frame: number;
+  first: number;
+  ready: boolean;
+  candidates: Candidate[];
+}
+
+/**
  * A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
  *
  * Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
@@ -271,6 +321,13 @@ export interface Labels {
   counts: Record<string, number>;
   undo: string | null;
   redo: string | null;
+}
+
+/** A frame is prepared for the object tool: what is asked of it is answered from all of it. */
+export interface Prepared {
+  type: 'prepared';
+  sequence: string;
+  frame: number;
 }
 
 /** The answer to ``open``, and sent again when the manifest changes. */
@@ -366,6 +423,7 @@ export type ClientMessage =
   | StrokeSamples
   | StrokeEnd
   | StrokeCancel
+  | Ask
   | Undo
   | Redo
   | Track
@@ -377,6 +435,8 @@ export type ServerMessage =
   | Frame
   | Annotation
   | StrokeResult
+  | Candidates
+  | Prepared
   | Labels
   | Timeline
   | Job

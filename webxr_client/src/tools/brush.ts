@@ -2,6 +2,7 @@
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
+import { hiddenHere } from './seen';
 import type { Way } from './ways';
 
 /** Why one cannot paint now, and what to do about it; null when one can. */
@@ -16,18 +17,11 @@ export function refusal(): readonly [title: string, detail: string] | null {
   return null;
 }
 
-/** The brush for a stroke with `radius` (metres of the recording), or null after saying why. */
-export function brushFor(way: Way, radius: number): Brush | null {
+/** The brush of now with `radius` (metres of the recording), or null when one cannot paint. */
+export function brushNow(way: Way, radius: number): Brush | null {
   const tool = state.tool.peek();
-  if (!isStroke(tool)) return null;
-  const no = refusal();
-  if (no !== null) {
-    notify('info', ...no);
-    return null;
-  }
-  const { onlyUnlabeled, through } = state.brush.peek();
-  // Painting on a moving picture would paint what one no longer sees.
-  if (state.playing.peek()) actions.pause();
+  if (!isStroke(tool) || refusal() !== null) return null;
+  const { onlyUnlabeled, through, takeLabelled } = state.brush.peek();
   return {
     label: tool === 'paint' ? state.activeLabel.peek() : 0,
     tool,
@@ -35,7 +29,19 @@ export function brushFor(way: Way, radius: number): Brush | null {
     radius,
     only_unlabeled: onlyUnlabeled,
     through: through && way.through,
+    ...(way.name === 'object' && { take_labelled: takeLabelled }),
+    hidden: hiddenHere(),
   };
+}
+
+/** The brush for a stroke that begins, or null after saying why there is none. */
+export function brushFor(way: Way, radius: number): Brush | null {
+  const no = isStroke(state.tool.peek()) ? refusal() : null;
+  if (no !== null) notify('info', ...no);
+  const brush = brushNow(way, radius);
+  // Painting on a moving picture would paint what one no longer sees.
+  if (brush && state.playing.peek()) actions.pause();
+  return brush;
 }
 
 const TOOL_COLORS: Record<string, string> = {

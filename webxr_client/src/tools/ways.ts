@@ -7,7 +7,7 @@ import type { Brush } from '../protocol/messages';
 import { state, type BrushShape } from '../state';
 import { xrSettings } from '../xr/settings';
 
-export type WayName = 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
+export type WayName = 'object' | 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
 
 export interface Way {
   readonly name: WayName;
@@ -19,8 +19,10 @@ export interface Way {
   /** On the palette in the room, and at the desk where it is there. */
   readonly label: string;
   readonly desk: { readonly label: string; readonly tip: string; readonly key: string } | null;
-  /** What a pressed button or trigger gives: a path, one place, or something drawn. */
-  readonly samples: 'path' | 'once' | 'drawn';
+  /** What a pressed button or trigger gives: clicks, a path, one place, or something drawn. */
+  readonly samples: 'clicks' | 'path' | 'once' | 'drawn';
+  /** What it would take is lit by the page, or asked of the server; null: not shown before. */
+  readonly preview: 'lit' | 'asked' | null;
   /** In the headset: takes what is at the tip, or what the ray meets first. */
   readonly far: boolean;
   /** The name of its size; null when it has none. */
@@ -31,6 +33,19 @@ export interface Way {
 
 export const WAYS: readonly Way[] = [
   {
+    name: 'object',
+    shape: 'object',
+    wire: 'object',
+    icon: 'object',
+    label: 'Object',
+    desk: { label: 'Object', tip: 'A click takes an object; the wheel: part to group', key: 'Q' },
+    samples: 'clicks',
+    preview: 'asked',
+    far: true,
+    size: null,
+    through: false,
+  },
+  {
     name: 'ball',
     shape: 'brush',
     wire: 'sphere',
@@ -38,6 +53,7 @@ export const WAYS: readonly Way[] = [
     label: 'Ball',
     desk: null,
     samples: 'path',
+    preview: 'lit',
     far: false,
     size: 'Radius',
     through: false,
@@ -50,6 +66,7 @@ export const WAYS: readonly Way[] = [
     label: 'Ray',
     desk: { label: 'Brush', tip: 'A ball on the surface', key: 'B' },
     samples: 'path',
+    preview: 'lit',
     far: true,
     size: 'Radius',
     through: true,
@@ -62,6 +79,7 @@ export const WAYS: readonly Way[] = [
     label: 'Fill',
     desk: { label: 'Fill', tip: 'The region that hangs together', key: 'F' },
     samples: 'once',
+    preview: 'asked',
     far: false,
     size: 'Reach',
     through: false,
@@ -74,6 +92,7 @@ export const WAYS: readonly Way[] = [
     label: 'Lasso',
     desk: { label: 'Lasso', tip: 'Everything inside an outline', key: 'O' },
     samples: 'drawn',
+    preview: null,
     far: false,
     size: null,
     through: false,
@@ -86,6 +105,7 @@ export const WAYS: readonly Way[] = [
     label: 'Box',
     desk: null,
     samples: 'drawn',
+    preview: null,
     far: false,
     size: null,
     through: false,
@@ -98,6 +118,7 @@ export const WAYS: readonly Way[] = [
     label: 'Ground',
     desk: { label: 'Ground', tip: 'A floor, a wall: all that is flat', key: 'G' },
     samples: 'once',
+    preview: 'asked',
     far: true,
     size: 'Reach',
     through: false,

@@ -8,6 +8,7 @@ Packed arrays are little-endian ``bytes``.
 """
 
 from pointbrush.streaming.messages.client import (
+    Ask,
     ClientMessage,
     ClientPresence,
     Credit,
@@ -28,10 +29,13 @@ from pointbrush.streaming.messages.client import (
 )
 from pointbrush.streaming.messages.server import (
     Annotation,
+    Candidate,
+    Candidates,
     Error,
     Frame,
     Job,
     Labels,
+    Prepared,
     SequenceInfo,
     ServerMessage,
     ServerPresence,
@@ -66,7 +70,10 @@ from pointbrush.streaming.messages.values import (
 
 __all__ = [
     "Annotation",
+    "Ask",
     "Brush",
+    "Candidate",
+    "Candidates",
     "Chunk",
     "ClientMessage",
     "ClientPresence",
@@ -92,6 +99,7 @@ __all__ = [
     "Pause",
     "Play",
     "Pose",
+    "Prepared",
     "Quaternion",
     "Redo",
     "Role",

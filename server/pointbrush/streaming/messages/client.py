@@ -132,6 +132,24 @@ class StrokeCancel(Message):
     id: Uuid
 
 
+class Ask(Message):
+    """What a stroke of shape ``object``, ``grow`` or ``plane`` would take; the newest counts.
+
+    Without ``samples``: only whether the frame is prepared for objects, which it is from then on.
+    """
+
+    type: Literal["ask"] = "ask"
+    id: Uuid
+    frame: FrameIndex
+    brush: Brush
+    samples: Annotated[list[Sample], Field(max_length=64)]
+    """Rays at the object, or where the region is."""
+    negatives: Annotated[list[Sample], Field(max_length=64, default_factory=list)]
+    """Rays at what is no part of the object."""
+    previous: Annotated[str, Field(max_length=64)] = ""
+    """The candidate taken so far: what is offered keeps to it as far as the clicks allow."""
+
+
 class Undo(Message):
     """Take back this author's last edit; answered with a final ``stroke_result``."""
 
@@ -189,6 +207,7 @@ ClientMessage = Annotated[
     | StrokeSamples
     | StrokeEnd
     | StrokeCancel
+    | Ask
     | Undo
     | Redo
     | Track

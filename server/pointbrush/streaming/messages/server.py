@@ -123,6 +123,43 @@ class StrokeResult(Message):
     final: bool
 
 
+class Candidate(Message):
+    """Points that a click would take: ``runs`` holds first number and length, uint32 each.
+
+    ``id`` is opaque, and void once the frame or the clicks change; ``score``: the overlap with the
+    object that is expected, 0..1.
+    """
+
+    id: Id
+    level: Count
+    score: float
+    points: Count
+    runs: bytes
+
+
+class Candidates(Message):
+    """The answer to ``ask``: at most six candidates from part to group.
+
+    ``first``: the one to show first.  ``ready``: the whole frame is prepared; else they come from
+    what is near the clicks.
+    """
+
+    type: Literal["candidates"] = "candidates"
+    id: Uuid
+    frame: FrameIndex
+    first: Count
+    ready: bool
+    candidates: list[Candidate]
+
+
+class Prepared(Message):
+    """A frame is prepared for the object tool: what is asked of it is answered from all of it."""
+
+    type: Literal["prepared"] = "prepared"
+    sequence: Id
+    frame: FrameIndex
+
+
 class Labels(Message):
     """The palette, whole; and how many points each label has in all frames together."""
 
@@ -205,6 +242,8 @@ ServerMessage = Annotated[
     | Frame
     | Annotation
     | StrokeResult
+    | Candidates
+    | Prepared
     | Labels
     | Timeline
     | Job

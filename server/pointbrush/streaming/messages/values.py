@@ -26,7 +26,7 @@ LabelId = Annotated[int, Field(ge=0, le=65534)]
 Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
-Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane"]
+Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane", "object"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
 
@@ -70,6 +70,18 @@ class Brush(Message):
     hidden: Annotated[list[LabelId], Field(max_length=65535)] = []
     """Labels that only this viewer hides, beside those that the palette hides; 0: points without
     a label.  Their points are left alone, and rays pass through them."""
+    negatives: Annotated[list[Sample], Field(max_length=64)] = []
+    """object: rays at what is no part of it; the stroke's samples are rays at the object."""
+    candidate: Annotated[str, Field(max_length=64)] = ""
+    """object: the id of a candidate of the newest answer; another one is refused (409)."""
+    level: Annotated[int, Field(ge=0, le=5)] | None = None
+    """object, without ``candidate``: the level to take, from 0, the smallest; null: the best."""
+    previous: Annotated[str, Field(max_length=64)] = ""
+    """object: the candidate taken so far, as it was asked with."""
+    take_labelled: bool = False
+    """object: also points of other labels."""
+    replaces: Uuid | None = None
+    """object: this author's last edit, taken back first, so that a refined object is one undo."""
 
 
 class Label(Message):

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.scenery import NEAR
-from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32, Projection
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.lens import Pixels

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.registration import Target, carried, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.thing import Thing

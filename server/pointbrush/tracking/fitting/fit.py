@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.fitting.explain import costs_of, look
 from pointbrush.tracking.fitting.recovery import nudges, proposals, shifts
 from pointbrush.tracking.fitting.search import Search
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.deformation import warp
 from pointbrush.tracking.geometry.registration import (
     Fits,

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.fitting.fit import CLEAR, DOUBT, DOUBT_LARGE
 from pointbrush.tracking.fitting.search import FEWEST, Search
 from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled, innermost
+from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 Triple = tuple[float, float, float]

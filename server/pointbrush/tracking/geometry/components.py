@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.geometry.columns import pairs
-from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
 

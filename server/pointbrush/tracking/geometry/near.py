@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.columns import NONE, any_near_each, columns
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 RUN = 64

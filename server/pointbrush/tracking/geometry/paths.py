@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import F64, I64, Mask
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.geometry.columns import (
     NONE,
     Columns,
@@ -21,7 +22,6 @@ from pointbrush.tracking.geometry.columns import (
     spans,
     toned,
 )
-from pointbrush.tracking.geometry.compiled import compiled, innermost
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 

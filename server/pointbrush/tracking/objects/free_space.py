@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.registration import carried, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.lens import Lens, Pixels, pixel

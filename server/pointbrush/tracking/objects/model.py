@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.grid import numbered
 from pointbrush.tracking.geometry.near import bounds, middle
 from pointbrush.tracking.interface import F32, F64, I64, Mask

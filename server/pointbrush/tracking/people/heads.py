@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.components import root_of
 from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.interface import F64, I64

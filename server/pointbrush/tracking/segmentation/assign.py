@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.columns import NONE, columns, nearest_three
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.columns import NONE, any_near, columns
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.sensor.view import View

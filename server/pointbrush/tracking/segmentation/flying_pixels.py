@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View

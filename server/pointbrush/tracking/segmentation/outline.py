@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.geometry.compiled import compiled
+from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.segmentation.flying_pixels import FlyingRule, lies_behind
 from pointbrush.tracking.sensor.lens import I32

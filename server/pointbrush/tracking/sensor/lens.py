@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.geometry.compiled import compiled, innermost
+from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
 from pointbrush.tracking.sensor.range_image import FAR, reach_of
 

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
-from pointbrush.tracking.geometry.compiled import compiled
 from pointbrush.tracking.geometry.near import Runs, in_box, runs_of
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.geometry.windows import widened

@@ -21,7 +21,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """The same function, compiled for the types that it is called with.
 
     Without the liberties that some compilers take with floating point: the same input gives the
-    same labels.  A division by zero gives what NumPy gives.
+    same labels.  A division by zero gives what NumPy gives.  Other threads run meanwhile.
     """
     return _compiled(function)
 
@@ -38,8 +38,8 @@ def innermost(function: Callable[P, R]) -> Callable[P, R]:
 def _compiled(function: Callable[P, R], **options: bool) -> Callable[P, R]:
     njit = cast(Callable[..., Any], numba.njit)
     try:
-        made = njit(cache=True, error_model="numpy", **options)(function)
+        made = njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     except RuntimeError:  # no place to keep it
         logger.info("%s will be compiled by each process anew", function.__name__)
-        made = njit(error_model="numpy", **options)(function)
+        made = njit(nogil=True, error_model="numpy", **options)(function)
     return cast(Callable[P, R], made)

@@ -1,0 +1,301 @@
+"""Train the weights of object selection from generated scenes, and write them into the package.
+
+python benchmarks/train_selection.py [--leave KIND ...] [--scenes N] [--out weights.npz]
+
+Needs LightGBM (``pip install lightgbm``; nothing at run time does).  The same seeds give the same
+file.  ``--leave`` trains without a kind of scene, so that it can be scored on it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import lightgbm
+import numpy as np
+from numpy.typing import NDArray
+from object_clicks import LEAST_POINTS, next_click, objects, stroke
+from object_scenes import GENERATED, HELD_OUT, Scene
+
+from pointbrush.selection.objects import ObjectOptions, ObjectState
+from pointbrush.selection.objects.clicks import place_clicks
+from pointbrush.selection.objects.features import FEATURES
+from pointbrush.selection.objects.forest import Forest
+from pointbrush.selection.objects.prepare import Parts, part_frame
+from pointbrush.selection.objects.state import state_of
+from pointbrush.selection.objects.sums import COUNT
+from pointbrush.selection.objects.tree import record_tree
+from pointbrush.selection.objects.unions import Unions, find_unions
+from pointbrush.selection.objects.value import VALUES, value_features
+from pointbrush.selection.objects.weights import FILE, Weights, save_weights
+
+SCENES = {"juggling": 10, "tabletop": 20, "walking": 10, "view": 44, "scan": 32, "street": 40}
+"""Frames of each kind; all sizes of the sets below are for all of them."""
+ROUNDS = 3
+MERGE_ROWS, VALUE_ROWS = 260_000, 260_000
+SCORED = 60_000
+"""Pairs noted in one tree."""
+EXPONENT = 0.6
+"""A pair counts by the size of its smaller part to this power."""
+SESSIONS = 5
+"""Sessions that are simulated on each object."""
+COMMON = {
+    "learning_rate": 0.1,
+    "lambda_l2": 5.0,
+    "num_threads": 1,
+    "deterministic": True,
+    "force_row_wise": True,
+    "seed": 7,
+    "verbosity": -1,
+}
+MERGE = COMMON | {"objective": "binary", "num_leaves": 31, "min_data_in_leaf": 60}
+VALUE = COMMON | {
+    "objective": "regression",
+    "num_leaves": 31,
+    "min_data_in_leaf": 80,
+    "feature_fraction": 0.5,
+}
+MERGE_TREES, VALUE_TREES = 60, 160
+
+
+@dataclass(eq=False)
+class Example:
+    """A scene up to its pieces; ``truth`` (P,) the instance most of a piece is of, else -1."""
+
+    scene: Scene
+    parts: Parts
+    truth: NDArray[np.int64]
+
+
+def example(scene: Scene) -> Example:
+    """Cut a scene into pieces and find what each is of."""
+    parts = part_frame(scene.frame, ObjectOptions())
+    piece = parts.piece[parts.of_point]
+    numbers, which = np.unique(scene.instance, return_inverse=True)
+    counts = np.zeros((len(parts.pieces.sums), len(numbers)), np.int64)
+    np.add.at(counts, (piece, which), 1)
+    best = counts.argmax(axis=1)
+    most = counts[np.arange(len(counts)), best]
+    truth = np.where(2 * most > counts.sum(axis=1), numbers[best], -1)
+    return Example(scene, parts, truth)
+
+
+def node_truth(truth: NDArray[np.int64], parent: NDArray[Any], size: NDArray[Any]) -> NDArray[Any]:
+    """Instances of all nodes: that of the larger part."""
+    result = np.concatenate([truth, np.full(len(parent) - len(truth), -2)])
+    largest = np.zeros(len(parent))
+    for node, above in enumerate(parent.tolist()):
+        if above >= 0 and size[node] > largest[above]:
+            largest[above], result[above] = size[node], result[node]
+    return result
+
+
+def forest(booster: lightgbm.Booster) -> Forest:
+    """Trees of a booster as plain arrays."""
+    feature, threshold, left, right = [], [], [], []
+
+    def add(node: dict[str, Any]) -> int:
+        at = len(feature)
+        leaf = "leaf_value" in node
+        feature.append(-1 if leaf else node["split_feature"])
+        threshold.append(node["leaf_value"] if leaf else node["threshold"])
+        left.append(at)
+        right.append(at)
+        if not leaf:
+            left[at] = add(node["left_child"])
+            right[at] = add(node["right_child"])
+        return at
+
+    roots = [add(tree["tree_structure"]) for tree in booster.dump_model()["tree_info"]]
+    return Forest(
+        np.array(feature, np.int16),
+        np.array(threshold, np.float32),
+        np.array(left, np.int32),
+        np.array(right, np.int32),
+        np.array(roots, np.int32),
+    )
+
+
+def fit(
+    options: dict[str, Any],
+    trees: int,
+    rows: NDArray[Any],
+    wanted: NDArray[Any],
+    weight: NDArray[Any],
+    most: int,
+) -> Forest:
+    """Train on at most so many rows, chosen at random."""
+    if len(rows) > most:
+        chosen = np.random.default_rng(3).choice(len(rows), most, replace=False)
+        chosen.sort()
+        rows, wanted, weight = rows[chosen], wanted[chosen], weight[chosen]
+    data = lightgbm.Dataset(rows, wanted, weight=weight, params=COMMON)
+    return forest(lightgbm.train(options, data, trees))
+
+
+NO_MODEL = Forest(
+    np.full(1, -1, np.int16),
+    np.zeros(1, np.float32),
+    np.zeros(1, np.int32),
+    np.zeros(1, np.int32),
+    np.zeros(1, np.int32),
+)
+Rows = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
+
+
+def merge_rows(one: Example, model: Forest, most: int, rng: np.random.Generator) -> Rows:
+    """Numbers, truths and weights of the pairs that a model scores; the first ones without it."""
+    first = len(one.parts.pieces.pairs)
+    known = first if model is NO_MODEL else SCORED
+    tree, scored = record_tree(one.parts.pieces, one.parts.size**2, model, known)
+    instance = node_truth(one.truth, tree.parent, tree.sums[:, COUNT])
+    a, b = instance[scored.nodes].T
+    counts = (a >= 0) & (b >= 0) & ((a > 0) | (b > 0))
+    chosen = np.flatnonzero(counts)
+    if len(chosen) > most:
+        chosen = np.sort(rng.choice(chosen, most, replace=False))
+    size = tree.sums[scored.nodes[chosen, 0], COUNT]
+    return scored.rows[chosen], (a == b)[chosen].astype(float), size**EXPONENT
+
+
+def train_merge(examples: Sequence[Example]) -> Forest:
+    """Grow trees with the model so far, add what it was asked, refit."""
+    rng = np.random.default_rng(5)
+    model, seen = NO_MODEL, []
+    most = MERGE_ROWS * 2 // max(len(examples) * (ROUNDS + 1), 1)
+    for turn in range(ROUNDS):
+        for one in examples:
+            rows, wanted, weight = merge_rows(one, model, most, rng)
+            # Each scene and round counts alike.
+            seen.append((rows, wanted, weight / max(weight.sum(), 1e-9) * len(rows)))
+        rows, wanted, weight = (np.concatenate(column) for column in zip(*seen, strict=True))
+        model = fit(MERGE, MERGE_TREES, rows, wanted, weight, MERGE_ROWS)
+        print(f"  round {turn}: {len(rows)} pairs, {wanted.mean():.2f} the same", flush=True)
+    return model
+
+
+def grow(one: Example, model: Forest) -> ObjectState:
+    """State of an example under a merge model."""
+    parts = one.parts
+    tree, _ = record_tree(parts.pieces, parts.size**2, model, 0)
+    return state_of(
+        parts.size,
+        parts.of_point,
+        parts.center,
+        parts.piece,
+        parts.pieces.pairs,
+        parts.pieces.between,
+        tree,
+    )
+
+
+def overlaps(state: ObjectState, unions: Unions, truth: NDArray[np.bool_]) -> NDArray[Any]:
+    """IoU (n,) of unions with the truth (N,), over points."""
+    piece = state.piece[state.of_point]
+    size = np.bincount(piece, minlength=state.piece_count).astype(float)
+    hits = np.bincount(piece[truth], minlength=state.piece_count).astype(float)
+    masks = unions.masks.astype(float)
+    both = masks @ hits
+    return both / (masks @ size + hits.sum() - both)
+
+
+def session(
+    state: ObjectState,
+    scene: Scene,
+    truth: NDArray[np.bool_],
+    first: NDArray[Any],
+    further: int,
+    rng: np.random.Generator,
+) -> list[tuple[NDArray[Any], NDArray[Any]]]:
+    """Rows and overlaps of all candidates of a simulated session."""
+    xyz = scene.frame.xyz
+    wanted, unwanted, taken, found = first, np.empty((0, 3)), None, []
+    for _ in range(further + 1):
+        yes = place_clicks(state, wanted, "positives")
+        no = place_clicks(state, unwanted, "negatives")
+        unions = find_unions(state, yes, no, taken, 40)
+        good = overlaps(state, unions, truth)
+        found.append((value_features(state, unions, yes, no, taken), good))
+        better = np.flatnonzero(good >= good.max() - 0.15)
+        taken = unions.masks[int(rng.choice(better))]
+        click = next_click(xyz, truth, taken[state.piece[state.of_point]])
+        if click is None:
+            break
+        at, adds = click
+        if adds:
+            wanted = np.concatenate([wanted, at[None]])
+        else:
+            unwanted = np.concatenate([unwanted, at[None]])
+    return found
+
+
+def value_rows(one: Example, model: Forest, seed: int) -> Rows:
+    """Rows of sessions on the objects of a scene."""
+    rng = np.random.default_rng([seed, 61])
+    state, scene = grow(one, model), one.scene
+    rows, wanted = [np.empty((0, VALUES))], [np.empty(0)]
+    for number in objects(scene.instance, LEAST_POINTS[scene.frame.sensor]):
+        truth = scene.instance == number
+        inside = np.flatnonzero(truth)
+        centre = next_click(scene.frame.xyz, truth, None)
+        starts = [] if centre is None else [(centre[0][None], 3)]
+        for k in range(SESSIONS - 1):
+            if k == 0:
+                starts.append((stroke(scene.frame.xyz, truth, int(rng.integers(3, 6)), rng), 1))
+            else:
+                starts.append((scene.frame.xyz[rng.choice(inside, 1)].astype(float), k % 2))
+        for first, further in starts:
+            for numbers, good in session(state, scene, truth, first, further, rng):
+                rows.append(numbers)
+                wanted.append(good)
+    every = np.concatenate(rows)
+    return every, np.concatenate(wanted), np.full(len(every), 1.0)
+
+
+def train_value(examples: Sequence[Example], halves: Sequence[Forest]) -> Forest:
+    """Sessions on each scene, its tree grown by the merge model that has not seen it."""
+    seen = []
+    for k, one in enumerate(examples):
+        rows, wanted, weight = value_rows(one, halves[1 - k % 2], k)
+        seen.append((rows, wanted, weight / max(len(rows), 1) ** 0.5))
+    rows, wanted, weight = (np.concatenate(column) for column in zip(*seen, strict=True))
+    print(f"  {len(rows)} candidates, mean IoU {wanted.mean():.2f}", flush=True)
+    return fit(VALUE, VALUE_TREES, rows, wanted, weight, VALUE_ROWS)
+
+
+def train(examples: Sequence[Example]) -> Weights:
+    """Merge model and value model of some examples."""
+    halves = [train_merge(examples[k::2]) for k in range(2)]
+    return Weights(train_merge(examples), train_value(examples, halves))
+
+
+def scenes(leave: Sequence[str], share: float) -> list[Scene]:
+    """Training scenes of all kinds but those left out, kinds mixed."""
+    made = []
+    for kind, count in SCENES.items():
+        if kind not in leave:
+            made += [(k / count, kind, k) for k in range(max(1, round(count * share)))]
+    assert max(SCENES.values()) < HELD_OUT
+    return [GENERATED[kind](seed) for _, kind, seed in sorted(made)]
+
+
+def main() -> None:
+    """Train and write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--leave", nargs="*", default=[], choices=GENERATED)
+    parser.add_argument("--share", type=float, default=1.0, help="of the scenes")
+    parser.add_argument("--out", type=Path, default=FILE)
+    given = parser.parse_args()
+    examples = [example(scene) for scene in scenes(given.leave, given.share)]
+    print(f"{len(examples)} scenes, {sum(len(e.truth) for e in examples)} pieces", flush=True)
+    weights = train(examples)
+    save_weights(given.out, weights)
+    print(f"{given.out}: {given.out.stat().st_size / 1e3:.0f} kB")
+
+
+if __name__ == "__main__":
+    assert FEATURES <= 127
+    main()

@@ -1,0 +1,103 @@
+"""Answer the object tool's clicks from a service of your own: a toy model over HTTP.
+
+    python docs/examples/selector_server.py --port 9000
+    pointbrush serve --selector http://127.0.0.1:9000
+
+The toy takes the points within a few distances of the clicks.  Put your promptable network in place
+of ``regions``: it gets the frame once (``prepare``), and then clicks on it (``candidates``).
+The calls are described in docs/object-tool.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+from collections import OrderedDict
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import numpy as np
+
+DISTANCES = (0.05, 0.1, 0.2, 0.4, 0.8)
+"""Metres; a candidate for each."""
+KEPT_FRAMES = 16
+LONGEST_BODY = 1 << 30
+
+frames: OrderedDict[bytes, np.ndarray] = OrderedDict()
+
+
+def prepare(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Keep a frame, and tell its name."""
+    xyz = arrays["xyz"]
+    name = b"frame-%d" % hash(xyz.tobytes())
+    frames[name] = xyz
+    while len(frames) > KEPT_FRAMES:
+        frames.popitem(last=False)
+    return {"state": np.frombuffer(name, np.uint8)}
+
+
+def candidates(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Regions for clicks on a frame, the one to show first in front."""
+    xyz = frames[arrays["state"].tobytes()]
+    found = regions(xyz, arrays["positives"], arrays["negatives"])
+    answer = {f"indices_{i}": numbers for i, numbers in enumerate(found)}
+    answer["scores"] = np.linspace(1, 0.5, len(found), dtype=np.float32)
+    return answer
+
+
+def regions(xyz: np.ndarray, positives: np.ndarray, negatives: np.ndarray) -> list[np.ndarray]:
+    """The toy model: points near a positive click, and nearer to it than to a negative one."""
+    near = distance(xyz, positives)
+    kept = near < distance(xyz, negatives)
+    found = [np.flatnonzero(kept & (near < reach)) for reach in DISTANCES]
+    return [numbers for numbers in found if len(numbers)]
+
+
+def distance(xyz: np.ndarray, clicks: np.ndarray) -> np.ndarray:
+    """Metres from each point (N,) to the nearest click."""
+    away = [np.linalg.norm(xyz - click, axis=1) for click in clicks]
+    return np.min(away, axis=0) if away else np.full(len(xyz), np.inf)
+
+
+CALLS = {"/v1/prepare": prepare, "/v1/candidates": candidates}
+
+
+class Handler(BaseHTTPRequestHandler):
+    """POST with an .npz body, answered with one."""
+
+    def do_POST(self) -> None:
+        """Answer a call."""
+        length = int(self.headers.get("Content-Length", "0"))
+        call = CALLS.get(self.path)
+        if call is None or not 0 < length <= LONGEST_BODY:
+            self.send_error(404 if call is None else 400)
+            return
+        try:
+            with np.load(io.BytesIO(self.rfile.read(length)), allow_pickle=False) as body:
+                answer = call(dict(body.items()))
+        except KeyError:
+            self.send_error(410, "this frame is not here (any more): prepare it again")
+            return
+        data = io.BytesIO()
+        np.savez(data, **answer)
+        self.send_response(200)
+        self.send_header("Content-Type", "application/x-npz")
+        self.send_header("Content-Length", str(data.tell()))
+        self.end_headers()
+        self.wfile.write(data.getvalue())
+
+    def log_message(self, *_: Any) -> None:
+        """Say nothing for each call."""
+
+
+def main() -> None:
+    """Serve on loopback until interrupted."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--port", type=int, default=9000)
+    server = ThreadingHTTPServer(("127.0.0.1", parser.parse_args().port), Handler)
+    print(f"selector ready at http://127.0.0.1:{server.server_port}", flush=True)
+    server.serve_forever()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,143 @@
+"""Single frames of furnished rooms with the instance of every point.
+
+``room_view``: one view of a depth camera; ``room_scan``: many views joined and thinned, as a
+scanned room comes from a phone or a scanner.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.samples.camera import KINECT, pixel_rays
+from pointbrush.samples.geometry import Array, Field, dot3, norm3, rigid, unit, vec
+from pointbrush.samples.interior import Interior
+from pointbrush.samples.lighting import Lamp, Lights, ambient_light, lamp_light
+from pointbrush.samples.render import Caster, Solid
+from pointbrush.samples.sensor import Sensor, develop, measure
+
+WIDE = DepthCamera(width=288, height=216, fx=190.0, fy=190.0, cx=143.5, cy=107.5)
+"""The camera that is carried through a room to scan it."""
+SCAN_NOISE = 0.004
+"""Metres; standard deviation of a scan's points along the view."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Labelled:
+    """A frame with the ``instance`` (N,) uint16 of each point, 0 for floor, walls and ground.
+
+    ``T_room_frame`` (4, 4) stands the frame on its floor, y up.
+    """
+
+    frame: PointFrame
+    instance: NDArray[np.uint16]
+    T_room_frame: Array
+
+
+def look_at(eye: Array, target: Array) -> Array:
+    """``T_room_camera`` (4, 4) of a level camera at ``eye`` (x right, y down, z forward)."""
+    z = unit(target - eye)
+    x = unit(np.cross(z, vec(0, 1, 0)))
+    return rigid(np.column_stack([x, np.cross(z, x), z]), eye)
+
+
+def room_view(seed: int, camera: DepthCamera = KINECT, noise: float = 1.0) -> Labelled:
+    """Return what a depth camera sees of a furnished room, camera coordinates."""
+    interior = Interior(seed)
+    rng = np.random.default_rng([seed, 43])
+    w, d = interior.width / 2, interior.depth / 2
+    eye = vec(rng.uniform(-0.8, 0.8) * w, rng.uniform(0.9, 1.9), rng.uniform(-0.8, 0.8) * d)
+    aim = _somewhere(interior.solids, eye, rng, 3.5)
+    return _view(interior.solids, look_at(eye, aim), camera, Sensor(noise=noise), rng)
+
+
+def _somewhere(solids: list[Solid], eye: Array, rng: np.random.Generator, reach: float) -> Array:
+    """Return the place of a random labelled solid, one within reach if there is any."""
+    places = np.array([s.pose[:3, 3] for s in solids if s.label])
+    if len(places) == 0:
+        return np.asarray(eye + vec(1, -0.3, 0))
+    away = np.linalg.norm(places - eye, axis=1)
+    near = np.flatnonzero((away < reach) & (away > 0.9))
+    chosen = int(rng.choice(near)) if len(near) else int(away.argmin())
+    return np.asarray(places[chosen] + rng.normal(0, 0.15, 3))
+
+
+def _view(
+    solids: list[Solid],
+    T_room_camera: Array,
+    camera: DepthCamera,
+    sensor: Sensor,
+    rng: np.random.Generator,
+) -> Labelled:
+    caster = Caster(camera, T_room_camera, pixel_rays(camera))
+    seen = caster.empty()
+    caster.cast(solids, seen)
+    s = caster.shade(solids, seen)
+    lights = Lights((Lamp(vec(rng.uniform(-2, 2), 2.2, rng.uniform(-2, 2)), (2.2, 2.1, 2.0), 3),))
+    light = np.zeros((3, seen.depth.size), np.float32)
+    light[:, s.pixel] = ambient_light(lights, s) + lamp_light(lights.lamps[0], s, caster.eye)
+    shape = (camera.height, camera.width)
+    amplitude, label = np.zeros(seen.depth.size, np.float32), np.zeros(seen.depth.size, np.uint16)
+    rays: Field = caster.room_rays[:, s.pixel]
+    amplitude[s.pixel] = s.infrared * np.maximum(-dot3(s.normal, rays) / norm3(rays), 0)
+    label[s.pixel] = s.label
+    scan = measure(
+        sensor,
+        seen.depth.reshape(shape),
+        label.reshape(shape),
+        amplitude.reshape(shape),
+        rng,
+    )
+    picture = develop(sensor, light.reshape(3, *shape), rng)
+    pixel = np.flatnonzero(scan.depth > 0)
+    xyz = (caster.rays[:, pixel] * scan.depth.ravel()[pixel]).T
+    frame = PointFrame(
+        np.ascontiguousarray(xyz, np.float32),
+        picture.reshape(-1, 3)[pixel],
+        viewpoint=np.zeros(3),
+        camera=camera,
+        pixel=pixel.astype(np.uint32),
+    )
+    return Labelled(frame, scan.label.ravel()[pixel], T_room_camera)
+
+
+def room_scan(seed: int, points: int = 200_000, views: int = 14) -> Labelled:
+    """Return a furnished room scanned from many views, about ``points`` points, y up."""
+    interior = Interior(seed)
+    rng = np.random.default_rng([seed, 47])
+    w, d = interior.width / 2 - 0.4, interior.depth / 2 - 0.4
+    sensor = Sensor(noise=0.6, nearest=0.3, farthest=9.0)
+    xyz, rgb, label = [], [], []
+    for k in range(views):
+        angle = 2 * math.pi * k / views + rng.uniform(-0.2, 0.2)
+        eye = vec(w * math.cos(angle), rng.uniform(1.3, 1.8), d * math.sin(angle))
+        aim = vec(-eye[0], rng.uniform(0.1, 1.2), -eye[2]) * rng.uniform(0.1, 0.8)
+        if k % 2:
+            aim = _somewhere(interior.solids, eye, rng, 5.0)
+        made = _view(interior.solids, look_at(eye, aim), WIDE, sensor, rng)
+        T = made.T_room_frame
+        room = made.frame.xyz @ T[:3, :3].T + T[:3, 3]
+        xyz.append(room + rng.normal(0, SCAN_NOISE, room.shape))
+        rgb.append(made.frame.rgb)
+        label.append(made.instance)
+    every, colours = np.concatenate(xyz), np.concatenate([c for c in rgb if c is not None])
+    kept = _thinned(every, points, rng)
+    frame = PointFrame(every[kept].astype(np.float32), colours[kept])
+    return Labelled(frame, np.concatenate(label)[kept], np.eye(4))
+
+
+def _thinned(xyz: Array, points: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Numbers of about ``points`` points, spread evenly: the first of each small cube."""
+    size = 0.008
+    order = rng.permutation(len(xyz))
+    while True:
+        cube = np.floor(xyz[order] / size).astype(np.int64) + 2**19
+        key = (cube[:, 0] << 40) | (cube[:, 1] << 20) | cube[:, 2]
+        first = np.unique(key, return_index=True)[1]
+        if len(first) <= points:
+            return np.sort(order[first])
+        size *= 1.15

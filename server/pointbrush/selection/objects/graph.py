@@ -1,0 +1,208 @@
+"""The first graph: neighbouring cells, their normals, and what parts them along each edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.compiled import compiled
+from pointbrush.selection.objects.eigen import eigenvalues, eigenvector
+from pointbrush.selection.objects.options import GraphOptions, SensorKind
+from pointbrush.selection.objects.union import find
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+SIXTH = 6
+"""The neighbour whose distance tells the spacing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Graph:
+    """``normal`` (C, 3) of length 1; ``rough`` (C,) 0 flat .. 1/3; ``near`` (C, K) neighbours
+    and ``away`` (C, K) their distances, nearest first; ``edges`` (E, 2) cells with i < j.
+
+    ``across`` (E, 4): turn 1 - ni.nj, bend (concave above 0), Lab distance, length in metres.
+    """
+
+    normal: Floats
+    rough: Floats
+    near: Ints
+    away: Floats
+    edges: Ints
+    across: Floats
+
+
+def make_graph(
+    center: Floats,
+    lab: Floats,
+    viewpoint: Floats | None,
+    size: float,
+    sensor: SensorKind,
+    options: GraphOptions,
+) -> Graph:
+    """Return the graph of cells (C, 3); ``viewpoint`` (3,) in the same coordinates."""
+    count = len(center)
+    k = min(options.neighbours + 1, count)
+    tree = cKDTree(center, leafsize=12, balanced_tree=False, compact_nodes=False)
+    away, near = tree.query(center, k=max(k, 2))
+    near, away = np.asarray(near, np.int64)[:, 1:k], np.asarray(away, np.float64)[:, 1:k]
+    normal, rough = _normals(center, near)
+    reach = _reaches(center, away, viewpoint, size, sensor, options)
+    linked = near.shape[1] if sensor == "lidar" else min(options.linked, near.shape[1])
+    edges = _edges(near, away, reach, linked)
+    if viewpoint is not None:
+        flip = np.einsum("ij,ij->i", normal, viewpoint - center) < 0
+        normal[flip] *= -1
+    else:
+        _orient(normal, center, edges, _steepness(normal, edges))
+    return Graph(normal, rough, near, away, edges, across_edges(center, normal, lab, edges))
+
+
+def _reaches(
+    center: Floats,
+    away: Floats,
+    viewpoint: Floats | None,
+    size: float,
+    sensor: SensorKind,
+    options: GraphOptions,
+) -> Floats:
+    """Longest edge (C,) of each cell, metres."""
+    if sensor == "lidar":
+        origin = np.zeros(3) if viewpoint is None else viewpoint
+        distance = np.linalg.norm(center - origin, axis=1)
+        return np.asarray(options.lidar_reach + options.lidar_reach_per_metre * distance)
+    if away.shape[1] == 0:
+        return np.zeros(len(center))
+    spacing = away[:, min(SIXTH, away.shape[1]) - 1]
+    return np.minimum(options.reach_spacings * spacing, options.reach_cells * size)
+
+
+@compiled
+def _normals(center: Floats, near: Ints) -> tuple[Floats, Floats]:
+    """Normals (C, 3), of either sign, and roughness (C,) by each cell's neighbours."""
+    count, k = near.shape
+    normal, rough = np.empty((count, 3)), np.empty(count)
+    for i in range(count):
+        sx = sy = sz = xx = xy = xz = yy = yz = zz = 0.0
+        for s in range(k):
+            j = near[i, s]
+            x, y, z = (
+                center[j, 0] - center[i, 0],
+                center[j, 1] - center[i, 1],
+                center[j, 2] - center[i, 2],
+            )
+            sx += x
+            sy += y
+            sz += z
+            xx += x * x
+            xy += x * y
+            xz += x * z
+            yy += y * y
+            yz += y * z
+            zz += z * z
+        n = k + 1.0
+        xx, xy, xz = xx / n - sx * sx / n / n, xy / n - sx * sy / n / n, xz / n - sx * sz / n / n
+        yy, yz, zz = yy / n - sy * sy / n / n, yz / n - sy * sz / n / n, zz / n - sz * sz / n / n
+        low, middle, high = eigenvalues(xx, xy, xz, yy, yz, zz)
+        total = low + middle + high
+        normal[i, 0], normal[i, 1], normal[i, 2] = eigenvector(xx, xy, xz, yy, yz, zz, low)
+        rough[i] = max(low, 0.0) / total if total > 1e-18 else 0.0
+    return normal, rough
+
+
+@compiled
+def _edges(near: Ints, away: Floats, reach: Floats, linked: int) -> Ints:
+    """Pairs (E, 2), i < j, each once, of cells of which one has the other in reach."""
+    count = len(near)
+    pairs = np.empty((count * linked, 2), np.int64)
+    made = 0
+    for i in range(count):
+        for s in range(linked):
+            j = near[i, s]
+            if away[i, s] > reach[i]:
+                break
+            twice = False
+            if j < i:
+                for r in range(linked):
+                    if away[j, r] > reach[j]:
+                        break
+                    if near[j, r] == i:
+                        twice = True
+                        break
+            if not twice:
+                pairs[made, 0], pairs[made, 1] = min(i, j), max(i, j)
+                made += 1
+    return pairs[:made].copy()
+
+
+def _steepness(normal: Floats, edges: Ints) -> Ints:
+    """Order (E,) of the edges by how little the normals turn along them, signs aside."""
+    turn = 1.0 - np.abs(np.einsum("ij,ij->i", normal[edges[:, 0]], normal[edges[:, 1]]))
+    return np.argsort(turn, kind="stable")
+
+
+@compiled
+def _orient(normal: Floats, center: Floats, edges: Ints, order: Ints) -> None:
+    """Give the normals like signs along a spanning tree, then turn them to the scene's middle."""
+    count = len(normal)
+    parent, size = np.arange(count), np.ones(count, np.int64)
+    # Members of a component in a ring, so that the smaller one can be flipped as a whole.
+    following = np.arange(count)
+    for e in order:
+        i, j = edges[e, 0], edges[e, 1]
+        a, b = find(parent, i), find(parent, j)
+        if a == b:
+            continue
+        if size[a] < size[b]:
+            a, b = b, a
+        dot = 0.0
+        for k in range(3):
+            dot += normal[i, k] * normal[j, k]
+        if dot < 0:
+            member = b
+            while True:
+                for k in range(3):
+                    normal[member, k] = -normal[member, k]
+                member = following[member]
+                if member == b:
+                    break
+        parent[b] = a
+        size[a] += size[b]
+        following[a], following[b] = following[b], following[a]
+    middle = np.zeros(3)
+    for i in range(count):
+        for k in range(3):
+            middle[k] += center[i, k] / count
+    toward = np.zeros(count)
+    for i in range(count):
+        root = find(parent, i)
+        for k in range(3):
+            toward[root] += normal[i, k] * (middle[k] - center[i, k])
+    for i in range(count):
+        if toward[find(parent, i)] < 0:
+            for k in range(3):
+                normal[i, k] = -normal[i, k]
+
+
+@compiled
+def across_edges(center: Floats, normal: Floats, lab: Floats, edges: Ints) -> Floats:
+    """Turn, bend, colour distance and length (E, 4) of each edge."""
+    across = np.empty((len(edges), 4))
+    for e in range(len(edges)):
+        i, j = edges[e, 0], edges[e, 1]
+        dot = bend = colour = length = 0.0
+        for k in range(3):
+            way = center[j, k] - center[i, k]
+            dot += normal[i, k] * normal[j, k]
+            bend += (normal[i, k] - normal[j, k]) * way
+            colour += (lab[i, k] - lab[j, k]) ** 2
+            length += way * way
+        length = np.sqrt(length)
+        across[e, 0] = 1.0 - dot
+        across[e, 1] = bend / max(length, 1e-12)
+        across[e, 2] = np.sqrt(colour)
+        across[e, 3] = length
+    return across

@@ -1,0 +1,192 @@
+"""Tunable numbers of object selection, each with its unit, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Literal
+
+from pointbrush.errors import BadInputError
+
+SensorKind = Literal["camera", "lidar", "room"]
+"""One view of a depth camera; one turn of a spinning lidar; a scan joined from many views."""
+
+SENSOR_KINDS: tuple[SensorKind, ...] = ("camera", "lidar", "room")
+
+
+def _above_zero(options: object) -> None:
+    """Raise BadInputError unless every number of an options object is above 0."""
+    for each in fields(options):  # type: ignore[arg-type]
+        value = getattr(options, each.name)
+        if not value > 0:
+            raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class CellOptions:
+    """Sizes of the cubes that stand for the points in them."""
+
+    size: float = 0.02
+    """Metres; tried first for rooms and depth cameras."""
+    lidar_size: float = 0.10
+    """Metres; tried first for lidar."""
+    fewest: int = 60_000
+    """Cells; with fewer a smaller size is tried, as far as the points are that close."""
+    lidar_fewest: int = 30_000
+    """The same for lidar."""
+    most: int = 160_000
+    """Cells; with more a larger size is taken."""
+    points_per_cell: float = 1.4
+    """Points; cells are not made so small that they hold fewer on average."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+        fewest = max(self.fewest, self.lidar_fewest)
+        if fewest > self.most:
+            raise BadInputError(f"fewest: expected at most {self.most} cells, got {fewest}")
+
+
+@dataclass(frozen=True, slots=True)
+class GroundOptions:
+    """Ground under a lidar."""
+
+    column: float = 1.0
+    """Metres; edge of a column of the plan."""
+    most_columns: int = 1_000_000
+    """Columns; wider frames get larger ones."""
+    fewest_points: int = 5
+    """Cells in a column that has a ground height of its own."""
+    decile: float = 0.1
+    """Share of a column's cells that lie below its ground height."""
+    ghost_depth: float = 0.6
+    """Metres under its surroundings at which a column is a reflection, not ground."""
+    slope: float = 0.2
+    """Metres up per metre along; ground is not steeper."""
+    sweeps: int = 30
+    """Passes over the columns while the slope is made to hold."""
+    clearance: float = 0.2
+    """Metres over the ground above which a cell is no part of it."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class GraphOptions:
+    """Neighbours of cells, and the edges of the first graph."""
+
+    neighbours: int = 12
+    """Cells round a cell that give its normal."""
+    linked: int = 7
+    """Of these, cells that it may have edges to (rooms and depth cameras)."""
+    reach_spacings: float = 2.5
+    """Times the distance of the sixth neighbour; edges are shorter."""
+    reach_cells: float = 6.0
+    """Times the cell size; edges are shorter."""
+    lidar_reach: float = 0.3
+    """Metres; edges of lidar are shorter than this and a share of the range."""
+    lidar_reach_per_metre: float = 0.012
+    """Metres per metre of range."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class PieceOptions:
+    """The first, small pieces (Felzenszwalb and Huttenlocher, IJCV 2004)."""
+
+    scale: float = 0.03
+    """Weight times cells; larger makes larger pieces."""
+    lidar_scale: float = 0.2
+    """The same for lidar."""
+    colour: float = 0.002
+    """Weight of one unit of CIE Lab distance."""
+    fewest: int = 8
+    """Cells of the smallest piece, as far as it has neighbours."""
+    lidar_fewest: int = 3
+    """The same for lidar."""
+    ground_step: float = 10.0
+    """Weight added between ground and what is above it (lidar)."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeOptions:
+    """Links between detached components, for the merge tree alone."""
+
+    links: int = 4
+    """Links from a component to others, the shortest."""
+    reach: float = 0.3
+    """Metres, depth camera."""
+    lidar_reach: float = 2.5
+    """Metres, lidar."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class LadderOptions:
+    """Levels that are offered for a click."""
+
+    levels: int = 6
+    """Candidates shown at most."""
+    closest: float = 0.75
+    """Size ratio above which two candidates are as good as the same."""
+    closest_after: float = 0.93
+    """The same once something is taken: corrections are small."""
+    times: int = 40
+    """Unions over merge times that are looked at."""
+    keep: float = 0.02
+    """Score by which another candidate must be better than what was taken, to be shown first."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+        for name in ("closest", "closest_after"):
+            if getattr(self, name) >= 1:
+                raise BadInputError(f"{name}: expected a ratio below 1, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, slots=True)
+class PatchOptions:
+    """What a click changes at least of the points taken so far."""
+
+    least_cells: float = 1.5
+    """Times the cell size; the smallest radius of a patch."""
+    whole_share: float = 0.5
+    """Share of a piece from which on a patch is the whole piece."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectOptions:
+    """All of them."""
+
+    cells: CellOptions = field(default_factory=CellOptions)
+    ground: GroundOptions = field(default_factory=GroundOptions)
+    graph: GraphOptions = field(default_factory=GraphOptions)
+    pieces: PieceOptions = field(default_factory=PieceOptions)
+    bridges: BridgeOptions = field(default_factory=BridgeOptions)
+    patches: PatchOptions = field(default_factory=PatchOptions)
+    ladder: LadderOptions = field(default_factory=LadderOptions)
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        self.cells.check()
+        self.ground.check()
+        self.graph.check()
+        self.pieces.check()
+        self.bridges.check()
+        self.patches.check()
+        self.ladder.check()

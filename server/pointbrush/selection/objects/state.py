@@ -1,0 +1,136 @@
+"""What is prepared of a frame, so that a click is answered at once."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.selection.objects.options import SENSOR_KINDS, SensorKind
+from pointbrush.selection.objects.tree import MergeTree
+
+VERSION = 1
+"""Of the file; a state of another version is prepared anew."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectFrame:
+    """Points of one frame as selection sees them: stored order, local coordinates, metres.
+
+    ``xyz`` (N, 3); ``rgb`` (N, 3) uint8 or None; ``intensity`` (N,) or None; ``viewpoint`` (3,)
+    of the sensor or None; ``T_room_local`` (4, 4) stands it on its floor, y up.
+    """
+
+    xyz: NDArray[np.floating]
+    rgb: NDArray[np.uint8] | None = None
+    intensity: NDArray[np.floating] | None = None
+    viewpoint: NDArray[np.float64] | None = None
+    sensor: SensorKind = "room"
+    T_room_local: NDArray[np.float64] | None = None
+
+    def check(self) -> None:
+        """Raise BadInputError for arrays of the wrong shape and unknown sensors."""
+        if self.xyz.ndim != 2 or self.xyz.shape[1] != 3:
+            raise BadInputError(f"xyz: expected (N, 3), got {self.xyz.shape}")
+        for name, column, shape in (
+            ("rgb", self.rgb, self.xyz.shape),
+            ("intensity", self.intensity, self.xyz.shape[:1]),
+            ("viewpoint", self.viewpoint, (3,)),
+            ("T_room_local", self.T_room_local, (4, 4)),
+        ):
+            if column is not None and column.shape != shape:
+                raise BadInputError(f"{name}: expected {shape}, got {column.shape}")
+        if self.sensor not in SENSOR_KINDS:
+            raise BadInputError(
+                f"sensor: expected one of {', '.join(SENSOR_KINDS)}, got {self.sensor!r}"
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectState:
+    """Cells, pieces and merge tree of a frame; its arrays cannot be written to.
+
+    ``of_point`` (N,) int32 cell of each point, -1 for one without finite coordinates;
+    ``center`` (C, 3) float32 local metres; ``piece`` (C,) int32 piece of each cell;
+    ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries.
+    """
+
+    size: float
+    of_point: NDArray[np.int32]
+    center: NDArray[np.float32]
+    piece: NDArray[np.int32]
+    pairs: NDArray[np.int32]
+    between: NDArray[np.float32]
+    parent: NDArray[np.int32]
+    score: NDArray[np.float32]
+    sums: NDArray[np.float64]
+    first: NDArray[np.float32]
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    @property
+    def piece_count(self) -> int:
+        """Number of pieces; the tree's further nodes come after them."""
+        return len(self.sums) - int(np.isfinite(self.score).sum())
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all arrays."""
+        return sum(getattr(self, each.name).nbytes for each in fields(self) if each.name != "size")
+
+    def save(self, path: Path) -> None:
+        """Write to a file (.npz)."""
+        arrays: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(self)}
+        with path.open("wb") as file:
+            np.savez(file, version=np.array(VERSION), **arrays)
+
+    @classmethod
+    def load(cls, path: Path) -> ObjectState:
+        """Read a file that ``save`` wrote.
+
+        Raises BadInputError for one of another version and for anything else.
+        """
+        try:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+                if int(stored["version"]) != VERSION:
+                    raise BadInputError(
+                        f"{path.name}: expected version {VERSION}, got {stored['version']}"
+                    )
+                values: dict[str, Any] = {each.name: stored[each.name] for each in fields(cls)}
+        except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            raise BadInputError(f"{path.name}: expected a saved object state: {error}") from None
+        size = float(values.pop("size"))
+        return cls(size=size, **values)
+
+
+def state_of(
+    size: float,
+    of_point: NDArray[np.int32],
+    center: NDArray[np.float64],
+    piece: NDArray[np.int64],
+    pairs: NDArray[np.int64],
+    between: NDArray[np.float64],
+    tree: MergeTree,
+) -> ObjectState:
+    """Return the state in the types that it is kept in."""
+    return ObjectState(
+        size,
+        of_point,
+        center.astype(np.float32),
+        piece.astype(np.int32),
+        pairs.astype(np.int32),
+        between.astype(np.float32),
+        tree.parent.astype(np.int32),
+        tree.score.astype(np.float32),
+        tree.sums,
+        tree.first.astype(np.float32),
+    )

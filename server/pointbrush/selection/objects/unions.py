@@ -1,0 +1,167 @@
+"""Regions that clicks can mean: unions of nodes of the merge tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled
+from pointbrush.selection.objects import sums
+from pointbrush.selection.objects.clicks import Clicks
+from pointbrush.selection.objects.state import ObjectState
+from pointbrush.selection.objects.taken import Taken
+
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+STEP = 1.03
+"""Times its size by which a union must grow to be another one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unions:
+    """n regions: ``masks`` (n, P) pieces; ``made``, ``ended`` (n,) log odds of the merges that
+    made a region and that takes it further; ``origin`` (n,) 0 tree, 1 added, 2 taken away, 3 kept.
+    """
+
+    masks: Mask
+    made: NDArray[np.float64]
+    ended: NDArray[np.float64]
+    origin: Ints
+
+    def __len__(self) -> int:
+        return len(self.masks)
+
+
+def find_unions(
+    state: ObjectState, wanted: Clicks, unwanted: Clicks, taken: Taken | None, most: int
+) -> Unions:
+    """Return the regions that hold the wanted clicks and none of the unwanted ones.
+
+    What can be added to ``taken`` and removed from it is offered besides; the last region is then
+    that of ``taken`` itself.
+    """
+    n = state.piece_count
+    nothing = np.zeros(n, np.bool_)
+    found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, 0)]
+    if taken is not None:
+        if len(taken.missed):
+            found.append(_over_times(state, taken.missed, unwanted.piece, most, taken.pieces, 1))
+        if len(taken.surplus):
+            less = _over_times(state, taken.surplus, wanted.piece, most, nothing, 2)
+            found.append(replace(less, masks=taken.pieces & ~less.masks))
+    every = _once(_joined(found))
+    if taken is None:
+        return every
+    zero = np.zeros(1)
+    kept = Unions(taken.pieces[None], zero, zero, np.full(1, 3))
+    return _joined([every, kept])
+
+
+def _joined(parts: list[Unions]) -> Unions:
+    return Unions(
+        np.concatenate([part.masks for part in parts]),
+        np.concatenate([part.made for part in parts]),
+        np.concatenate([part.ended for part in parts]),
+        np.concatenate([part.origin for part in parts]),
+    )
+
+
+def _once(unions: Unions) -> Unions:
+    """The same without repeated masks; the first stays."""
+    packed = np.packbits(unions.masks, axis=1)
+    _, first = np.unique(packed, axis=0, return_index=True)
+    kept = np.sort(first)
+    return Unions(unions.masks[kept], unions.made[kept], unions.ended[kept], unions.origin[kept])
+
+
+def _over_times(
+    state: ObjectState, seeds: Ints, blocked: Ints, most: int, base: Mask, origin: int
+) -> Unions:
+    """Unions, over merge times, of each seed's largest node so far that no blocked piece is in."""
+    chains = [_chain(state.parent, int(seed), blocked) for seed in np.unique(seeds)]
+    times = np.unique(np.concatenate(chains)) if chains else np.empty(0, np.int64)
+    if len(times) == 0:
+        nothing = np.empty(0)
+        return Unions(np.empty((0, len(base)), np.bool_), nothing, nothing, np.empty(0, np.int64))
+    reached = np.stack([chain[np.searchsorted(chain, times, "right") - 1] for chain in chains], 1)
+    # A seed whose chain begins later than a time has its own piece until then.
+    starts = np.array([chain[0] for chain in chains])
+    reached = np.maximum(reached, starts)
+    sizes = _sizes(reached, state.sums[:, sums.COUNT])
+    kept = _spread(sizes, most)
+    score = state.score.astype(np.float64)
+    made = np.where(times[kept] < len(base), 8.0, np.minimum(score[times[kept]], 8.0))
+    masks = _masks(state.parent, reached[kept], len(base)) | base
+    return Unions(masks, made, _after(state, reached[kept]), np.full(len(kept), origin))
+
+
+def _after(state: ObjectState, reached: Ints) -> NDArray[np.float64]:
+    """Greatest log odds (n,) of the merges that take the nodes further, -8 for none."""
+    parents = state.parent[reached].astype(np.int64)
+    odds = np.where(parents >= 0, state.score[np.maximum(parents, 0)], -8.0)
+    return np.asarray(np.clip(odds.max(axis=1), -8.0, 8.0), np.float64)
+
+
+def _chain(parent: NDArray[np.int32], piece: int, blocked: Ints) -> Ints:
+    """A piece and its ancestors that hold no blocked piece, ascending."""
+    barred = _ancestors(parent, blocked)
+    chain, node = [piece], int(parent[piece])
+    while node >= 0 and not barred[node]:
+        chain.append(node)
+        node = int(parent[node])
+    return np.array(chain, np.int64)
+
+
+@compiled
+def _ancestors(parent: NDArray[np.int32], pieces: Ints) -> Mask:
+    """Which nodes hold one of the pieces."""
+    held = np.zeros(len(parent), np.bool_)
+    for piece in pieces:
+        node = piece
+        while node >= 0 and not held[node]:
+            held[node] = True
+            node = parent[node]
+    return held
+
+
+@compiled
+def _sizes(reached: Ints, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cells (n,) of the unions of nodes (n, seeds), each node once."""
+    total = np.zeros(len(reached))
+    for i in range(len(reached)):
+        for s in range(reached.shape[1]):
+            again = False
+            for r in range(s):
+                again |= reached[i, r] == reached[i, s]
+            if not again:
+                total[i] += size[reached[i, s]]
+    return total
+
+
+def _spread(sizes: NDArray[np.float64], most: int) -> Ints:
+    """Numbers of at most ``most`` sizes, ascending: the last ones before a growth by a step."""
+    step = STEP
+    while True:
+        growth = np.append(sizes[1:] / sizes[:-1], np.inf)
+        kept = np.flatnonzero(growth >= step)
+        if len(kept) <= most:
+            return kept
+        step = 1 + 1.3 * (step - 1)
+
+
+@compiled
+def _masks(parent: NDArray[np.int32], reached: Ints, pieces: int) -> Mask:
+    """Pieces (n, P) under the nodes (n, seeds)."""
+    masks = np.zeros((len(reached), pieces), np.bool_)
+    inside = np.zeros(len(parent), np.bool_)
+    for i in range(len(reached)):
+        inside[:] = False
+        for s in range(reached.shape[1]):
+            inside[reached[i, s]] = True
+        for node in range(len(parent) - 1, -1, -1):
+            if parent[node] >= 0 and inside[parent[node]]:
+                inside[node] = True
+        masks[i] = inside[:pieces]
+    return masks

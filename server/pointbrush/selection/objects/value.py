@@ -1,0 +1,202 @@
+"""What the value model is asked of a candidate, and its answer: the IoU to expect."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.selection.objects import shape, sums
+from pointbrush.selection.objects.clicks import Clicks
+from pointbrush.selection.objects.forest import Forest, answer
+from pointbrush.selection.objects.state import ObjectState
+from pointbrush.selection.objects.unions import Unions
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+VALUES = 54
+"""Numbers of a candidate."""
+REGION, CUT, CLICKS, HISTORY, STEPS = 0, 23, 31, 39, 45
+FAR = 1e3
+"""Metres; stands for no such cell."""
+
+
+def value_features(
+    state: ObjectState, unions: Unions, wanted: Clicks, unwanted: Clicks, mask: Mask | None
+) -> Floats:
+    """Return the numbers (n, VALUES) of candidates, in the order of ``unions``."""
+    pieces = state.piece_count
+    leaves, masks = state.sums[:pieces], unions.masks
+    out = np.zeros((len(masks), VALUES))
+    total = np.empty((len(masks), sums.WIDTH))
+    total[:, : sums.ADDED] = masks.astype(np.float64) @ leaves[:, : sums.ADDED]
+    _bounds(masks, leaves, total)
+    cut = _cut(masks, state.pairs, state.between, state.first)
+    _regions(total, cut, state.size**2, out)
+    out[:, CLICKS : CLICKS + 4] = _reach(masks, wanted)
+    out[:, CLICKS + 4] = np.minimum(_nearest(masks, unwanted), FAR)
+    out[:, CLICKS + 5], out[:, CLICKS + 6] = len(wanted), len(unwanted)
+    out[:, CLICKS + 7] = out[:, CLICKS] / np.maximum(out[:, CLICKS + 3], 1e-3)
+    _history(leaves[:, sums.COUNT], unions, mask, out[:, HISTORY:STEPS])
+    _steps(total[:, sums.COUNT], out[:, REGION + 4], unions, out[:, STEPS:])
+    return out
+
+
+@compiled
+def values(
+    features: Floats,
+    feature: NDArray[np.int16],
+    threshold: NDArray[np.float32],
+    left: NDArray[np.int32],
+    right: NDArray[np.int32],
+    roots: NDArray[np.int32],
+) -> Floats:
+    """Return the expected IoU (n,) of candidates by their numbers (n, VALUES)."""
+    result = np.empty(len(features))
+    for i in range(len(features)):
+        result[i] = answer(feature, threshold, left, right, roots, features[i])
+    return result
+
+
+def expected_iou(features: Floats, model: Forest) -> Floats:
+    """Return the expected IoU (n,), 0 to 1."""
+    return np.asarray(np.clip(values(features, *model), 0.0, 1.0))
+
+
+@compiled
+def _bounds(masks: Mask, leaves: Floats, total: Floats) -> None:
+    for i in range(len(masks)):
+        for k in range(3):
+            total[i, sums.LOW + k], total[i, sums.HIGH + k] = np.inf, -np.inf
+        for p in range(masks.shape[1]):
+            if masks[i, p]:
+                for k in range(3):
+                    low, high = sums.LOW + k, sums.HIGH + k
+                    total[i, low] = min(total[i, low], leaves[p, low])
+                    total[i, high] = max(total[i, high], leaves[p, high])
+
+
+@compiled
+def _cut(
+    masks: Mask, pairs: NDArray[np.int32], between: NDArray[np.float32], odds: NDArray[np.float32]
+) -> Floats:
+    """Sums (n, 9) over the boundary: the six of a pair, edges times probability, its greatest;
+    the last is the mean probability inside."""
+    out = np.zeros((len(masks), 9))
+    chance = 1.0 / (1.0 + np.exp(-odds.astype(np.float64)))
+    for i in range(len(masks)):
+        inner = edges = 0.0
+        for b in range(len(pairs)):
+            one, other = masks[i, pairs[b, 0]], masks[i, pairs[b, 1]]
+            if one and other:
+                inner += between[b, 0] * chance[b]
+                edges += between[b, 0]
+            elif one or other:
+                for k in range(6):
+                    out[i, k] += between[b, k]
+                out[i, 6] += between[b, 0] * chance[b]
+                out[i, 7] = max(out[i, 7], chance[b])
+        out[i, 8] = inner / edges if edges > 0 else 1.0
+    return out
+
+
+@compiled
+def _regions(total: Floats, cut: Floats, area: float, out: Floats) -> None:
+    for i in range(len(total)):
+        _region(total[i], cut[i], area, out[i])
+
+
+@innermost
+def _region(row: Floats, cut: Floats, area: float, out: Floats) -> None:
+    n, at = row[sums.COUNT], REGION
+    out[at], out[at + 1] = np.log(n), np.log(n * area)
+    shape.extents(row, out[at + 2 : at + 5])
+    low, middle, high = out[at + 2], out[at + 3], out[at + 4]
+    out[at + 5] = low / max(high, 1e-6)
+    out[at + 6] = middle / max(high, 1e-6)
+    out[at + 7] = shape.colour_spread(row)
+    out[at + 8], out[at + 9] = row[sums.ROUGH] / n, row[sums.STEEP] / n
+    out[at + 10] = shape.normal_length(row)
+    shape.box(row, out[at + 11 : at + 14])
+    out[at + 14], out[at + 15] = row[sums.LOW + 2], row[sums.HIGH + 2]
+    out[at + 16] = row[sums.XYZ + 2] / n
+    # How much of its upright box, and of its own extent, a region fills.
+    out[at + 17] = np.log(n * area / max(out[at + 12] * (out[at + 11] + out[at + 13]), 1e-6))
+    out[at + 18] = np.log(n * area / max(high * middle, 1e-6))
+    variance = 0.0
+    for k in range(3):
+        mean = row[sums.LAB + k] / n
+        out[at + 19 + k] = np.sqrt(max(row[sums.LAB_SQUARES + k] / n - mean * mean, 0.0))
+        variance += out[at + 19 + k]
+    out[at + 22] = variance
+    at, edges = CUT, max(cut[0], 1.0)
+    out[at], out[at + 1] = cut[0] / np.sqrt(n), cut[0] / n
+    for k in range(4):
+        out[at + 2 + k] = cut[1 + k] / edges
+    out[at + 6] = cut[6] / edges
+    out[at + 7] = cut[7] - cut[8]
+
+
+@compiled
+def _reach_loop(masks: Mask, nearest: Floats, farthest: Floats) -> Floats:
+    """Least and mean distance (n, 4) from a click to the nearest outside; mean and greatest to
+    the farthest inside."""
+    out = np.zeros((len(masks), 4))
+    clicks = len(nearest)
+    for i in range(len(masks)):
+        out[i, 0] = np.inf
+        for k in range(clicks):
+            outside, inside = FAR, 0.0
+            for p in range(masks.shape[1]):
+                if masks[i, p]:
+                    inside = max(inside, farthest[k, p])
+                else:
+                    outside = min(outside, nearest[k, p])
+            out[i, 0] = min(out[i, 0], outside)
+            out[i, 1] += outside / clicks
+            out[i, 2] += inside / clicks
+            out[i, 3] = max(out[i, 3], inside)
+    return out
+
+
+def _reach(masks: Mask, clicks: Clicks) -> Floats:
+    return _reach_loop(masks, clicks.nearest, clicks.farthest)
+
+
+def _nearest(masks: Mask, clicks: Clicks) -> Floats:
+    """Distance (n,) from an unwanted click to the nearest cell inside."""
+    if len(clicks) == 0:
+        return np.full(len(masks), FAR)
+    least = clicks.nearest.min(axis=0)
+    return np.asarray(np.where(masks, least, np.inf).min(axis=1))
+
+
+def _history(size: Floats, unions: Unions, mask: Mask | None, out: Floats) -> None:
+    """Write the overlap with the mask so far, growth, origin, and the scores of the merges."""
+    if mask is not None:
+        before = float(size[mask].sum())
+        both = (unions.masks & mask).astype(np.float64) @ size
+        now = unions.masks.astype(np.float64) @ size
+        out[:, 0] = both / np.maximum(before + now - both, 1.0)
+        out[:, 1] = np.log(np.maximum(now, 1.0) / max(before, 1.0))
+        out[:, 2] = 1.0
+    out[:, 3], out[:, 4], out[:, 5] = unions.made, unions.ended, unions.origin
+
+
+def _steps(size: Floats, reach: Floats, unions: Unions, out: Floats) -> None:
+    """Write size and reach against the next smaller and larger candidate, and scores beside."""
+    order = np.argsort(size, kind="stable")
+    ranked, far = np.log(size[order]), np.log(np.maximum(reach[order], 1e-4))
+    rows = out[order]
+    none = 3.0
+    rows[:, 0] = np.diff(ranked, append=ranked[-1:] + none)
+    rows[:, 1] = np.diff(ranked, prepend=ranked[:1] - none)
+    rows[:, 2] = np.diff(far, append=far[-1:] + none)
+    rows[:, 3] = np.diff(far, prepend=far[:1] - none)
+    ended = unions.ended[order]
+    rows[:, 4] = np.maximum.accumulate(ended[::-1])[::-1]
+    rows[:, 5] = np.minimum.accumulate(np.append(8.0, ended[:-1]))
+    rows[:, 6] = ended - rows[:, 5]
+    rows[:, 7] = np.arange(len(order)) / max(len(order) - 1, 1)
+    rows[:, 8] = unions.made[order] - ended
+    out[order] = rows

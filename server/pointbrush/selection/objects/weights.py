@@ -1,0 +1,57 @@
+"""Learnt weights: two forests in one file of the package (``benchmarks/train_selection.py``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pointbrush.selection.objects.forest import Forest
+
+FILE = Path(__file__).with_name("weights.npz")
+
+
+class Weights(NamedTuple):
+    """``merge`` says which pieces are one object, ``value`` how good a candidate is."""
+
+    merge: Forest
+    value: Forest
+
+
+@cache
+def built_in() -> Weights:
+    """Return the weights of the package."""
+    return load_weights(FILE)
+
+
+def load_weights(path: Path) -> Weights:
+    """Return the weights in a file."""
+    with np.load(path) as stored:
+        return Weights(_forest(stored, "merge"), _forest(stored, "value"))
+
+
+def save_weights(path: Path, weights: Weights) -> None:
+    """Write weights; children are kept as steps from their node, which pack better."""
+    arrays: dict[str, Any] = {}
+    for name, forest in weights._asdict().items():
+        here = np.arange(len(forest.feature))
+        arrays[f"{name}_feature"] = forest.feature.astype(np.int8)
+        arrays[f"{name}_threshold"] = forest.threshold
+        arrays[f"{name}_left"] = (forest.left - here).astype(np.int16)
+        arrays[f"{name}_right"] = (forest.right - here).astype(np.int16)
+        arrays[f"{name}_roots"] = forest.roots
+    np.savez_compressed(path, **arrays)
+
+
+def _forest(stored: Mapping[str, Any], name: str) -> Forest:
+    here = np.arange(len(stored[f"{name}_feature"]))
+    return Forest(
+        stored[f"{name}_feature"].astype(np.int16),
+        stored[f"{name}_threshold"].astype(np.float32),
+        (stored[f"{name}_left"] + here).astype(np.int32),
+        (stored[f"{name}_right"] + here).astype(np.int32),
+        stored[f"{name}_roots"].astype(np.int32),
+    )

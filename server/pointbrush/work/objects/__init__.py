@@ -1,0 +1,16 @@
+"""One click, one object: frames prepared ahead, clicks answered with nested candidates."""
+
+from pointbrush.work.objects.clicks import Clicks
+from pointbrush.work.objects.options import ObjectOptions
+from pointbrush.work.objects.service import Answer, Level, Objects, StaleCandidateError
+from pointbrush.work.objects.stroke import ObjectStroke
+
+__all__ = [
+    "Answer",
+    "Clicks",
+    "Level",
+    "ObjectOptions",
+    "ObjectStroke",
+    "Objects",
+    "StaleCandidateError",
+]

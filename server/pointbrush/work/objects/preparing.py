@@ -1,0 +1,127 @@
+"""Frames prepared ahead, one after another, in a process of their own."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from pointbrush.errors import PointbrushError
+from pointbrush.selection.selectors import Selector, StoredSelector, make_selector
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import open_sequence
+from pointbrush.work.objects.cache import StateFiles
+from pointbrush.work.objects.frames import object_frame
+from pointbrush.worker import local_processes
+
+logger = logging.getLogger(__name__)
+
+Wish = tuple[str, int]
+"""An import's identity and a frame of it."""
+Done = Callable[[Recording, int, object], None]
+"""Called with a prepared frame's state, or with None when it lies on disk."""
+
+
+class Preparer:
+    """Prepares the frames that are wished for, the newest wish first."""
+
+    def __init__(
+        self, selector: Selector, name: str, files: StateFiles, waiting: int, done: Done
+    ) -> None:
+        """``name`` is the selector's; at most ``waiting`` wishes wait."""
+        self._selector, self._name, self._files = selector, name, files
+        self._waiting, self._done = waiting, done
+        self._wishes: OrderedDict[Wish, tuple[Recording, int]] = OrderedDict()
+        self._working: Wish | None = None
+        self._failed: set[Wish] = set()
+        self._changed = threading.Condition()
+        self._closed = False
+        self._pool: ProcessPoolExecutor | None = None
+        self._thread: threading.Thread | None = None
+
+    def wish(self, recording: Recording, frames: list[int]) -> None:
+        """Have frames prepared, the first of them first."""
+        with self._changed:
+            for frame in reversed(frames):
+                wish = (recording.identity, frame)
+                if wish in self._failed or wish == self._working:
+                    continue
+                self._wishes[wish] = (recording, frame)
+                self._wishes.move_to_end(wish)
+            while len(self._wishes) > self._waiting:
+                self._wishes.popitem(last=False)
+            if self._thread is None and self._wishes and not self._closed:
+                self._thread = threading.Thread(
+                    target=self._run, name="pointbrush-objects", daemon=True
+                )
+                self._thread.start()
+            self._changed.notify()
+
+    def failed(self, recording: Recording, frame: int) -> bool:
+        """Return whether a frame was tried, in vain."""
+        return (recording.identity, frame) in self._failed
+
+    def close(self) -> None:
+        """End the process and the thread."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._pool is not None:
+            self._pool.shutdown(wait=False, cancel_futures=True)
+        if self._thread is not None:
+            self._thread.join()
+
+    def _run(self) -> None:
+        while (wish := self._next()) is not None:
+            recording, frame = wish
+            try:
+                self._prepare(recording, frame)
+            except (PointbrushError, BrokenExecutor, OSError, RuntimeError) as error:
+                if self._closed:
+                    return
+                self._pool = None
+                self._failed.add((recording.identity, frame))
+                logger.warning("frame %d is not prepared for the object tool: %s", frame, error)
+            except Exception:
+                # A plug-in may raise anything; the tool works on what is near then.
+                self._failed.add((recording.identity, frame))
+                logger.exception("frame %d is not prepared for the object tool", frame)
+            finally:
+                self._working = None
+
+    def _next(self) -> tuple[Recording, int] | None:
+        with self._changed:
+            while not self._wishes and not self._closed:
+                self._changed.wait()
+            if self._closed:
+                return None
+            self._working, wish = self._wishes.popitem()
+            return wish
+
+    def _prepare(self, recording: Recording, frame: int) -> None:
+        selector = self._selector
+        if not isinstance(selector, StoredSelector):
+            state = selector.prepare(object_frame(recording[frame], recording.manifest))
+            self._done(recording, frame, state)
+            return
+        target = self._files.path(recording.identity, self._name, selector.version, frame)
+        if not target.exists():
+            if self._pool is None:
+                self._pool = local_processes(1)
+            work = self._pool.submit(prepare_file, recording.path, frame, self._name, target)
+            if not work.result():
+                raise OSError("the state was not written: the disk is full or read-only")
+            self._files.prune()
+        self._done(recording, frame, None)
+
+
+def prepare_file(path: Path, frame: int, name: str, target: Path) -> bool:
+    """Prepare a frame and write its state; runs in a worker process."""
+    selector, recording = make_selector(name), open_sequence(path)
+    assert isinstance(selector, StoredSelector)  # noqa: S101 – others stay in the server
+    state = selector.prepare(object_frame(recording[frame], recording.manifest))
+    return StateFiles(target.parent, 0).write(target, partial(selector.save, state))

@@ -1,0 +1,102 @@
+"""A stroke that takes one candidate of the object tool, as one edit."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.labels import Commit, LabelStore
+from pointbrush.selection import Stroke
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.objects.service import Level, Objects
+from pointbrush.work.strokes import write_of
+
+REPLACED = uuid.UUID("6f0a6f9e-7d0e-5a3c-9c77-6f626a656374")
+"""Namespace of the undo that goes before a stroke that replaces another one."""
+
+
+class ObjectStroke:
+    """Takes what a ``LiveStroke`` takes and gives what it gives."""
+
+    def __init__(
+        self,
+        objects: Objects,
+        store: LabelStore,
+        recording: Recording,
+        frame: int,
+        fields: Mapping[str, Any],
+        stroke_id: str,
+    ) -> None:
+        """``fields``: the contract's stroke of shape ``object`` without samples.
+
+        ``replaces`` names this author's last edit, which is taken back first: an object that was
+        refined by another click stays one undo.
+        Raises BadInputError, NotFoundError (frame, label), LockedLabelError.
+        """
+        self._objects, self._store, self._recording = objects, store, recording
+        self.id, self.frame = stroke_id, frame
+        self._brush = Stroke.parse({**fields, "shape": "ray", "samples": []})
+        if self._brush.tool == "restore":
+            raise BadInputError("tool: expected paint, erase or delete for an object, got restore")
+        if self._brush.tool == "paint":
+            store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
+        self._fields = fields
+        self._samples: list[Mapping[str, Any]] = []
+        self.touched = 0
+
+    @property
+    def changing(self) -> int:
+        """Points taken so far: known only when it is committed."""
+        return self.touched
+
+    def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
+        """Take in positive clicks."""
+        self._samples.extend(samples)
+        return self.touched
+
+    def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
+        """Take in positive clicks, as ``LiveStroke.adding`` takes in samples: in one part."""
+        self.add(samples)
+        yield
+
+    def commit(self, author: str) -> Commit:
+        """Write the candidate as one edit, durable when this returns.
+
+        Raises StaleCandidateError, and ConflictError when ``replaces`` is not this author's last.
+        """
+        level = self._level()
+        self._take_back(author)
+        self.touched = len(level.numbers)
+        sequence = self._recording.manifest.id
+        return self._store.apply(
+            sequence,
+            edit_id=self.id,
+            author=author,
+            kind=self._brush.tool,
+            writes=[(self.frame, write_of(self._brush, level.numbers.astype(np.int64)))],
+            summary=f"{self._brush.tool} an object of {len(level.numbers):,} points",
+            identity=self._recording.identity,
+        )
+
+    def _level(self) -> Level:
+        fields = self._fields
+        clicks = self._objects.parse({**fields, "positives": self._samples})
+        candidate, level = fields.get("candidate") or "", fields.get("level")
+        return self._objects.take(self._recording, self.frame, clicks, str(candidate), level)
+
+    def _take_back(self, author: str) -> None:
+        replaced = self._fields.get("replaces")
+        if not replaced:
+            return
+        sequence = self._recording.manifest.id
+        undo_id = str(uuid.uuid5(REPLACED, self.id))
+        if self._store.find(sequence, undo_id) is not None:
+            return  # this stroke came before, and its answer was lost
+        last, _ = self._store.stacks(sequence, author)
+        if last is None or last.id != replaced:
+            raise ConflictError(f"replaces: expected your last edit, got {replaced}")
+        self._store.undo(sequence, author, undo_id)

@@ -1,0 +1,373 @@
+/**
+ * The object tool: asks the server what a click means, walks through the levels of the answer, and
+ * takes one.  Mouse, controller and hand use it alike.
+ */
+import type { CloudFrame } from '../cloud/frame';
+import { PREVIEW } from '../cloud/palette';
+import { DELETED } from '../cloud/piece';
+import type { Vec } from '../cloud/pick';
+import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
+import { state } from '../state';
+import type { PointerSample } from './sample';
+import type { Strokes } from './strokes';
+
+/** Overlay of what a click would take. */
+const OVERLAY = 'object';
+/** A level that was chosen after the click is taken once the wheel has rested, milliseconds. */
+const REST_MS = 300;
+/** Clicks of a stroke that is completed. */
+const MOST_OF_STROKE = 5;
+/** Distance between two rays that are one place, as a part of the unit direction. */
+const SAME_PLACE = 0.004;
+
+export interface ObjectDeps {
+  readonly send: (message: ClientMessage) => void;
+  readonly strokes: Strokes;
+  readonly frame: () => CloudFrame | null;
+  /** Source minus local coordinates. */
+  readonly shift: () => Vec;
+  /** What a click would do, in the words of the wire; null when it may not. */
+  readonly brush: () => Brush | null;
+  /** The picture must be drawn anew. */
+  readonly changed: () => void;
+  readonly later: (run: () => void, milliseconds: number) => () => void;
+}
+
+type Purpose = 'hover' | 'take' | 'complete';
+
+interface Clicks {
+  readonly positives: readonly Sample[];
+  readonly negatives: readonly Sample[];
+}
+
+interface Question extends Clicks {
+  readonly id: string;
+  readonly frame: CloudFrame;
+  readonly brush: Brush;
+  readonly purpose: Purpose;
+  /** Level to take when the answer comes; null: the first. */
+  readonly level: number | null;
+}
+
+interface Offer {
+  readonly question: Question;
+  readonly candidates: readonly { readonly id: string; readonly indices: Uint32Array }[];
+  readonly ready: boolean;
+  level: number;
+}
+
+/** An object that was taken, and is refined by further clicks. */
+interface Taken extends Clicks {
+  readonly frame: CloudFrame;
+  /** The stroke that took it: the next one takes its place. */
+  readonly edit: string;
+  /** Points of it. */
+  readonly indices: Uint32Array;
+  readonly candidate: string;
+}
+
+export class ObjectTool {
+  private offer: Offer | null = null;
+  private taken: Taken | null = null;
+  private asked: Question | null = null;
+  /** The newest place pointed at while an answer was awaited. */
+  private waiting: Sample | null = null;
+  private rest: (() => void) | null = null;
+  /** Strokes of ours that the server may call stale: what to ask again. */
+  private readonly sent = new Map<string, Question>();
+  /** The stroke that `complete` is about. */
+  private replaces: string | null = null;
+
+  constructor(private readonly deps: ObjectDeps) {}
+
+  /** The pointer is here: show what a click would take. */
+  hover(pointed: PointerSample): void {
+    if (this.offer?.question.purpose === 'complete') return;
+    const sample = this.sampleOf(pointed);
+    if (this.asked) {
+      if (this.asked.purpose === 'hover') this.waiting = sample;
+      return;
+    }
+    if (this.offer && same(this.offer.question.positives.at(-1), sample)) return;
+    if (this.taken) return;
+    this.ask({ positives: [sample], negatives: [] }, 'hover');
+  }
+
+  /** The pointer left the recording. */
+  leave(): void {
+    this.waiting = null;
+    if (this.offer?.question.purpose !== 'hover' || this.taken) return;
+    this.drop();
+  }
+
+  /** Walk through the levels; false when none are shown. */
+  step(levels: number): boolean {
+    const { offer } = this;
+    if (!offer || offer.candidates.length === 0) return false;
+    offer.level = Math.min(offer.candidates.length - 1, Math.max(0, offer.level + levels));
+    this.show();
+    if (!this.taken) return true;
+    this.rest?.();
+    const { positives, negatives } = this.taken;
+    this.rest = this.deps.later(() => {
+      this.rest = null;
+      if (this.taken) this.ask({ positives, negatives }, 'take', offer.level);
+    }, REST_MS);
+    return true;
+  }
+
+  /** Take what is shown; once something is taken, add what is pointed at, or `remove` it. */
+  click(pointed: PointerSample, remove = false): void {
+    const sample = this.sampleOf(pointed);
+    const { taken, offer } = this;
+    if (taken && taken.frame === this.deps.frame()) {
+      const positives = remove ? taken.positives : [...taken.positives, sample];
+      const negatives = remove ? [...taken.negatives, sample] : taken.negatives;
+      this.ask({ positives, negatives }, 'take');
+      return;
+    }
+    if (remove) return;
+    const here = offer?.question.purpose === 'hover' && offer.question.frame === this.deps.frame();
+    if (here && same(offer.question.positives[0], sample)) this.take(offer);
+    else this.ask({ positives: [sample], negatives: [] }, 'take');
+  }
+
+  /** A stroke was drawn: offer to complete it to the object. */
+  complete(samples: readonly PointerSample[], edit: string): void {
+    this.end();
+    this.replaces = edit;
+    const step = Math.max(1, Math.ceil(samples.length / MOST_OF_STROKE));
+    const chosen = samples.filter((_, i) => i % step === 0).slice(0, MOST_OF_STROKE);
+    if (chosen.length === 0) return;
+    this.ask({ positives: chosen.map((one) => this.sampleOf(one)), negatives: [] }, 'complete');
+  }
+
+  /** Accept what `complete` offers; false when it offers nothing. */
+  accept(): boolean {
+    if (this.offer?.question.purpose !== 'complete' || this.offer.candidates.length === 0)
+      return false;
+    this.take(this.offer);
+    return true;
+  }
+
+  /** Whether something is taken or offered that Escape would end. */
+  get active(): boolean {
+    return this.taken !== null || this.offer?.question.purpose === 'complete';
+  }
+
+  /** No more clicks belong to what was taken. */
+  end(): boolean {
+    const going = this.taken !== null || this.offer?.question.purpose === 'complete';
+    this.rest?.();
+    this.rest = null;
+    this.taken = null;
+    this.asked = null;
+    this.waiting = null;
+    this.replaces = null;
+    this.drop();
+    return going;
+  }
+
+  /** The link came back: what was asked on the old one is not answered any more. */
+  restart(): void {
+    this.asked = null;
+    this.waiting = null;
+  }
+
+  // ── what the server says ───────────────────────────────────────────────────────────────────
+
+  onCandidates(message: Candidates): void {
+    const question = this.asked;
+    if (question?.id !== message.id) return;
+    this.asked = null;
+    this.dropOverlay();
+    this.offer = {
+      question,
+      candidates: message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) })),
+      ready: message.ready,
+      level: clamp(question.level ?? message.first, message.candidates.length),
+    };
+    if (question.purpose === 'take' && message.candidates.length > 0) this.take(this.offer);
+    else this.show();
+    const next = this.waiting;
+    this.waiting = null;
+    if (next && !this.taken) this.ask({ positives: [next], negatives: [] }, 'hover');
+  }
+
+  /** A frame is prepared: what is shown of it may be better now. */
+  onPrepared(frame: number): void {
+    const { offer } = this;
+    if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
+    if (offer.question.purpose === 'hover' && !this.taken) this.ask(offer.question, 'hover');
+  }
+
+  /** The server refused a question or a stroke; true when it was ours and is asked again. */
+  onError(about: string, status: number): boolean {
+    if (this.asked?.id === about) {
+      this.asked = null;
+      this.drop();
+      return false;
+    }
+    const question = this.sent.get(about);
+    this.sent.delete(about);
+    if (!question) return false;
+    this.taken = null;
+    if (status !== 409) return false;
+    // Somebody painted meanwhile: the same clicks, on what is there now.
+    this.ask(question, 'take', question.level);
+    return true;
+  }
+
+  /** A stroke is durable. */
+  onResult(id: string): void {
+    this.sent.delete(id);
+  }
+
+  // ── asking and taking ──────────────────────────────────────────────────────────────────────
+
+  private ask(clicks: Clicks, purpose: Purpose, level: number | null = null): void {
+    const frame = this.deps.frame();
+    const brush = this.deps.brush();
+    if (!frame || !brush) return;
+    const { positives, negatives } = clicks;
+    const id = crypto.randomUUID();
+    this.asked = { id, frame, brush, purpose, level, positives, negatives };
+    const message: Ask = {
+      type: 'ask',
+      id,
+      frame: frame.index,
+      brush,
+      samples: [...positives],
+      negatives: [...negatives],
+      previous: this.taken?.candidate ?? '',
+    };
+    this.deps.send(message);
+  }
+
+  private take(offer: Offer): void {
+    const { question, level } = offer;
+    const chosen = offer.candidates[level];
+    if (!chosen) return;
+    const { frame, positives, negatives } = question;
+    const brush: Brush = {
+      ...question.brush,
+      candidate: chosen.id,
+      negatives: [...negatives],
+      previous: this.taken?.candidate ?? '',
+    };
+    const replaced = this.taken?.edit ?? this.replaces;
+    if (replaced !== null) brush.replaces = replaced;
+    this.replaces = null;
+    this.dropOverlay();
+    const [x, y, z] = this.deps.shift();
+    const stroke = this.deps.strokes.begin(frame, brush, [x, y, z]);
+    for (const { origin, direction } of positives) {
+      const [a, b, c] = origin;
+      stroke.add({
+        origin: [a - x, b - y, c - z],
+        direction: direction as [number, number, number],
+      });
+    }
+    frame.setOverlay(stroke.id, { indices: chosen.indices, values: this.valueOf(brush) });
+    stroke.end();
+    this.sent.set(stroke.id, { ...question, level });
+    const { indices } = chosen;
+    const candidate = chosen.id;
+    this.taken = { frame, edit: stroke.id, indices, candidate, positives, negatives };
+    this.tell();
+    this.deps.changed();
+  }
+
+  private sampleOf(pointed: PointerSample): Sample {
+    return sourceSample(pointed, this.deps.shift());
+  }
+
+  // ── showing ────────────────────────────────────────────────────────────────────────────────
+
+  private valueOf({ tool, label }: Brush): Uint16Array {
+    return Uint16Array.of(tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0);
+  }
+
+  /** While nothing is taken yet, what would be painted is lighter than its label. */
+  private previewOf(brush: Brush): Uint16Array {
+    return this.taken || brush.tool !== 'paint' ? this.valueOf(brush) : Uint16Array.of(PREVIEW);
+  }
+
+  private show(): void {
+    const { offer } = this;
+    const chosen = offer?.candidates[offer.level];
+    if (offer && chosen) {
+      const { frame, brush } = offer.question;
+      frame.setOverlay(OVERLAY, { indices: chosen.indices, values: this.previewOf(brush) });
+    } else this.dropOverlay();
+    this.tell();
+    this.deps.changed();
+  }
+
+  private tell(): void {
+    const { offer } = this;
+    if (!offer || offer.candidates.length === 0) {
+      state.object.value = offer
+        ? { levels: 0, level: 0, points: 0, ready: offer.ready, taken: false, completes: false }
+        : null;
+      return;
+    }
+    state.object.value = {
+      levels: offer.candidates.length,
+      level: offer.level,
+      points: offer.candidates[offer.level]!.indices.length,
+      ready: offer.ready,
+      taken: this.taken !== null,
+      completes: offer.question.purpose === 'complete',
+    };
+  }
+
+  private drop(): void {
+    this.dropOverlay();
+    this.offer = null;
+    this.tell();
+    this.deps.changed();
+  }
+
+  private dropOverlay(): void {
+    this.offer?.question.frame.dropOverlay(OVERLAY);
+  }
+}
+
+/** A sample in the source's coordinates. */
+export function sourceSample({ origin, direction }: PointerSample, shift: Vec): Sample {
+  return {
+    origin: [origin[0] + shift[0], origin[1] + shift[1], origin[2] + shift[2]],
+    direction: [...direction],
+  };
+}
+
+function clamp(level: number, levels: number): number {
+  return Math.max(0, Math.min(level, levels - 1));
+}
+
+function same(one: Sample | undefined, other: Sample): boolean {
+  if (!one) return false;
+  const a = one.direction ?? [0, 0, -1];
+  const b = other.direction ?? [0, 0, -1];
+  let turn = 0;
+  let move = 0;
+  for (let k = 0; k < 3; k++) {
+    turn += (a[k]! - b[k]!) ** 2;
+    move += (one.origin[k]! - other.origin[k]!) ** 2;
+  }
+  return turn < SAME_PLACE ** 2 && move < SAME_PLACE ** 2;
+}
+
+/** Point numbers from runs (first number and length, uint32 each). */
+export function numbersOf(bytes: Uint8Array): Uint32Array {
+  const runs = new Uint32Array(bytes.slice().buffer);
+  let count = 0;
+  for (let i = 1; i < runs.length; i += 2) count += runs[i]!;
+  const numbers = new Uint32Array(count);
+  let at = 0;
+  for (let i = 0; i < runs.length; i += 2) {
+    for (let k = 0; k < runs[i + 1]!; k++) numbers[at++] = runs[i]! + k;
+  }
+  return numbers;
+}

@@ -1,0 +1,78 @@
+/** What fill and ground would take under the pointer, asked of the server and shown before the click. */
+import type { CloudFrame } from '../cloud/frame';
+import { PREVIEW } from '../cloud/palette';
+import type { Vec } from '../cloud/pick';
+import { DELETED } from '../cloud/piece';
+import type { Brush, Candidates, ClientMessage } from '../protocol/messages';
+import { numbersOf, sourceSample } from './object';
+import type { PointerSample } from './sample';
+
+const OVERLAY = 'region';
+
+export interface RegionDeps {
+  readonly send: (message: ClientMessage) => void;
+  readonly frame: () => CloudFrame | null;
+  readonly brush: () => Brush | null;
+  /** Source minus local coordinates. */
+  readonly shift: () => Vec;
+  readonly changed: () => void;
+}
+
+export class RegionPreview {
+  private asked: { readonly id: string; readonly frame: CloudFrame; readonly brush: Brush } | null =
+    null;
+  private waiting: PointerSample | null = null;
+  private shownIn: CloudFrame | null = null;
+
+  constructor(private readonly deps: RegionDeps) {}
+
+  /** The pointer is here; one question is on its way at a time. */
+  hover(sample: PointerSample): void {
+    if (this.asked) {
+      this.waiting = sample;
+      return;
+    }
+    const frame = this.deps.frame();
+    const brush = this.deps.brush();
+    if (!frame || !brush) return;
+    const id = crypto.randomUUID();
+    this.asked = { id, frame, brush };
+    const samples = [sourceSample(sample, this.deps.shift())];
+    this.deps.send({ type: 'ask', id, frame: frame.index, brush, samples });
+  }
+
+  /** The pointer left, or the click was made. */
+  leave(): void {
+    this.waiting = null;
+    this.asked = null;
+    this.hide();
+  }
+
+  onCandidates(message: Candidates): void {
+    const { asked, waiting } = this;
+    if (asked?.id !== message.id) return;
+    this.asked = null;
+    this.waiting = null;
+    this.hide();
+    const region = message.candidates[0];
+    if (region) {
+      const { frame, brush } = asked;
+      const value = brush.tool === 'paint' ? PREVIEW : brush.tool === 'delete' ? DELETED : 0;
+      const indices = numbersOf(region.runs);
+      frame.setOverlay(OVERLAY, { indices, values: Uint16Array.of(value) });
+      this.shownIn = frame;
+    }
+    this.deps.changed();
+    if (waiting) this.hover(waiting);
+  }
+
+  /** The server refused the question. */
+  onError(about: string): void {
+    if (this.asked?.id === about) this.leave();
+  }
+
+  private hide(): void {
+    if (this.shownIn?.dropOverlay(OVERLAY)) this.deps.changed();
+    this.shownIn = null;
+  }
+}
