@@ -40,9 +40,9 @@ def main() -> None:
         xyz = np.ascontiguousarray(frame.xyz)
         center = np.array([2.5, 0.4, 2.2])
         for radius in (0.05, 0.2):
-            ball = Stroke("sphere", label=1, radius=radius, origins=center[None])
+            ball = Stroke("sphere", label=1, values={"radius": radius}, origins=center[None])
             path = center + np.linspace(0, 1, 20)[:, None] * [0.6, 0.2, 0.4]
-            sweep = Stroke("sphere", label=1, radius=radius, origins=path)
+            sweep = Stroke("sphere", label=1, values={"radius": radius}, origins=path)
             taken = len(select(points, ball))
             print(f"ball of {100 * radius:g} cm, {taken} of {len(xyz)} points")
             print(

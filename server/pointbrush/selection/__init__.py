@@ -4,7 +4,8 @@ from pointbrush.selection.plane import fit_plane
 from pointbrush.selection.points import Blocks, Points
 from pointbrush.selection.pointset import PointSet
 from pointbrush.selection.select import Selector, first_hits, select
-from pointbrush.selection.stroke import SHAPES, TOOLS, Stroke
+from pointbrush.selection.shapes import SHAPES
+from pointbrush.selection.stroke import TOOLS, Stroke
 from pointbrush.selection.surface import Plane
 
 __all__ = [

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
+from pointbrush.selection.parameters import Numbers, Parameter
 from pointbrush.selection.points import Points
+from pointbrush.selection.shape import Parts, Selecting, Shape, Values
 
 
 def box(
@@ -25,3 +29,54 @@ def box(
         numbers = points.numbers(blocks)
         inside = np.abs((points.xyz[numbers].astype(np.float64) - center) @ rotation) <= size / 2
         yield numbers[inside.all(axis=1)]
+
+
+def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation (3, 3) of a quaternion x, y, z, w.  Raises BadInputError for zero."""
+    norm = np.linalg.norm(quaternion)
+    if norm < 1e-9:
+        raise BadInputError(
+            f"quaternion: expected a rotation x, y, z, w, got {quaternion.tolist()}"
+        )
+    x, y, z, w = quaternion / norm
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Rotation(Numbers):
+    """A quaternion x, y, z, w of any length but zero."""
+
+    def read(self, name: str, value: object) -> NDArray[np.float64]:
+        """Return the quaternion.  Raises BadInputError."""
+        quaternion = Numbers(self.shape).read(name, value)
+        rotation_of(quaternion)
+        return quaternion
+
+
+def _take(at: Selecting) -> Parts:
+    values = at.stroke.values
+    return box(at.points, values["center"], values["size"], rotation_of(values["quaternion"]))
+
+
+def _moved(values: Values, shift: NDArray[np.float64]) -> Values:
+    return {**values, "center": values["center"] - shift}
+
+
+BOX = Shape(
+    "box",
+    "The inside of a box.",
+    (
+        Parameter("center", Numbers((3,)), None, "metres"),
+        Parameter("size", Numbers((3,), positive=True), None, "full edge lengths, metres"),
+        Parameter("quaternion", _Rotation((4,)), (0.0, 0.0, 0.0, 1.0), "orientation x, y, z, w"),
+    ),
+    take=_take,
+    sampled=False,
+    moved=_moved,
+)

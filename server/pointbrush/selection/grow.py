@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive
+from pointbrush.selection.regions import region_shape
 from pointbrush.selection.sphere import swept_ball
 
 NEIGHBOURS = 16
@@ -144,3 +145,8 @@ def _surroundings(
     usual = np.where(np.isfinite(usual), usual, radius)
     linked = found & (distance <= 3.0 * usual[:, None])
     return np.where(linked, neighbour, len(xyz)), axes[:, :, 0], certain
+
+
+GROW = region_shape(
+    "grow", "The connected region of like colour and normal round each place met.", grow
+)

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.selection.parameters import Numbers, Parameter, Vertices
 from pointbrush.selection.points import Points
+from pointbrush.selection.shape import Parts, Selecting, Shape, Values
 
 
 def lasso(
@@ -55,3 +57,36 @@ def inside_polygon(
 
 def _project(xyz: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return xyz.astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
+
+
+def _take(at: Selecting) -> Parts:
+    return lasso(at.points, at.stroke.values["polygon"], at.stroke.values["matrix"])
+
+
+def _moved(values: Values, shift: NDArray[np.float64]) -> Values:
+    T_source_local = np.eye(4)
+    T_source_local[:3, 3] = shift
+    return {**values, "matrix": values["matrix"] @ T_source_local}
+
+
+LASSO = Shape(
+    "lasso",
+    "What a camera sees inside an outline.",
+    (
+        Parameter(
+            "polygon",
+            Vertices(3, 4096),
+            None,
+            "vertices in normalised device coordinates, x right and y up, -1..1",
+        ),
+        Parameter(
+            "matrix",
+            Numbers((4, 4)),
+            None,
+            "`clip_from_source`, the camera's projection times view, row-major",
+        ),
+    ),
+    take=_take,
+    sampled=False,
+    moved=_moved,
+)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pointbrush.selection.points import NOTHING, Points
 from pointbrush.selection.ray import Alive
+from pointbrush.selection.regions import region_shape
 from pointbrush.selection.sphere import swept_ball
 from pointbrush.selection.surface import Plane, Surface
 
@@ -118,3 +119,6 @@ def _least_squares(near: Vector, before: Plane, radius: float) -> Plane:
 def _thin(xyz: NDArray[np.float32]) -> Vector:
     """An even share of the points, as float64."""
     return xyz[:: -(-len(xyz) // MOST)].astype(np.float64)
+
+
+PLANE = region_shape("plane", "The flat surface round each place met: ground, a wall.", plane)

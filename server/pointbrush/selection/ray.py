@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.selection.parameters import RADIUS, Flag, Parameter
 from pointbrush.selection.points import Points
+from pointbrush.selection.shape import Parts, Selecting, Shape
 from pointbrush.selection.sphere import balls
 
 RUN = 16
@@ -143,7 +145,7 @@ def _blocks_on_ray(
         inverse = 1.0 / direction
 
     def touches(lo: NDArray[np.float32], hi: NDArray[np.float32]) -> NDArray[np.bool_]:
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             a = (lo - radius - origin) * inverse
             b = (hi + radius - origin) * inverse
         # 0 * inf: the ray runs inside a slab's border plane, which the grown box includes.
@@ -163,3 +165,18 @@ def _along_and_off(
     along = offset @ direction
     off = offset - along[:, None] * direction
     return along, np.sqrt(np.einsum("ij,ij->i", off, off))
+
+
+def _take(at: Selecting) -> Parts:
+    stroke = at.stroke
+    if stroke.values["through"]:
+        return ray_tubes(at.points, stroke.origins, stroke.directions, stroke.radius)
+    return ray_balls(at.points, stroke.origins, stroke.directions, stroke.radius, at.alive)
+
+
+RAY = Shape(
+    "ray",
+    "A ball round the first surface that each ray meets, or all along the ray.",
+    (RADIUS, Parameter("through", Flag(), False, "all points along the ray, not the first met")),
+    take=_take,
+)

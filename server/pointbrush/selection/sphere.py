@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
+from pointbrush.selection.parameters import RADIUS
 from pointbrush.selection.points import Points
+from pointbrush.selection.shape import Parts, Selecting, Shape
 
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
@@ -106,3 +108,16 @@ def _distance_squared(
         offset = offset - along[:, None] * axis
     squared: NDArray[np.float64] = np.einsum("ij,ij->i", offset, offset)
     return squared
+
+
+def _take(at: Selecting) -> Parts:
+    return swept_parts(at.points, at.stroke.origins, at.stroke.radius)
+
+
+SPHERE = Shape(
+    "sphere",
+    "The volume that a ball sweeps along the samples' origins.",
+    (RADIUS,),
+    take=_take,
+    sweeps=True,
+)

@@ -115,7 +115,7 @@ class LiveStroke:
 
     def commit(self, author: str) -> Commit:
         """Write the stroke as one edit, durable when this returns."""
-        if not self._sampled and self._brush.shape not in ("lasso", "box"):
+        if not self._sampled and self._brush.kind.sampled:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )

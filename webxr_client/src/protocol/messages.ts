@@ -19,26 +19,41 @@ export interface Ask {
   previous?: string;
 }
 
-/** What a stroke does with its samples; see the contract for each shape. */
+/** What a stroke does with its samples. */
 export interface Brush {
+  /** sphere, ray, grow, plane, object: metres */
+  radius?: number;
+  /** ray: all points along the ray, not the first met */
+  through?: boolean;
+  /** lasso: vertices in normalised device coordinates, x right and y up, -1..1 */
+  polygon?: [number, number][] | null;
+  /** lasso: `clip_from_source`, the camera's projection times view, row-major */
+  matrix?: number[] | null;
+  /** box: metres */
+  center?: [number, number, number] | null;
+  /** box: full edge lengths, metres */
+  size?: [number, number, number] | null;
+  /** box: orientation x, y, z, w */
+  quaternion?: [number, number, number, number] | null;
+  /** object: rays at what is no part of it */
+  negatives?: Sample[];
+  /** object: the id of a candidate of the newest answer; another one is refused (409) */
+  candidate?: string;
+  /** object: without `candidate`: the level to take, from 0, the smallest; null: the best */
+  level?: number | null;
+  /** object: the candidate taken so far, as it was asked with */
+  previous?: string;
+  /** object: also points of other labels */
+  take_labelled?: boolean;
+  /** object: this author's last edit, taken back first, so that a refined object is one undo */
+  replaces?: string | null;
   label?: number;
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
+  /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: What a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of like colour and normal round each place met. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
   shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'plane' | 'object';
-  radius?: number;
   only_unlabeled?: boolean;
-  through?: boolean;
-  polygon?: [number, number][] | null;
-  matrix?: number[] | null;
-  center?: [number, number, number] | null;
-  size?: [number, number, number] | null;
-  quaternion?: [number, number, number, number] | null;
+  /** labels that only this viewer hides, beside those that the palette hides; 0: points without a label. Their points are left alone, and rays pass through them. */
   hidden?: number[];
-  negatives?: Sample[];
-  candidate?: string;
-  level?: number | null;
-  previous?: string;
-  take_labelled?: boolean;
-  replaces?: string | null;
 }
 
 /** Where this person is, in room coordinates (y up, metres); absent parts are null. */

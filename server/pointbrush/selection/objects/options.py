@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Literal
 
 from pointbrush.errors import BadInputError
+from pointbrush.selection.candidate import MOST_LEVELS
 
 SensorKind = Literal["camera", "lidar", "room"]
 """One view of a depth camera; one turn of a spinning lidar; a scan joined from many views."""
@@ -136,7 +137,7 @@ class BridgeOptions:
 class LadderOptions:
     """Levels that are offered for a click."""
 
-    levels: int = 6
+    levels: int = MOST_LEVELS
     """Candidates shown at most."""
     closest: float = 0.75
     """Size ratio above which two candidates are as good as the same."""
@@ -150,6 +151,8 @@ class LadderOptions:
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
         _above_zero(self)
+        if self.levels > MOST_LEVELS:
+            raise BadInputError(f"levels: expected at most {MOST_LEVELS}, got {self.levels}")
         for name in ("closest", "closest_after"):
             if getattr(self, name) >= 1:
                 raise BadInputError(f"{name}: expected a ratio below 1, got {getattr(self, name)}")

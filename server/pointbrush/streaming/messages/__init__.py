@@ -7,6 +7,7 @@ of the frame store); coordinates are metres in the source's frame unless a field
 Packed arrays are little-endian ``bytes``.
 """
 
+from pointbrush.streaming.messages.brush import Brush
 from pointbrush.streaming.messages.client import (
     Ask,
     ClientMessage,
@@ -45,7 +46,6 @@ from pointbrush.streaming.messages.server import (
     Welcome,
 )
 from pointbrush.streaming.messages.values import (
-    Brush,
     Chunk,
     Color,
     Count,
@@ -62,7 +62,6 @@ from pointbrush.streaming.messages.values import (
     Quaternion,
     Role,
     Sample,
-    Shape,
     Tool,
     Uuid,
     Vec3,
@@ -108,7 +107,6 @@ __all__ = [
     "SequenceInfo",
     "ServerMessage",
     "ServerPresence",
-    "Shape",
     "StrokeBegin",
     "StrokeCancel",
     "StrokeEnd",

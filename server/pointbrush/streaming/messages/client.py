@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from pointbrush.streaming.messages.brush import Brush
 from pointbrush.streaming.messages.values import (
-    Brush,
     Color,
     Count,
     FrameIndex,

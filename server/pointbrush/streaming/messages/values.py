@@ -26,7 +26,6 @@ LabelId = Annotated[int, Field(ge=0, le=65534)]
 Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
-Shape = Literal["sphere", "ray", "lasso", "box", "grow", "plane", "object"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
 
@@ -42,46 +41,6 @@ class Sample(Message):
     origin: Vec3
     direction: Vec3 = [0.0, 0.0, -1.0]
     t: Finite = 0.0
-
-
-class Brush(Message):
-    """What a stroke does with its samples; see the contract for each shape."""
-
-    label: LabelId = 0
-    tool: Tool = "paint"
-    shape: Shape = "sphere"
-    radius: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] = 0.05
-    only_unlabeled: bool = False
-    through: bool = False
-    polygon: (
-        Annotated[
-            list[Annotated[list[Finite], Field(min_length=2, max_length=2)]], Field(max_length=4096)
-        ]
-        | None
-    ) = None
-    """lasso: vertices in normalised device coordinates, x right and y up, -1..1."""
-    matrix: Matrix4 | None = None
-    """lasso: ``clip_from_source``, the camera's projection times view, row-major."""
-    center: Vec3 | None = None
-    size: Vec3 | None = None
-    """box: full edge lengths."""
-    quaternion: Quaternion | None = None
-    """box: orientation x, y, z, w."""
-    hidden: Annotated[list[LabelId], Field(max_length=65535)] = []
-    """Labels that only this viewer hides, beside those that the palette hides; 0: points without
-    a label.  Their points are left alone, and rays pass through them."""
-    negatives: Annotated[list[Sample], Field(max_length=64)] = []
-    """object: rays at what is no part of it; the stroke's samples are rays at the object."""
-    candidate: Annotated[str, Field(max_length=64)] = ""
-    """object: the id of a candidate of the newest answer; another one is refused (409)."""
-    level: Annotated[int, Field(ge=0, le=5)] | None = None
-    """object, without ``candidate``: the level to take, from 0, the smallest; null: the best."""
-    previous: Annotated[str, Field(max_length=64)] = ""
-    """object: the candidate taken so far, as it was asked with."""
-    take_labelled: bool = False
-    """object: also points of other labels."""
-    replaces: Uuid | None = None
-    """object: this author's last edit, taken back first, so that a refined object is one undo."""
 
 
 class Label(Message):

@@ -39,7 +39,7 @@ class ObjectStroke:
         """
         self._objects, self._store, self._recording = objects, store, recording
         self.id, self.frame = stroke_id, frame
-        self._brush = Stroke.parse({**fields, "shape": "ray", "samples": []})
+        self._brush = Stroke.parse({**fields, "samples": []})
         if self._brush.tool == "restore":
             raise BadInputError("tool: expected paint, erase or delete for an object, got restore")
         if self._brush.tool == "paint":
