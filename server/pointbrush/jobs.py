@@ -66,6 +66,8 @@ class Job:
     created: float = field(default_factory=time.time)
     owner: str | None = None
     """Who started it."""
+    edit: str | None = None
+    """The edit that it makes, if any."""
 
 
 @dataclass
@@ -131,6 +133,7 @@ class JobRunner:
         done: Callable[[Job], None] | None = None,
         restart: Callable[[Job], None] | None = None,
         owner: str | None = None,
+        edit: str | None = None,
     ) -> Job:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
@@ -139,7 +142,7 @@ class JobRunner:
         however the job ended.  When a worker dies, the work is begun once more, after
         ``restart(job)``: it drops what came so far.  So ``work`` must be safe to begin again.
         """
-        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence, owner=owner)
+        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence, owner=owner, edit=edit)
         with self._lock:
             future = self._hand_out(job.id, work)
             running = _Running(work, future, finish, on_item, done, restart)

@@ -89,6 +89,7 @@ export const state = {
     through: false,
     takeLabelled: false,
     complete: true,
+    follow: false,
   }),
   hover: signal<Hover | null>(null),
   /** What the object tool offers or has taken; null when nothing. */

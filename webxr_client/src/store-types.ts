@@ -116,6 +116,8 @@ export interface BrushSettings {
   readonly takeLabelled: boolean;
   /** After a stroke the object that it lies on is offered. */
   readonly complete: boolean;
+  /** What is painted is tracked on by itself. */
+  readonly follow: boolean;
 }
 
 /** What is under the mouse or the controller's ray. */

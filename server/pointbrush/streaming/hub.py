@@ -231,6 +231,7 @@ class Hub:
                 progress=job.progress,
                 message=job.message,
                 error=job.error,
+                edit=job.edit,
             )
         )
         for viewer in viewers:

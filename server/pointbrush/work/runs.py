@@ -103,7 +103,7 @@ class Runs:
 
         try:
             return self._runner.submit(
-                "tracking", sequence, work, finish, on_item, done, restart, owner=author
+                "tracking", sequence, work, finish, on_item, done, restart, owner=author, edit=edit
             )
         except BaseException:
             self._store.guards.end(guard)

@@ -1,5 +1,5 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
-import { bindActions, type TrackRequest, type ViewPreset } from '../actions';
+import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
@@ -13,7 +13,7 @@ import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
-import { activeLabel as active, canPaint, dismiss, state, type Shown } from '../state';
+import { activeLabel as active, canPaint, dismiss, isActive, state, type Shown } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
 import { brushNow } from '../tools/brush';
 import { ObjectTool } from '../tools/object';
@@ -24,6 +24,7 @@ import { follow, watch } from '../watch';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { floorActions } from './floor';
+import { Following } from './following';
 import { Inbox } from './inbox';
 import { labelActions } from './labels';
 import { Pacing } from './pacing';
@@ -32,12 +33,19 @@ import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { timeActions } from './time';
 
+/** Run something once it is time; the result forgets it. */
+function later(run: () => void, milliseconds: number): () => void {
+  const timer = setTimeout(run, milliseconds);
+  return () => clearTimeout(timer);
+}
+
 export class Engine {
   readonly viewer: Viewer;
   readonly link: Link;
   readonly playback: Playback;
   readonly strokes: Strokes;
   readonly objects: ObjectTool;
+  private readonly following: Following;
   readonly regions: RegionPreview;
   readonly pacing: Pacing;
   readonly camera: DeskCamera;
@@ -75,11 +83,19 @@ export class Engine {
       changed,
       shift,
       brush: () => brushNow(wayOf('object'), state.brush.peek().radius),
-      later: (run, milliseconds) => {
-        const timer = setTimeout(run, milliseconds);
-        return () => clearTimeout(timer);
-      },
+      later,
     });
+    const last = (): number => (state.sequence.peek()?.frames ?? 1) - 1;
+    this.following = new Following({
+      send,
+      later,
+      last,
+      cancel: (job) => void actions.cancelJob(job),
+      on: () => state.brush.peek().follow,
+      busy: () => strokes.drawing || state.jobs.peek().some(isActive),
+    });
+    strokes.begins.add(({ id, brush }) => this.following.begin(id, brush));
+    strokes.results.add((result) => this.following.result(result));
     const region = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
     this.regions = new RegionPreview({ send, frame, shift, changed, brush: region });
     const { objects, regions } = this;
@@ -91,8 +107,19 @@ export class Engine {
       this.pacing.reset();
       this.unframed = true;
     };
+    const { following } = this;
     const { opening } = early;
-    const inbox = new Inbox({ viewer, playback, strokes, objects, regions, link, opened, opening });
+    const inbox = new Inbox({
+      viewer,
+      playback,
+      strokes,
+      objects,
+      regions,
+      following,
+      link,
+      opened,
+      opening,
+    });
     this.bind();
     void opening.then((id) => {
       if (state.sequence.peek() === null) state.opening.value = id;
@@ -192,7 +219,8 @@ export class Engine {
   private travel(type: 'undo' | 'redo'): void {
     if (!state.sequence.peek()) return;
     this.objects.end();
-    this.link.send({ type, id: crypto.randomUUID() });
+    const edits = type === 'undo' ? this.following.undo() : 1;
+    for (let k = 0; k < edits; k++) this.link.send({ type, id: crypto.randomUUID() });
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {
@@ -234,6 +262,7 @@ export class Engine {
 
   private closeSequence(): void {
     nameInAddress(null);
+    this.following.clear();
     this.link.close();
     this.playback.close();
     forgetRun();

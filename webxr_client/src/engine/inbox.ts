@@ -1,4 +1,5 @@
 /** What the worker brings, and where it goes: the cache, the store, strokes, notices. */
+import type { Following } from './following';
 import { actions } from '../actions';
 import type { CloudFrame } from '../cloud/frame';
 import type { Viewer } from '../cloud/viewer';
@@ -21,6 +22,7 @@ export interface InboxDeps {
   readonly strokes: Strokes;
   readonly objects: ObjectTool;
   readonly regions: RegionPreview;
+  readonly following: Following;
   readonly link: Link;
   /** A recording was opened that was not open before. */
   readonly opened: () => void;
@@ -80,6 +82,7 @@ export class Inbox {
         state.me.value = { viewer, author, role, serverVersion: version };
         this.deps.objects.restart();
         this.deps.regions.leave();
+        this.deps.following.clear();
         void this.welcomed();
         return;
       }
@@ -119,6 +122,7 @@ export class Inbox {
         }
         if (message.about !== null) {
           this.deps.regions.onError(message.about);
+          if (this.deps.following.refused(message.about)) return;
           if (this.deps.objects.onError(message.about, message.status)) {
             this.deps.strokes.drop(message.about);
             return;
@@ -166,6 +170,7 @@ export class Inbox {
   private takeJob(job: Extract<PlainMessage, { type: 'job' }>): void {
     const known = state.jobs.peek().find((other) => other.id === job.id);
     noteJob(job);
+    this.deps.following.job(job);
     if (isActive(job) || (known && !isActive(known))) return;
     if (job.kind === 'tracking') {
       this.dropProvisional();

@@ -130,6 +130,14 @@ function BrushOptions() {
           onChange={(complete) => patch(state.brush, { complete })}
         />
       )}
+      {state.tool.value === 'paint' && (
+        <Check
+          label="Follow"
+          tip="Track what you paint on by itself, to the next painted frame or the end"
+          checked={brush.follow}
+          onChange={(follow) => patch(state.brush, { follow })}
+        />
+      )}
       {way.through && (
         <Check
           label="Through"

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '21fc85084147';
+export const SCHEMA_HASH = '23047e282005';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -315,6 +315,7 @@ export interface Job {
   message: string;
   frame: number | null;
   error: string | null;
+  edit: string | null;
 }
 
 /** An entry of the palette. */

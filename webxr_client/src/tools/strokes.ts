@@ -40,6 +40,12 @@ export interface Stroke {
   cancel(): void;
 }
 
+/** A stroke that begins. */
+export interface Begun {
+  readonly id: string;
+  readonly brush: Brush;
+}
+
 /** Samples on their way into a message, used again once it was sent: what is posted is copied. */
 class Batch {
   count = 0;
@@ -138,6 +144,8 @@ export class Strokes {
   private readonly ended = new Map<string, StrokePreview>();
   /** Told every answer: `touched` drives the haptic pulse. */
   readonly results = new Listeners<StrokeResult>();
+  /** Told every stroke that begins. */
+  readonly begins = new Listeners<Begun>();
 
   constructor(private readonly deps: StrokeDeps) {}
 
@@ -147,7 +155,13 @@ export class Strokes {
       if (!done.refused) this.ended.set(done.id, done.preview);
     });
     this.live.push(stroke);
+    this.begins.run({ id: stroke.id, brush });
     return stroke;
+  }
+
+  /** Whether one is being drawn. */
+  get drawing(): boolean {
+    return this.live.length > 0;
   }
 
   /** Before each picture; true when samples wait to be sent. */

@@ -206,6 +206,8 @@ class Job(Message):
     message: str
     frame: FrameIndex | None = None
     error: str | None = None
+    edit: str | None = None
+    """The edit that it makes: the id of the ``track`` that asked for it."""
 
 
 class ServerPresence(Message):
