@@ -50,7 +50,7 @@ class Settings:
         default="tree",
         metadata=_help(
             "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
-            "http(s) address of a service"
+            "http(s) address of a service; RECORDING=NAME for one recording, several with commas"
         ),
     )
     scheduler: str = field(

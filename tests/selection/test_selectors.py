@@ -22,6 +22,7 @@ from pointbrush.selection.selectors import (
     StoredSelector,
     make_selector,
 )
+from pointbrush.work.objects.choosing import Selectors
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "selector_server.py"
 NONE = np.empty((0, 3))
@@ -122,3 +123,14 @@ def test_plug_ins_are_found_by_their_entry_point(monkeypatch: pytest.MonkeyPatch
     assert make_selector("nothing").candidates(1, CLICK, NONE, None) == []
     with pytest.raises(BadInputError, match="expected one of tree, nothing, http"):
         make_selector("other")
+
+
+def test_a_recording_may_have_a_selector_of_its_own() -> None:
+    chosen = Selectors.parse("street-1=http://127.0.0.1:9000/a?b=1, tree")
+    assert chosen.of("street-1").name == "http://127.0.0.1:9000/a?b=1"
+    assert chosen.of("juggling").name == "tree"
+    assert Selectors.parse("http://127.0.0.1:9/x=1").common.name == "http://127.0.0.1:9/x=1"
+    with pytest.raises(BadInputError, match="expected one for recording 'a', got two"):
+        Selectors.parse("a=tree,a=tree")
+    with pytest.raises(BadInputError, match="selector: expected one of tree"):
+        Selectors.parse("a=nothing-like-it")

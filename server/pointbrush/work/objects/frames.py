@@ -9,21 +9,11 @@ from pointbrush.selection import Points
 from pointbrush.selection.objects import ObjectFrame
 from pointbrush.selection.objects.options import SensorKind
 from pointbrush.sequences import Manifest, StoredFrame
+from pointbrush.work.objects.options import SensingOptions
 
 Floats = NDArray[np.float64]
 
-SAMPLE = 20_000
-"""Points by which the kind of sensor is told."""
-PER_DIRECTION = 4
-"""Of them in a cell of directions, on average."""
-BEHIND = 1.25
-"""Times the distance of the nearest point of its direction at which a point is behind it."""
-ONE_VIEW = 0.15
-"""Share of points behind others up to which a frame is one view of one sensor."""
-ALL_ROUND = 0.6
-"""Share of the compass in which a spinning lidar has points, a camera has less."""
-OPEN_AIR = 40.0
-"""Metres; what is wider than this and no one view is a street, not a room."""
+SENSING = SensingOptions()
 
 
 def object_frame(
@@ -56,20 +46,22 @@ def sensor_kind(frame: StoredFrame, viewpoint: Floats | None) -> SensorKind:
         return "camera"
     if frame.count == 0:
         return "room"
-    xyz = np.asarray(frame.xyz[:SAMPLE], np.float64)  # the first points are an even subsample
+    xyz = np.asarray(
+        frame.xyz[: SENSING.sample], np.float64
+    )  # the first points are an even subsample
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     extent = float(np.ptp(xyz, axis=0).max(initial=0.0))
     away = xyz - (np.zeros(3) if viewpoint is None else viewpoint)
     distance = np.linalg.norm(away, axis=1)
     away, distance = away[distance > 1e-6], distance[distance > 1e-6]
-    if len(away) and _behind(away, distance) <= ONE_VIEW:
-        return "lidar" if _round(away, distance) >= ALL_ROUND else "camera"
-    return "lidar" if extent > OPEN_AIR else "room"
+    if len(away) and _behind(away, distance) <= SENSING.one_view:
+        return "lidar" if _round(away, distance) >= SENSING.all_round else "camera"
+    return "lidar" if extent > SENSING.open_air else "room"
 
 
 def _behind(away: Floats, distance: Floats) -> float:
     """Share of points behind the nearest one of their direction."""
-    cells = max(1, round(np.sqrt(len(away) / PER_DIRECTION / 6)))
+    cells = max(1, round(np.sqrt(len(away) / SENSING.per_direction / 6)))
     # Faces of a cube round the sensor, each with a grid: directions without poles.
     axis = np.abs(away).argmax(axis=1)
     rows = np.arange(len(away))
@@ -82,7 +74,7 @@ def _behind(away: Floats, distance: Floats) -> float:
     cell = ((axis * 2 + (ahead > 0)) * cells + column) * cells + row
     nearest = np.full(6 * cells * cells, np.inf)
     np.minimum.at(nearest, cell, distance)
-    return float(np.mean(distance > BEHIND * nearest[cell]))
+    return float(np.mean(distance > SENSING.behind * nearest[cell]))
 
 
 def _round(away: Floats, distance: Floats) -> float:

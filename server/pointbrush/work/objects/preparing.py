@@ -11,10 +11,11 @@ from functools import partial
 from pathlib import Path
 
 from pointbrush.errors import PointbrushError
-from pointbrush.selection.selectors import Selector, StoredSelector, make_selector
+from pointbrush.selection.selectors import StoredSelector, make_selector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.work.objects.cache import StateFiles
+from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import object_frame
 from pointbrush.worker import local_processes
 
@@ -29,11 +30,9 @@ Done = Callable[[Recording, int, object], None]
 class Preparer:
     """Prepares the frames that are wished for, the newest wish first."""
 
-    def __init__(
-        self, selector: Selector, name: str, files: StateFiles, waiting: int, done: Done
-    ) -> None:
-        """``name`` is the selector's; at most ``waiting`` wishes wait."""
-        self._selector, self._name, self._files = selector, name, files
+    def __init__(self, selectors: Selectors, files: StateFiles, waiting: int, done: Done) -> None:
+        """At most ``waiting`` wishes wait."""
+        self._selectors, self._files = selectors, files
         self._waiting, self._done = waiting, done
         self._wishes: OrderedDict[Wish, tuple[Recording, int]] = OrderedDict()
         self._working: Wish | None = None
@@ -103,16 +102,17 @@ class Preparer:
             return wish
 
     def _prepare(self, recording: Recording, frame: int) -> None:
-        selector = self._selector
+        chosen = self._selectors.of(recording.manifest.id)
+        name, selector = chosen.name, chosen.selector
         if not isinstance(selector, StoredSelector):
             state = selector.prepare(object_frame(recording[frame], recording.manifest))
             self._done(recording, frame, state)
             return
-        target = self._files.path(recording.identity, self._name, selector.version, frame)
+        target = self._files.path(recording.identity, name, selector.version, frame)
         if not target.exists():
             if self._pool is None:
                 self._pool = local_processes(1)
-            work = self._pool.submit(prepare_file, recording.path, frame, self._name, target)
+            work = self._pool.submit(prepare_file, recording.path, frame, name, target)
             if not work.result():
                 raise OSError("the state was not written: the disk is full or read-only")
             self._files.prune()

@@ -1,0 +1,52 @@
+"""Selectors of a workspace: one for all recordings, or one for each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from pointbrush.errors import BadInputError
+from pointbrush.selection.selectors import BUILT_IN, Selector, make_selector
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """A selector and the name by which another process makes the same."""
+
+    name: str
+    selector: Selector
+
+
+@dataclass(frozen=True, eq=False)
+class Selectors:
+    """Selectors by a recording's id; ``common`` answers for the others."""
+
+    common: Chosen
+    own: Mapping[str, Chosen]
+
+    @classmethod
+    def parse(cls, text: str) -> Selectors:
+        """Read ``NAME`` and ``RECORDING=NAME``, separated by commas.
+
+        Raises BadInputError for an unknown selector and for a recording named twice.
+        """
+        named: dict[str, str] = {}
+        for entry in filter(None, (part.strip() for part in text.split(","))):
+            recording, equals, name = entry.partition("=")
+            # An address may hold '=' as well; an id holds neither ':' nor '/'.
+            if not equals or ":" in recording or "/" in recording:
+                recording, name = "", entry
+            if recording in named:
+                twice = f"recording '{recording}'" if recording else "all recordings"
+                raise BadInputError(f"selector: expected one for {twice}, got two")
+            named[recording] = name
+        made: dict[str, Chosen] = {}
+        for name in {*named.values(), BUILT_IN}:
+            made[name] = Chosen(name, make_selector(name))
+        common = made[named.pop("", BUILT_IN)]
+        return cls(common, MappingProxyType({key: made[name] for key, name in named.items()}))
+
+    def of(self, recording: str) -> Chosen:
+        """Return the selector for a recording's id."""
+        return self.own.get(recording, self.common)

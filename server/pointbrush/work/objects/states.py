@@ -1,0 +1,188 @@
+"""Prepared frames: in memory, on disk, on their way, or only what is near a click."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.selection import Points
+from pointbrush.selection.selectors import StateLostError, StoredSelector
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences.cache import Cache
+from pointbrush.work.events import Prepared
+from pointbrush.work.objects.cache import StateFiles
+from pointbrush.work.objects.choosing import Selectors
+from pointbrush.work.objects.frames import near, object_frame
+from pointbrush.work.objects.options import ObjectOptions
+from pointbrush.work.objects.preparing import Preparer
+
+Numbers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Regions of some clicks; ``ready``: they come from the whole frame."""
+
+    regions: list[tuple[Numbers, float]]
+    ready: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Near:
+    """Surroundings of a click, prepared: ``members`` (n,) are their stored numbers."""
+
+    state: Any
+    members: Numbers
+    middle: Floats
+    reach: float
+
+
+class States:
+    """Asks a recording's selector about the frames that are prepared; thread-safe."""
+
+    def __init__(
+        self,
+        selectors: Selectors,
+        folder: Path,
+        publish: Callable[[Prepared], None],
+        options: ObjectOptions,
+    ) -> None:
+        """Prepared frames are kept in ``folder``."""
+        self._selectors, self._publish, self._options = selectors, publish, options
+        self._files = StateFiles(folder, options.disk_bytes)
+        self._states: Cache[tuple[str, int], Any] = Cache(options.memory_bytes)
+        self._near: OrderedDict[tuple[str, int, bytes], _Near] = OrderedDict()
+        self._lock = threading.Lock()
+        self._preparer = Preparer(selectors, self._files, options.waiting, self._prepared)
+
+    def close(self) -> None:
+        """Stop preparing."""
+        self._preparer.close()
+
+    def ready(self, recording: Recording, frame: int) -> bool:
+        """Return whether a frame is prepared; if not it will be, and those around it."""
+        if self._state(recording, frame) is not None:
+            return True
+        self._expect(recording, frame)
+        return False
+
+    def candidates(
+        self,
+        recording: Recording,
+        frame: int,
+        points: Points,
+        positives: Floats,
+        negatives: Floats,
+        mask: Numbers | None,
+    ) -> Found:
+        """Return the regions of clicks at places (K, 3), (L, 3), local metres.
+
+        Raises StateLostError when the selector has forgotten the frame, which is prepared anew.
+        """
+        selector = self._selectors.of(recording.manifest.id).selector
+        state = self._state(recording, frame)
+        try:
+            if state is None:
+                near_by = self._near_by(recording, frame, points, positives, negatives, mask)
+                return Found(near_by, ready=False)
+            found = selector.candidates(state, positives, negatives, mask)
+            return Found([(numbers, float(score)) for numbers, score in found], ready=True)
+        except StateLostError:
+            self._forget(recording, frame)
+            raise
+
+    def _state(self, recording: Recording, frame: int) -> Any | None:
+        if recording[frame].count > self._options.whole_points:
+            return None
+        key = (recording.identity, frame)
+        found = self._states.known(key)
+        chosen = self._selectors.of(recording.manifest.id)
+        if found is not None or not isinstance(chosen.selector, StoredSelector):
+            return found
+        path = self._files.path(recording.identity, chosen.name, chosen.selector.version, frame)
+        try:
+            size = path.stat().st_size
+            state = chosen.selector.load(path)
+        except (OSError, BadInputError):
+            return None
+        self._files.used(path)
+        return self._states.get(key, lambda: state, size=max(size, 1))
+
+    def _expect(self, recording: Recording, frame: int) -> None:
+        around = [frame]
+        for step in range(1, self._options.ahead + 1):
+            around += [frame + step, frame - step]
+        wanted = [
+            number
+            for number in around
+            if 0 <= number < len(recording)
+            and 0 < recording[number].count <= self._options.whole_points
+        ]
+        self._preparer.wish(recording, wanted)
+
+    def _forget(self, recording: Recording, frame: int) -> None:
+        """Have a frame prepared anew: its selector does not know its state any more."""
+        self._states.drop((recording.identity, frame))
+        with self._lock:
+            self._near.clear()
+        chosen = self._selectors.of(recording.manifest.id)
+        if isinstance(chosen.selector, StoredSelector):
+            path = self._files.path(recording.identity, chosen.name, chosen.selector.version, frame)
+            path.unlink(missing_ok=True)
+        self._expect(recording, frame)
+
+    def _prepared(self, recording: Recording, frame: int, state: object) -> None:
+        if state is not None:
+            size = max(recording[frame].count * 16, 1)
+            self._states.get((recording.identity, frame), lambda: state, size=size)
+        self._publish(Prepared(recording.manifest.id, frame))
+
+    def _near_by(
+        self,
+        recording: Recording,
+        frame: int,
+        points: Points,
+        positives: Floats,
+        negatives: Floats,
+        mask: Numbers | None,
+    ) -> list[tuple[Numbers, float]]:
+        around = self._surroundings(recording, frame, points, positives)
+        inside = None
+        if mask is not None:
+            at = np.searchsorted(around.members, mask)
+            at = at[at < len(around.members)]
+            inside = at[np.isin(around.members[at], mask)]
+        selector = self._selectors.of(recording.manifest.id).selector
+        found = selector.candidates(around.state, positives, negatives, inside)
+        return [(around.members[numbers], score) for numbers, score in found]
+
+    def _surroundings(
+        self, recording: Recording, frame: int, points: Points, positives: Floats
+    ) -> _Near:
+        middle = positives.mean(axis=0)
+        here = (recording.identity, frame)
+        with self._lock:
+            for key, known in self._near.items():
+                inside = np.abs(positives - known.middle).max() < 0.5 * known.reach
+                if key[:2] == here and inside:
+                    self._near.move_to_end(key)
+                    return known
+        members = near(points, middle, self._options.near_reach, self._options.near_points)
+        wanted = object_frame(recording[frame], recording.manifest, members)
+        reach = float(np.abs(points.xyz[members] - middle).max(initial=0.0))
+        selector = self._selectors.of(recording.manifest.id).selector
+        made = _Near(selector.prepare(wanted), members, middle, reach)
+        with self._lock:
+            self._near[*here, middle.tobytes()] = made
+            while len(self._near) > self._options.near_kept:
+                self._near.popitem(last=False)
+        return made
