@@ -17,7 +17,7 @@ from typing import Any
 import lightgbm
 import numpy as np
 from numpy.typing import NDArray
-from object_clicks import LEAST_POINTS, next_click, objects, stroke
+from object_clicks import LEAST_POINTS, as_mask, next_click, objects, stroke
 from object_scenes import GENERATED, HELD_OUT, Scene
 
 from pointbrush.selection.objects import ObjectOptions, ObjectState
@@ -25,11 +25,12 @@ from pointbrush.selection.objects.clicks import place_clicks
 from pointbrush.selection.objects.features import FEATURES
 from pointbrush.selection.objects.forest import Forest
 from pointbrush.selection.objects.prepare import Parts, part_frame
+from pointbrush.selection.objects.proposals import propose
 from pointbrush.selection.objects.state import state_of
 from pointbrush.selection.objects.sums import COUNT
 from pointbrush.selection.objects.tree import record_tree
-from pointbrush.selection.objects.unions import Unions, find_unions
-from pointbrush.selection.objects.value import VALUES, value_features
+from pointbrush.selection.objects.unions import Unions
+from pointbrush.selection.objects.value import VALUES
 from pointbrush.selection.objects.weights import FILE, Weights, save_weights
 
 SCENES = {"juggling": 10, "tabletop": 20, "walking": 10, "view": 44, "scan": 32, "street": 40}
@@ -212,16 +213,17 @@ def session(
 ) -> list[tuple[NDArray[Any], NDArray[Any]]]:
     """Rows and overlaps of all candidates of a simulated session."""
     xyz = scene.frame.xyz
-    wanted, unwanted, taken, found = first, np.empty((0, 3)), None, []
+    wanted, unwanted, found = first, np.empty((0, 3)), []
+    taken: NDArray[np.bool_] | None = None
     for _ in range(further + 1):
         yes = place_clicks(state, wanted, "positives")
         no = place_clicks(state, unwanted, "negatives")
-        unions = find_unions(state, yes, no, taken, 40)
-        good = overlaps(state, unions, truth)
-        found.append((value_features(state, unions, yes, no, taken), good))
+        proposals = propose(state, yes, no, taken, ObjectOptions())
+        good = overlaps(state, proposals.unions, truth)
+        found.append((proposals.features, good))
         better = np.flatnonzero(good >= good.max() - 0.15)
-        taken = unions.masks[int(rng.choice(better))]
-        click = next_click(xyz, truth, taken[state.piece[state.of_point]])
+        taken = as_mask(proposals.points(state, int(rng.choice(better))), len(xyz))
+        click = next_click(xyz, truth, taken)
         if click is None:
             break
         at, adds = click

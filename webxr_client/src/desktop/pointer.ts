@@ -8,8 +8,8 @@ import { isStroke, state } from '../state';
 import { brushColor, brushFor } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
 import type { ObjectTool } from '../tools/object';
+import { Path } from '../tools/path';
 import type { RegionPreview } from '../tools/region';
-import type { PointerSample } from '../tools/sample';
 import type { Stroke, Strokes } from '../tools/strokes';
 import { deskWay } from '../tools/ways';
 import { Aim } from './aim';
@@ -34,8 +34,6 @@ const DAB_SPACING = 0.4;
 const MAX_DABS = 48;
 /** Notches of the wheel that bring the camera as close as fingers e times farther apart. */
 const NOTCHES_PER_E = 1 / -Math.log(0.86);
-/** Places of a stroke that are kept for completing it. */
-const MOST_PATH = 512;
 
 export class DeskPointer {
   private drag: Drag | null = null;
@@ -44,7 +42,7 @@ export class DeskPointer {
   /** Notches of the wheel that are no level yet. */
   private turned = 0;
   /** Where the stroke went, to be completed to an object. */
-  private path: PointerSample[] = [];
+  private readonly path = new Path();
   private readonly aim: Aim;
   private readonly light: BrushLight;
   private readonly lasso: LassoOutline;
@@ -197,7 +195,7 @@ export class DeskPointer {
       const { tool, brush } = state;
       const offers =
         brush.peek().complete && tool.peek() === 'paint' && deskWay().samples === 'path';
-      if (this.stroke && offers) this.deps.objects.complete(this.path, this.stroke.id);
+      if (this.stroke && offers) this.deps.objects.complete(this.path.samples(), this.stroke.id);
       this.stroke = null;
     }
     if (this.drag === 'lasso') this.endLasso();
@@ -262,7 +260,8 @@ export class DeskPointer {
     }
     this.stroke = this.deps.strokes.begin(frame, brush, info.shift);
     const ray = this.aim.ray();
-    this.path = [ray];
+    this.path.clear();
+    this.path.add(ray);
     this.stroke.add(ray);
     return 'stroke';
   }
@@ -278,7 +277,7 @@ export class DeskPointer {
       const t = i / dabs;
       const { last } = this;
       const ray = this.aim.ray(last.x + (x - last.x) * t, last.y + (y - last.y) * t);
-      if (this.path.length < MOST_PATH) this.path.push(ray);
+      this.path.add(ray);
       this.stroke.add(ray);
     }
     this.last.x = x;

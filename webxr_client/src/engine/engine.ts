@@ -183,8 +183,12 @@ export class Engine {
     });
     watch([state.frame, state.sequence, state.tool, canPaint], () => this.pointer.interrupt());
     follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
-    watch([state.tool, state.brush, state.activeLabel, state.frame, state.sequence], () => {
+    watch([state.brush, state.activeLabel, state.frame, state.sequence], () => {
       this.objects.end();
+      this.regions.leave();
+    });
+    watch([state.tool], () => {
+      this.objects.retool(state.tool.peek());
       this.regions.leave();
     });
     const { tool, brush, activeLabel, palette, solo, view } = state;

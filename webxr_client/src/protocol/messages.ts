@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '23047e282005';
+export const SCHEMA_HASH = 'dc85a9bd548e';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -230,8 +230,8 @@ export interface Annotation {
 /**
  * Points that a click would take: ``runs`` holds first number and length, uint32 each.
  *
- * ``id`` is opaque, and void once the frame or the clicks change; ``score``: the overlap with the
- * object that is expected, 0..1.
+ * ``id`` is opaque, and void once the frame or the clicks change; empty for the regions of other
+ * shapes.  ``score``: the overlap with the object that is expected, 0..1.
  */
 export interface Candidate {
   id: string;

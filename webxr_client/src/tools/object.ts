@@ -64,6 +64,8 @@ interface Taken extends Clicks {
   /** Points of it. */
   readonly indices: Uint32Array;
   readonly candidate: string;
+  /** What took it: it refines as well, whatever tool the hand has by then. */
+  readonly brush: Brush;
 }
 
 export class ObjectTool {
@@ -116,11 +118,15 @@ export class ObjectTool {
     return true;
   }
 
-  /** Take what is shown; once something is taken, add what is pointed at, or `remove` it. */
+  /**
+   * Take what is shown; once something is taken, add what is pointed at, or `remove` it.  The eraser
+   * removes from what was painted, too.
+   */
   click(pointed: PointerSample, remove = false): void {
     const sample = this.sampleOf(pointed);
     const { taken, offer } = this;
     if (taken && taken.frame === this.deps.frame()) {
+      remove ||= taken.brush.tool === 'paint' && this.deps.brush()?.tool === 'erase';
       const positives = remove ? taken.positives : [...taken.positives, sample];
       const negatives = remove ? [...taken.negatives, sample] : taken.negatives;
       this.ask({ positives, negatives }, 'take');
@@ -144,9 +150,9 @@ export class ObjectTool {
 
   /** Accept what `complete` offers; false when it offers nothing. */
   accept(): boolean {
-    if (this.offer?.question.purpose !== 'complete' || this.offer.candidates.length === 0)
-      return false;
-    this.take(this.offer);
+    const { offer, taken } = this;
+    if (taken || offer?.question.purpose !== 'complete' || !offer.candidates.length) return false;
+    this.take(offer);
     return true;
   }
 
@@ -157,7 +163,7 @@ export class ObjectTool {
 
   /** No more clicks belong to what was taken. */
   end(): boolean {
-    const going = this.taken !== null || this.offer?.question.purpose === 'complete';
+    const going = this.active;
     this.rest?.();
     this.rest = null;
     this.taken = null;
@@ -166,6 +172,11 @@ export class ObjectTool {
     this.replaces = null;
     this.drop();
     return going;
+  }
+
+  /** Another tool: between brush and eraser one refines what was taken, else it is let go. */
+  retool(tool: string): void {
+    if (!this.taken || (tool !== 'paint' && tool !== 'erase')) this.end();
   }
 
   /** The link came back: what was asked on the old one is not answered any more. */
@@ -227,7 +238,7 @@ export class ObjectTool {
 
   private ask(clicks: Clicks, purpose: Purpose, level: number | null = null): void {
     const frame = this.deps.frame();
-    const brush = this.deps.brush();
+    const brush = this.deps.brush() && (this.taken?.brush ?? this.deps.brush());
     if (!frame || !brush) return;
     const { positives, negatives } = clicks;
     const id = crypto.randomUUID();
@@ -273,7 +284,8 @@ export class ObjectTool {
     this.sent.set(stroke.id, { ...question, level });
     const { indices } = chosen;
     const candidate = chosen.id;
-    this.taken = { frame, edit: stroke.id, indices, candidate, positives, negatives };
+    const edit = stroke.id;
+    this.taken = { frame, edit, indices, candidate, positives, negatives, brush: question.brush };
     this.tell();
     this.deps.changed();
   }
@@ -318,7 +330,7 @@ export class ObjectTool {
       points: offer.candidates[offer.level]!.indices.length,
       ready: offer.ready,
       taken: this.taken !== null,
-      completes: offer.question.purpose === 'complete',
+      completes: offer.question.purpose === 'complete' && this.taken === null,
     };
   }
 

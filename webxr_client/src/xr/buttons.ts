@@ -2,6 +2,7 @@
 import { actions } from '../actions';
 import { state } from '../state';
 import type { Hand } from './hand';
+import { LEVEL_TICK, type Pulse } from './haptics';
 import type { Lessons } from './lessons';
 
 /** The brush grows by this factor a second at full lean. */
@@ -13,6 +14,7 @@ export class Buttons {
   constructor(
     private readonly lessons: Lessons,
     private readonly togglePanel: () => void,
+    private readonly pulse: (pulse: Pulse) => void,
   ) {}
 
   update(brush: Hand, other: Hand, seconds: Float64Array, now: number): void {
@@ -50,13 +52,19 @@ export class Buttons {
       this.lessons.done('step');
     }
     if (hand.edge.press === 1) {
+      if (actions.completeObject()) return;
       actions.togglePlay();
       this.lessons.done('play');
     }
   }
 
+  /** Up and down: the size of the brush, or the level of the object that is shown. */
   private size(hand: Hand, seconds: Float64Array, now: number): void {
     const { y } = hand.pad;
+    if ((state.object.peek()?.levels ?? 0) > 0) {
+      this.level(hand.repeatY.update(y, now));
+      return;
+    }
     if (hand.device?.pad === 'touchpad') {
       const notch = hand.repeatY.update(y, now);
       if (notch === 0) return;
@@ -66,5 +74,12 @@ export class Buttons {
       actions.setRadius(state.brush.peek().radius * GROWTH ** (y * seconds[0]!));
       this.lessons.done('size');
     }
+  }
+
+  private level(step: number): void {
+    if (step === 0) return;
+    const before = state.object.peek()?.level;
+    actions.stepObject(step);
+    if (state.object.peek()?.level !== before) this.pulse(LEVEL_TICK);
   }
 }

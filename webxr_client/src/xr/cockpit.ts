@@ -13,7 +13,9 @@ import { Controllers } from './controllers';
 import { faceEyes } from './facing';
 import { Feelings } from './feelings';
 import type { Hand } from './hand';
+import type { Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
+import { ObjectSign } from './object-sign';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
 import { PalettePanel } from './palette-panel';
@@ -51,6 +53,7 @@ export class Cockpit {
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
   private readonly hud = new Hud();
+  private readonly objectSign = new ObjectSign();
   private readonly presence: Presence;
   private readonly feelings: Feelings;
   private readonly pulse: Pulse;
@@ -91,9 +94,10 @@ export class Cockpit {
     );
     this.panels = [this.palette, this.timeline];
     this.farPanels = [this.timeline];
-    this.buttons = new Buttons(this.lessons, () => this.toggleTimeline());
+    const feelPulse = ({ strength, milliseconds }: Haptic): void => feel(strength, milliseconds);
+    this.buttons = new Buttons(this.lessons, () => this.toggleTimeline(), feelPulse);
     this.presence = new Presence(engine.link, viewer.afterwards);
-    this.feelings = new Feelings(({ strength, milliseconds }) => feel(strength, milliseconds));
+    this.feelings = new Feelings(feelPulse);
     this.pulse = new Pulse(viewer.uniforms, this.palette);
     this.assemble();
     this.listen();
@@ -111,7 +115,13 @@ export class Cockpit {
     const { viewer } = this.engine;
     const { group } = this.rig;
     viewer.scene.add(group);
-    group.add(viewer.camera, this.palette.mesh, this.timeline.mesh, this.hud.group);
+    group.add(
+      viewer.camera,
+      this.palette.mesh,
+      this.timeline.mesh,
+      this.hud.group,
+      this.objectSign.group,
+    );
     for (const body of this.controllers.bodies) body.addTo(viewer.scene, group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
@@ -201,6 +211,7 @@ export class Cockpit {
     for (const panel of this.panels) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
     parts.add(() => controllers.teach(seconds));
+    parts.add(() => this.objectSign.update(this.rig, this.painter.tip, controllers.brush.tracked));
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
@@ -290,6 +301,7 @@ export class Cockpit {
     this.controllers.dispose();
     for (const panel of this.panels) panel.dispose();
     this.hud.dispose();
+    this.objectSign.dispose();
     viewer.camera.removeFromParent();
     this.rig.group.removeFromParent();
     resetWorld(viewer.world);

@@ -14,6 +14,8 @@ export interface Pulse {
 /** A short dry tick, unlike the hum of painting. */
 export const FRAME_TICK: Pulse = { strength: 0.35, milliseconds: 6 };
 export const BUTTON_TICK: Pulse = { strength: 0.2, milliseconds: 8 };
+/** Another level of an object is shown. */
+export const LEVEL_TICK: Pulse = { strength: 0.5, milliseconds: 15 };
 /** Tracking ended, or a label is locked. */
 export const BUMP: Pulse = { strength: 1, milliseconds: 120 };
 export const PAINT_MS = 25;

@@ -8,8 +8,10 @@ import { canPaint, isStroke, state } from '../state';
 import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
 import type { Stroke } from '../tools/strokes';
+import { Path } from '../tools/path';
 import { roomWay, wayOf, type Way } from '../tools/ways';
 import { AirShape } from './air';
+import { Asking } from './asking';
 import { BrushLook } from './brush-look';
 import type { Hand } from './hand';
 import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from './haptics';
@@ -52,6 +54,9 @@ export class Painter {
   };
   private readonly last = new Vector3();
   private lastRay = 0;
+  /** Where the stroke went, to be completed to an object. */
+  private readonly path = new Path();
+  private readonly asking: Asking;
   private readonly unfeel: () => void;
 
   constructor(
@@ -61,6 +66,7 @@ export class Painter {
   ) {
     this.look = new BrushLook(engine, place);
     this.air = new AirShape(engine.viewer, place);
+    this.asking = new Asking(engine);
     this.unfeel = engine.strokes.results.add(this.felt);
   }
 
@@ -70,6 +76,8 @@ export class Painter {
 
   dispose(): void {
     this.finish();
+    this.asking.leave();
+    this.engine.objects.end();
     this.unfeel();
     this.look.dispose();
     this.air.dispose();
@@ -104,8 +112,28 @@ export class Painter {
     if (level !== this.level) this.turnTo(level, hand, head);
     if (this.level > 0) this.go(hand, other, now);
     const way = this.level > 0 ? this.way : roomWay();
+    if (this.level === 0) this.askAhead(usable && !blocked, way, hand, now);
     const color = this.look.show(usable && !blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.material.color.set(color);
+  }
+
+  /** Show what a press would take. */
+  private askAhead(there: boolean, way: Way, hand: Hand, now: number): void {
+    if (!there || !isStroke(state.tool.peek())) {
+      this.asking.leave();
+      return;
+    }
+    if (way.preview === 'asked') this.aimAt(way, hand);
+    this.asking.update(way, this.pointed(), now);
+  }
+
+  /** Put the ray that a press of `way` sends into `local` and `aim`. */
+  private aimAt(way: Way, hand: Hand): void {
+    const { place, local, aim } = this;
+    place.directionToLocal(hand.direction, aim);
+    place.toLocal(way.far ? hand.origin : this.tip, local);
+    // From outside of the ball inwards, so that the nearest surface is met.
+    if (!way.far) local.addScaledVector(aim, -this.radius[0]!);
   }
 
   private noteFrame(): void {
@@ -166,8 +194,16 @@ export class Painter {
       return;
     }
     const brush = brushFor(this.way, this.radius[0]!);
-    this.stroke = brush && this.begin(brush);
     this.noteFrame();
+    if (this.way.samples === 'clicks') {
+      this.aimAt(this.way, hand);
+      if (brush && before === 0) this.engine.objects.click(structuredClone(this.pointed()));
+      return;
+    }
+    this.asking.leave();
+    this.engine.objects.end();
+    this.path.clear();
+    this.stroke = brush && this.begin(brush);
     this.last.set(NaN, NaN, NaN);
   }
 
@@ -184,7 +220,9 @@ export class Painter {
     }
     if (!this.stroke || !this.aimSample(hand, now)) return;
     this.last.copy(this.local);
-    this.stroke.add(this.pointed(), now);
+    const pointed = this.pointed();
+    this.stroke.add(pointed, now);
+    this.path.add(pointed, this.way.far ? 0 : this.radius[0]!);
   }
 
   private pointed(): PointerSample {
@@ -210,23 +248,24 @@ export class Painter {
       place.toLocal(hand.origin, local);
       return !once || Number.isNaN(this.last.x);
     }
-    place.toLocal(this.tip, local);
-    if (!once) {
-      const x = last.x - local.x;
-      const y = last.y - local.y;
-      const z = last.z - local.z;
-      const step = SAMPLE_STEP * this.radius[0]!;
-      return !(x * x + y * y + z * z < step * step);
+    if (once) {
+      this.aimAt(this.way, hand);
+      return Number.isNaN(this.last.x);
     }
-    // From outside of the ball inwards, so that the nearest surface is met.
-    local.addScaledVector(aim, -this.radius[0]!);
-    return Number.isNaN(this.last.x);
+    place.toLocal(this.tip, local);
+    const x = last.x - local.x;
+    const y = last.y - local.y;
+    const z = last.z - local.z;
+    const step = SAMPLE_STEP * this.radius[0]!;
+    return !(x * x + y * y + z * z < step * step);
   }
 
   /** Let go: send what is still to be sent. Without `eye` what was drawn in the air is dropped. */
   finish(eye: Vector3 | null = null): void {
-    this.stroke?.end();
+    const { stroke } = this;
+    stroke?.end();
     this.stroke = null;
+    if (stroke && eye) this.offerObject(stroke.id);
     this.air.hide();
     const info = state.sequence.peek();
     const drawn = this.level > 0 && this.way.samples === 'drawn';
@@ -236,6 +275,14 @@ export class Painter {
       if (brush) this.begin({ ...brush, ...shape })?.end();
     }
     this.level = 0;
+  }
+
+  /** A stroke was drawn: offer the object that it lies on. */
+  private offerObject(stroke: string): void {
+    const offers = state.brush.peek().complete && state.tool.peek() === 'paint';
+    if (offers && this.way.samples === 'path') {
+      this.engine.objects.complete(this.path.samples(), stroke);
+    }
   }
 
   private pointAt(hand: Hand): void {

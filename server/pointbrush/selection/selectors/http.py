@@ -17,6 +17,7 @@ from __future__ import annotations
 import io
 import urllib.error
 import urllib.request
+import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -115,7 +116,7 @@ class HttpSelector:
         try:
             with np.load(path, allow_pickle=False) as stored:
                 return _Remote(stored["state"], int(stored["count"]))
-        except (OSError, KeyError, ValueError, EOFError) as error:
+        except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
             raise BadInputError(f"{path.name}: expected a saved state: {error}") from None
 
     def _ask(self, call: str, arrays: Arrays, seconds: float) -> Arrays:
@@ -143,7 +144,7 @@ class HttpSelector:
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as answer:
                 return dict(answer.items())
-        except (OSError, ValueError, EOFError) as error:
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
             raise UnavailableError(f"selector: expected an .npz answer: {error}") from None
 
 

@@ -126,11 +126,11 @@ class StrokeResult(Message):
 class Candidate(Message):
     """Points that a click would take: ``runs`` holds first number and length, uint32 each.
 
-    ``id`` is opaque, and void once the frame or the clicks change; ``score``: the overlap with the
-    object that is expected, 0..1.
+    ``id`` is opaque, and void once the frame or the clicks change; empty for the regions of other
+    shapes.  ``score``: the overlap with the object that is expected, 0..1.
     """
 
-    id: Id
+    id: Annotated[str, Field(max_length=64)]
     level: Count
     score: float
     points: Count

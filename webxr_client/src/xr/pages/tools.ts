@@ -27,7 +27,7 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
   const third = inner / 3;
   WAYS.forEach((one, i) => {
     const [column, line] = [i % 3, Math.floor(i / 3)];
-    ui.button(x + column * third, top + em * (5 + 2.3 * line), third - em * 0.2, em * 2.1,
+    ui.button(x + column * third, top + em * (4.8 + 2.1 * line), third - em * 0.2, em * 2,
       { icon: one.icon, text: one.label, on: way === one, strong: true, align: 'left' }, () => chooseWay(one));
   }); // prettier-ignore
   drawBrush(ui, x, top, inner, way);
@@ -35,12 +35,12 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
 
 function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): void {
   const { em } = ui;
-  const { radius, onlyUnlabeled, through } = state.brush.peek();
+  const { radius } = state.brush.peek();
   const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
   const name = way.size ?? 'Radius';
   ui.slider(
     x + em * 0.4,
-    top + em * 9.8,
+    top + em * 11.1,
     inner - em * 0.8,
     em * 2.8,
     name,
@@ -50,16 +50,29 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
       actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to);
     },
   );
-  ui.check(x, top + em * 12.7, inner, em * 1.9, 'Only unlabeled points', onlyUnlabeled, (on) => {
-    patch(state.brush, { onlyUnlabeled: on });
+  checksOf(way).forEach(([text, on, set], i) => {
+    ui.check(x, top + em * (14 + 1.9 * i), inner, em * 1.8, text, on, set);
   });
-  ui.check(x, top + em * 14.7, inner, em * 1.9, 'Ray goes through', through, (on) => {
-    patch(state.brush, { through: on });
-  });
+}
+
+type CheckRow = readonly [text: string, on: boolean, set: (on: boolean) => void];
+
+function checksOf(way: Way): readonly CheckRow[] {
+  const { onlyUnlabeled, through, takeLabelled, follow } = state.brush.peek();
   const { stopUnsure } = xrSettings.peek();
-  ui.check(x, top + em * 16.7, inner, em * 1.9, 'Tracking stops when unsure', stopUnsure, (on) => {
-    change({ stopUnsure: on });
-  });
+  const stops: CheckRow = ['Tracking stops when unsure', stopUnsure, (on) => change({ stopUnsure: on })]; // prettier-ignore
+  if (way.samples === 'clicks') {
+    return [
+      ['Take from other labels', takeLabelled, (on) => patch(state.brush, { takeLabelled: on })],
+      ['Follow: track what is painted', follow, (on) => patch(state.brush, { follow: on })],
+      stops,
+    ];
+  }
+  return [
+    ['Only unlabeled points', onlyUnlabeled, (on) => patch(state.brush, { onlyUnlabeled: on })],
+    ['Ray goes through', through, (on) => patch(state.brush, { through: on })],
+    stops,
+  ];
 }
 
 export function chooseWay(way: Way): void {
