@@ -7,6 +7,7 @@ program; one table here says which are understood.
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -14,16 +15,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.options import ColorRange, Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
+UNIT, MOSTLY = 0.01, 0.99
+"""How far from 1 the length of a normal may be, and the share of rows that have it."""
+LIKER = 0.15
+"""Difference in correlation that tells which columns are colours."""
+MANY_SHADES = 32
+"""Different values of a column that is hardly a class."""
 log = logging.getLogger(__name__)
 
 ROLES: dict[str, tuple[str, ...]] = {
-    "x": ("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
-    "y": ("y", "py", "posy", "pos_y", "position_y", "point_y", "y_m", "northing"),
-    "z": ("z", "pz", "posz", "pos_z", "position_z", "point_z", "z_m", "elevation", "height"),
+    "x": (
+        *("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
+        *("points_m_xyz:0", "points:0", "points_0", "x_coord", "coord_x", "x_coordinate"),
+    ),
+    "y": (
+        *("y", "py", "posy", "pos_y", "position_y", "point_y", "y_m", "northing"),
+        *("points_m_xyz:1", "points:1", "points_1", "y_coord", "coord_y", "y_coordinate"),
+    ),
+    "z": (
+        *("z", "pz", "posz", "pos_z", "position_z", "point_z", "z_m", "elevation", "height"),
+        *("points_m_xyz:2", "points:2", "points_2", "z_coord", "coord_z", "z_coordinate"),
+    ),
     "red": ("red", "r", "diffuse_red", "scalar_red", "color_red", "rf", "colorred"),
     "green": ("green", "g", "diffuse_green", "scalar_green", "color_green", "gf", "colorgreen"),
     "blue": ("blue", "b", "diffuse_blue", "scalar_blue", "color_blue", "bf", "colorblue"),
@@ -34,13 +50,20 @@ ROLES: dict[str, tuple[str, ...]] = {
     ),
     "label": (
         *("label", "scalar_label", "labels", "label_id", "semantic", "semantic_label"),
-        *("sem_label", "class_id", "scalar_scalar_label"),
+        *("sem_label", "class_id", "scalar_scalar_label", "class", "scalar_class", "segment"),
+        *("scalar_segment", "semantic_class", "objtag", "obj_tag", "object_tag", "sem_class"),
     ),
     "instance": (
         *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
-        *("object_id", "scalar_scalar_instance"),
+        *("object_id", "scalar_scalar_instance", "objidx", "obj_idx", "object_index"),
     ),
 }
+LIKE_LABELS = re.compile(
+    r"label|class|segm|semantic|instance|category|annot|obj(ect)?_?(id|tag|idx)|^tag$", re.ASCII
+)
+"""Names of fields that look like labels."""
+NO_LABEL = (-1, -100, 65535, 4294967295)
+"""Numbers that mark "none" in labels and instances."""
 
 
 def roles(names: Iterable[str]) -> dict[str, str]:
@@ -55,6 +78,16 @@ def roles(names: Iterable[str]) -> dict[str, str]:
                 found[role] = by_lower[synonym]
                 break
     return found
+
+
+def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:
+    """Say which fields look like labels and are not read as such."""
+    if "label" in found:
+        return
+    used = set(found.values())
+    left = [c for c in columns if c not in used and LIKE_LABELS.search(c.strip().lower())]
+    if left:
+        log.warning("%s: the fields %s are left out", name, ", ".join(left))
 
 
 def frame_from_columns(
@@ -85,7 +118,10 @@ def frame_from_columns(
             f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
         )
     keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
-    rgb = _rgb(name, columns, found, keep)
+    if missing:
+        keep = without_zeros(xyz, keep)
+    rgb = _rgb(name, columns, found, keep, options.colors)
+    name_left_out(name, columns, found)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
     extras, known = extras or Extras(), options.known
     return PointFrame(
@@ -114,15 +150,45 @@ def plain_columns(table: Array, *, intensity_first: bool) -> dict[str, Array]:
     width = table.shape[1]
     names = ["x", "y", "z"]
     after = width >= 7 and _are_colors(table[:, 4:7])
+    before = width >= 6 and _are_colors(table[:, 3:6], whole=width > 6)
     if width in (4, 5):
         names += ["intensity"]
-    elif intensity_first and after:
+    elif after and (intensity_first or not before or _ends_in_colors(table)):
         names += ["intensity", "red", "green", "blue"]
-    elif width >= 6 and _are_colors(table[:, 3:6], whole=width > 6):
+    elif before:
         names += ["red", "green", "blue"]
-    elif after:
-        names += ["intensity", "red", "green", "blue"]
     return {column: table[:, i] for i, column in enumerate(names)}
+
+
+def _ends_in_colors(table: Array) -> bool:
+    """Whether columns 5 to 7 are the colours where columns 4 to 6 could be.
+
+    Red, green and blue go together more than an intensity goes with them.  Where that does not
+    tell, a last column that runs over the range of a colour is one, and no class.
+    """
+    rows = table[np.isfinite(table[:, 3:7]).all(axis=1), 3:7].astype(np.float64)
+    if len(rows) < 3:
+        return False
+    first, last = _likeness(rows[:, :3]), _likeness(rows[:, 1:])
+    if abs(first - last) > LIKER:
+        return last > first
+    high = rows[:, 1:].max()
+    return len(np.unique(rows[:, 3])) > MANY_SHADES and bool(rows[:, 3].max() > high / 4)
+
+
+def _likeness(columns: NDArray[np.float64]) -> float:
+    """Mean correlation of neighbouring columns (N, 3); 0 where one of them is constant."""
+    centred = columns - columns.mean(axis=0)
+    spread = np.sqrt((centred**2).mean(axis=0))
+    products = (centred[:, :-1] * centred[:, 1:]).mean(axis=0)
+    scale = spread[:-1] * spread[1:]
+    return float(np.mean(np.divide(products, scale, out=np.zeros(2), where=scale > 0)))
+
+
+def _are_normals(values: NDArray[Any]) -> bool:
+    """Whether rows (N, 3) have length 1, as colours that are fractions hardly all have."""
+    length = np.linalg.norm(values.astype(np.float64), axis=1)
+    return bool(np.mean(np.abs(length - 1) < UNIT) > MOSTLY)
 
 
 def _are_colors(values: Array, *, whole: bool = True) -> bool:
@@ -134,9 +200,9 @@ def _are_colors(values: Array, *, whole: bool = True) -> bool:
         values = values[np.isfinite(values).all(axis=1)]
     if len(values) == 0 or values.min() < 0:
         return False
-    return bool(values.max() <= 1) or bool(
-        values.max() <= 255 and not (whole and np.any(values % 1))
-    )
+    if values.max() <= 1:
+        return not _are_normals(values)
+    return bool(values.max() <= 255 and not (whole and np.any(values % 1)))
 
 
 def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] | None:
@@ -156,12 +222,24 @@ def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] 
     return np.flatnonzero(finite)
 
 
-def colors_of(name: str, values: Array) -> NDArray[np.uint8]:
+def without_zeros(xyz: Array, keep: NDArray[np.int64] | None) -> NDArray[np.int64] | None:
+    """Indices of the points that are not 0 0 0: several of those are beams without an echo."""
+    zero = xyz[:, 0] == 0
+    zero &= xyz[:, 1] == 0
+    zero &= xyz[:, 2] == 0
+    if np.count_nonzero(zero) < 2:
+        return keep
+    return np.flatnonzero(~zero) if keep is None else keep[~zero[keep]]
+
+
+def colors_of(name: str, values: Array, colors: ColorRange | None = None) -> NDArray[np.uint8]:
     """(N, 3) colours of any number type as uint8.
 
     uint8 stays.  16-bit colours are scaled unless none exceeds 255 (many writers leave 8-bit
-    values in 16-bit fields).  Floats are 0..1 when none exceeds 1, else 0..255.
-    Raises BadInputError for negative, NaN or larger values.
+    values in 16-bit fields).  Floats are 0..1 when none exceeds 1, else 0..255.  ``colors`` is
+    what holds for the whole recording.
+    Raises BadInputError for negative, NaN or larger values, UndecidedColorsError where ``colors``
+    does not tell.
     """
     if values.dtype == np.uint8:
         return np.asarray(values, np.uint8)
@@ -171,17 +249,19 @@ def colors_of(name: str, values: Array) -> NDArray[np.uint8]:
         return np.zeros((0, 3), np.uint8)
     low, high = values.min(), values.max()
     if values.dtype.kind in "ui":
-        if low >= 0 and high <= 255:
+        greatest = 255 if colors is None else colors.whole_for(int(high))
+        if low >= 0 and high <= 255 and greatest == 255:
             return values.astype(np.uint8)
         if low >= 0 and high <= 65535:
             return ((values.astype(np.uint32) * 255 + 32767) // 65535).astype(np.uint8)
         raise BadInputError(f"{name}: expected colours 0 to 65535, got {low} to {high}")
-    if low >= 0 and high <= 1:
+    one = 1 if colors is None or not low >= 0 else colors.real_for(float(high))
+    if low >= 0 and high <= 1 and one == 1:
         return np.asarray(np.rint(values * 255), np.uint8)
     if low >= 0 and high <= 255:
         return np.asarray(np.rint(values), np.uint8)
     if low >= 0 and high <= 65535 and not np.any(values % 1):
-        return colors_of(name, values.astype(np.uint32))
+        return colors_of(name, values.astype(np.uint32), colors)
     raise BadInputError(f"{name}: expected colours 0 to 1 or 0 to 255, got {low:g} to {high:g}")
 
 
@@ -195,7 +275,7 @@ def unpack_rgb(values: Array) -> NDArray[np.uint8]:
 
 
 def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.uint16]:
-    """Labels or instances as uint16; -1 and NaN are the usual marks for "none" and become 0.
+    """Labels or instances as uint16; NaN and ``NO_LABEL`` mark "none" and become 0.
 
     Raises BadInputError for fractions and for numbers outside 0..greatest.
     """
@@ -207,8 +287,7 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
             raise BadInputError(f"{name}: expected whole {what}s, got {values[at]} at point {at}")
     elif values.dtype.kind not in "uib":
         raise BadInputError(f"{name}: expected {what}s as numbers, got {values.dtype}")
-    if values.dtype.kind in "fi":
-        values = np.where(values == -1, 0, values)
+    values = without_marks(values)
     if len(values) and (values.min() < 0 or values.max() > greatest):
         raise BadInputError(
             f"{name}: expected {what}s 0 to {greatest}, got {values.min():g} to {values.max():g}"
@@ -216,8 +295,17 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
     return values.astype(np.uint16)
 
 
+def without_marks(values: Array) -> Array:
+    """Labels or instances with 0 for the numbers that mark "none"."""
+    marks = [mark for mark in NO_LABEL if mark >= 0 or values.dtype.kind in "fi"]
+    marked = np.isin(values, marks)
+    return np.where(marked, 0, values) if marked.any() else values
+
+
 def _instances(name: str, values: Array) -> NDArray[np.uint16] | None:
     """Instance numbers; None, with a warning, where they do not fit 16 bits."""
+    if values.dtype.kind in "fiu":
+        values = without_marks(values)
     if len(values) and values.dtype.kind in "fiu" and values.max() > 65535:
         log.warning("%s: instance numbers up to %s are left out, 65535 is most", name, values.max())
         return None
@@ -251,16 +339,20 @@ def _stack(name: str, axes: list[Array]) -> Array:
 
 
 def _rgb(
-    name: str, columns: Mapping[str, Array], found: dict[str, str], keep: NDArray[np.int64] | None
+    name: str,
+    columns: Mapping[str, Array],
+    found: dict[str, str],
+    keep: NDArray[np.int64] | None,
+    colors: ColorRange | None,
 ) -> NDArray[np.uint8] | None:
     if all(role in found for role in ("red", "green", "blue")):
         parts = [_take(columns[found[role]], keep) for role in ("red", "green", "blue")]
         if len({part.dtype for part in parts} - {np.dtype(np.int8), np.dtype(np.uint8)}) == 0:
             parts = [np.ascontiguousarray(part).view(np.uint8) for part in parts]
-        return colors_of(name, np.stack(parts, axis=1))
+        return colors_of(name, np.stack(parts, axis=1), colors)
     if "rgb" in found:
         values = _take(columns[found["rgb"]], keep)
         if values.ndim == 1:
             return unpack_rgb(values)
-        return colors_of(name, values[:, :3])
+        return colors_of(name, values[:, :3], colors)
     return None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -18,11 +19,15 @@ from pointbrush.formats.registry import Format, format_by_name, format_named, fo
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
+    in_order,
     natural_key,
     rate_of,
     stated_rate,
     times_of,
 )
+from pointbrush.frame import PointFrame
+
+log = logging.getLogger(__name__)
 
 # Text and binary files that lie beside frames without being frames.
 SIDECARS = {
@@ -80,7 +85,7 @@ def _files(folder: Path, options: ReadOptions) -> list[Path]:
                 raise TooLargeError(
                     f"{folder.name}: expected at most {options.limits.max_files} files, got more"
                 )
-    return sorted(files, key=natural_key)
+    return in_order(files)
 
 
 def _point_files(folder: Path, files: list[Path], format: str | None, weakly: bool) -> list[Path]:
@@ -170,12 +175,16 @@ def list_files(
         files[0].name,
         *SIDECARS,
     }
+    # A moment without echoes, where other moments have some.
+    empty = [len(files) > 1 and entry.headless and not path.stat().st_size for path in files]
+    if all(empty):
+        empty = [False] * len(files)
     times = times_of(files, folder) if whole else None
-    poses = _kitti_poses(entry, files, folder) if whole else None
+    poses = _poses(entry, files, folder) if whole else None
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
     frames = [
         FrameFile(
-            partial(entry.read, files[i]),
+            partial(_empty if empty[i] else entry.read, files[i]),
             Extras(
                 timestamp=times[i] if times else None,
                 pose=poses[i] if poses else None,
@@ -190,11 +199,23 @@ def list_files(
     return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), len(files))
 
 
-def _kitti_poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pose] | None:
-    if entry.name not in ("kitti", "bin"):
-        return None
-    for place in (folder, folder.parent):
-        poses = read_poses(place, [path.name for path in files])
+def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: ARG001 – a reader
+    """A frame of no points."""
+    known = options.known
+    yield PointFrame(np.empty((0, 3), np.float32), pose=known.pose, timestamp=known.timestamp)
+
+
+def _poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pose] | None:
+    """Poses beside the frames; those of a KITTI layout must fit, others are named if not."""
+    kitti = entry.name in ("kitti", "bin")
+    for place in (folder, folder.parent) if kitti else (folder,):
+        try:
+            poses = read_poses(place, [path.name for path in files])
+        except BadInputError as error:
+            if kitti:
+                raise
+            log.warning("%s: the poses are not used: %s", place.name, error)
+            return None
         if poses is not None:
             return poses
     return None

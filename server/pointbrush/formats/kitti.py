@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -16,7 +17,13 @@ from pointbrush.formats.timing import lines_of
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
 
+log = logging.getLogger(__name__)
+
 RECORD = 16
+WIDE = (5, 6, 7)
+"""Floats of records with more than KITTI's four."""
+MOST_INTENSITY, MOST_RINGS = 65535, 512
+"""Greatest plausible values of a wider record's fourth and fifth float."""
 # As many floats as make whole points of either record.
 SAMPLE = 48_000
 
@@ -50,7 +57,8 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     Raises BadInputError when neither is plausible.
     """
     data = read_bytes(path)
-    if _lies_as_kitti(path):
+    wide = [width for width in WIDE if len(data) % (4 * width) == 0 and _is_wide(data, width)]
+    if find_label(path) is not None or (_lies_as_kitti(path) and not wide):
         yield from read_kitti(path, options)
         return
     # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
@@ -58,11 +66,35 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         yield from read_xyzrgb(path, options)
     elif len(data) % RECORD == 0 and _is_kitti(data):
         yield from read_kitti(path, options)
+    elif len(wide) == 1:
+        yield _wide_frame(path, data, wide[0], options)
     else:
         raise BadInputError(
-            f"{path.name}: expected KITTI records (x y z reflectance) or XYZRGB records, got "
-            f"{len(data)} bytes that are neither by their values; name the format (kitti or xyzrgb)"
+            f"{path.name}: expected records of 4 floats (x y z reflectance), 5 to 7 (and ring, "
+            f"time, …) or 6 (x y z r g b), got {len(data)} bytes that are none or several of them "
+            "by their values; name the format (kitti, nuscenes or xyzrgb)"
         )
+
+
+def read_nuscenes(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """A sweep of nuScenes: x y z intensity ring as float32.
+
+    Raises BadInputError for a size that is not whole records.
+    """
+    yield _wide_frame(path, read_bytes(path), 5, options)
+
+
+def _wide_frame(path: Path, data: bytes, width: int, options: ReadOptions) -> PointFrame:
+    """x y z intensity of records of ``width`` floats; what comes after them is left out."""
+    if len(data) % (4 * width):
+        raise BadInputError(
+            f"{path.name}: expected records of {4 * width} bytes ({width} float32), got "
+            f"{len(data)} bytes"
+        )
+    require_count(path.name, len(data) // (4 * width), options.limits)
+    table = np.frombuffer(data, "<f4").reshape(-1, width)
+    columns = {name: table[:, i] for i, name in enumerate(("x", "y", "z", "intensity"))}
+    return frame_from_columns(path.name, columns, options)
 
 
 def _lies_as_kitti(path: Path) -> bool:
@@ -83,6 +115,24 @@ def _is_kitti(data: bytes) -> bool:
     finite = bool((magnitude < 1e7).all()) and bool((magnitude[:, :3] > 1).any())
     reflectance = table[:, 3]
     return finite and bool((reflectance >= 0).all() and (reflectance <= 255).all())
+
+
+def _is_wide(data: bytes, width: int) -> bool:
+    """Whether records have coordinates, an intensity, and a ring: a whole number in column 5.
+
+    Records of another width put coordinates there, which are not whole; and those of 4 floats
+    never pass as wider, since then every column holds coordinates.
+    """
+    if len(data) % RECORD == 0 and _is_kitti(data):
+        return False
+    table = _sample(data, width)
+    if len(table) < 16 or not (np.abs(table) < 1e10).all():
+        return False
+    coordinates, intensity, ring = table[:, :3], table[:, 3], table[:, 4]
+    moves = bool((np.abs(coordinates) > 1).any() and (coordinates % 1 != 0).mean() > 0.5)
+    reflects = bool((intensity >= 0).all() and (intensity <= MOST_INTENSITY).all())
+    rings = bool((ring >= 0).all() and (ring <= MOST_RINGS).all() and not np.any(ring % 1))
+    return moves and reflects and rings
 
 
 def _is_xyzrgb(data: bytes) -> bool:
@@ -134,6 +184,13 @@ def read_poses(folder: Path, names: Sequence[str]) -> list[NDArray[np.float64]] 
     if not path.is_file():
         return None
     T_cam_velo = _velodyne_to_camera(folder / "calib.txt")
+    if T_cam_velo is None:
+        log.warning(
+            "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
+            "them; poses of a camera would turn the recording",
+            path.name,
+        )
+        T_cam_velo = np.eye(4)
     T_velo_cam = np.linalg.inv(T_cam_velo)
     poses = []
     for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
@@ -143,13 +200,13 @@ def read_poses(folder: Path, names: Sequence[str]) -> list[NDArray[np.float64]] 
     return [poses[line] for line in lines_of(path.name, "poses", len(poses), names)]
 
 
-def _velodyne_to_camera(path: Path) -> NDArray[np.float64]:
+def _velodyne_to_camera(path: Path) -> NDArray[np.float64] | None:
     if path.is_file():
         for line in path.read_text("utf-8", "replace").splitlines():
             key, _, values = line.partition(":")
             if key.strip() in ("Tr", "Tr_velo_to_cam", "Tr_velo_cam"):
                 return _matrix(f"{path.name} {key.strip()}", values.split())
-    return np.eye(4)
+    return None
 
 
 def _matrix(where: str, words: list[str]) -> NDArray[np.float64]:

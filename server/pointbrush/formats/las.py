@@ -35,7 +35,7 @@ def read_las(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     header = read_header(path, options.limits)
     records = list(_records(path, header, max(header.count, 1), options))
     rows = records[0] if len(records) == 1 else np.concatenate([_empty(header), *records])
-    yield _frame(path.name, header, rows, _is_8_bit(rows), options)
+    yield _frame(path.name, header, rows, _eight_bit(rows, options), options)
 
 
 def read_chunks(
@@ -90,6 +90,13 @@ def _is_8_bit(rows: NDArray[Any]) -> bool:
     """Whether 16-bit colours hold 8-bit values, as many writers leave them."""
     names = rows.dtype.names or ()
     return "red" in names and all(int(rows[c].max(initial=0)) <= 255 for c in COLORS)
+
+
+def _eight_bit(rows: NDArray[Any], options: ReadOptions) -> bool:
+    """The same, as it holds for the recording; raises UndecidedColorsError."""
+    if options.colors is None or "red" not in (rows.dtype.names or ()) or len(rows) == 0:
+        return _is_8_bit(rows)
+    return options.colors.whole_for(max(int(rows[c].max()) for c in COLORS)) == 255
 
 
 def _frame(

@@ -94,7 +94,9 @@ def survey_mcap(path: Path) -> Topic:
     clouds: Counter[str] = Counter()
     for number, topic in known.clouds().items():
         clouds[topic] += counts[number]
-    topic = choose_topic(path.name, clouds, {topic for topic, _, _ in known.channels.values()})
+    topic = choose_topic(
+        path.name, clouds, {topic: kind for topic, kind, _ in known.channels.values()}
+    )
     return Topic(topic, clouds[topic], start, end)
 
 

@@ -14,18 +14,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.columns import frame_from_columns, plain_columns
+from pointbrush.formats.columns import frame_from_columns, name_left_out, plain_columns
 from pointbrush.formats.options import Extras, ReadOptions, require_count
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
 
-POINTS = ("xyz", "points", "pc", "point_cloud", "pointcloud", "cloud", "positions", "coords")
+POINTS = (
+    *("xyz", "points", "pc", "point_cloud", "pointcloud", "cloud", "positions", "coords"),
+    *("coord", "coordinates", "coordinate", "position", "pos", "vertices"),
+)
 COLORS = ("rgb", "colors", "colours", "color", "rgba", "colour")
-INTENSITIES = ("intensity", "intensities", "reflectance", "remission")
-LABELS = ("label", "labels", "semantic", "semantic_label")
-INSTANCES = ("instance", "instances", "instance_id", "instance_label")
+INTENSITIES = ("intensity", "intensities", "reflectance", "remission", "strength")
+LABELS = (
+    *("label", "labels", "semantic", "semantic_label", "segment", "semantic_gt", "sem_label"),
+    *("segment20", "semantic_gt20", "segment200", "semantic_gt200"),
+)
+INSTANCES = ("instance", "instances", "instance_id", "instance_label", "instance_gt")
 # A table of points is not wider: other arrays are.
 MAX_WIDTH = 16
 _NPY_ROWS = 1 << 20
@@ -72,8 +78,10 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
                         f"{path.name}: expected a whole array '{key}', it is damaged"
                     ) from None
         keys = ", ".join(archive.files) or "no arrays"
+        used = [*arrays, *((POINTS[0],) if len(archive.files) == 1 else ())]
+        name_left_out(path.name, archive.files, {key: key for key in used})
     points = _first(arrays, POINTS)
-    if points is None and len(arrays) == 1 and not {"x", "y", "z"} & set(arrays):
+    if points is None and len(archive.files) == 1 and not {"x", "y", "z"} & set(arrays):
         points = next(iter(arrays))
     if points is None and not {"x", "y", "z"} <= set(arrays):
         raise BadInputError(f"{path.name}: expected an array 'xyz' or 'points', got {keys}")

@@ -39,17 +39,50 @@ class Extras:
     pixel: NDArray[np.uint32] | None = None
 
 
+class UndecidedColorsError(Exception):
+    """Colours of a file whose range the recording has not decided; ``high`` is their greatest."""
+
+    def __init__(self, kind: str, high: float) -> None:
+        super().__init__(f"{kind} colours up to {high}")
+        self.kind, self.high = kind, high
+
+
+@dataclass(frozen=True, slots=True)
+class ColorRange:
+    """Greatest value of a colour in all files of a recording; None where not decided yet.
+
+    ``whole`` for integers of more than 8 bits (255 or 65535), ``real`` for floats (1 or 255).
+    """
+
+    whole: int | None = None
+    real: float | None = None
+
+    def whole_for(self, high: int) -> int:
+        """Return ``whole``; raises UndecidedColorsError."""
+        if self.whole is None:
+            raise UndecidedColorsError("whole", high)
+        return self.whole
+
+    def real_for(self, high: float) -> float:
+        """Return ``real``; raises UndecidedColorsError."""
+        if self.real is None:
+            raise UndecidedColorsError("real", high)
+        return self.real
+
+
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
     """How to read a file.
 
     ``drop_invalid`` leaves NaN and infinite points out instead of raising; ``known`` is what the
     folder tells of the frame (a line of poses.txt, a time in its name): the file itself wins.
+    ``colors`` is the range of colours in the recording; None: each file's own.
     """
 
     drop_invalid: bool = False
     known: Extras = field(default_factory=Extras)
     limits: Limits = field(default_factory=Limits)
+    colors: ColorRange | None = None
 
 
 def require_count(name: str, count: int, limits: Limits) -> None:

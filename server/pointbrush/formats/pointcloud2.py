@@ -120,12 +120,15 @@ def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:
     count = cloud.height * cloud.width
     fits = all(at + np.dtype(kind).itemsize <= cloud.point_step for _, at, kind in cloud.fields)
     row = cloud.width * cloud.point_step
-    if not fits or (count and (cloud.row_step < row or cloud.point_step == 0)):
+    # Of one row, and of rows that fill the data, the step says nothing: many drivers set it wrong.
+    says_nothing = cloud.height == 1 or len(cloud.data) == cloud.height * row
+    row_step = row if says_nothing else cloud.row_step
+    if not fits or (count and (row_step < row or cloud.point_step == 0)):
         raise BadInputError(
             f"{name}: expected fields within a point of {cloud.point_step} bytes and rows of {row} "
-            f"bytes or more, got rows of {cloud.row_step}"
+            f"bytes or more, got rows of {row_step}"
         )
-    needed = (cloud.height - 1) * cloud.row_step + row if count else 0
+    needed = (cloud.height - 1) * row_step + row if count else 0
     if len(cloud.data) < needed:
         raise BadInputError(
             f"{name}: expected {cloud.height} rows of {cloud.width} points = {needed} bytes, got "
@@ -142,5 +145,5 @@ def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:
     )
     if count == 0:
         return np.empty(0, dtype)
-    shape, strides = (cloud.height, cloud.width), (cloud.row_step, cloud.point_step)
+    shape, strides = (cloud.height, cloud.width), (row_step, cloud.point_step)
     return np.ndarray(shape, dtype, cloud.data, 0, strides).reshape(-1)

@@ -47,12 +47,25 @@ def map_recording(path: Path, magic: bytes, kind: str) -> mmap:
     return data
 
 
-def choose_topic(name: str, clouds: Mapping[str, int], others: set[str]) -> str:
-    """The topic with most point clouds; raises BadInputError naming the others when none has."""
+def choose_topic(name: str, clouds: Mapping[str, int], types: Mapping[str, str]) -> str:
+    """The topic with most point clouds of those in ``types``, topic → type of its messages.
+
+    Raises BadInputError naming topics and types when none has point clouds.
+    """
     if not clouds:
-        seen = ", ".join(sorted(others)[:8]) or "no messages"
+        named = [f"{topic} ({types[topic] or 'no type'}){_what(types[topic])}" for topic in types]
+        seen = ", ".join(sorted(named)[:8]) or "no messages"
         raise BadInputError(f"{name}: expected messages of type PointCloud2, got {seen}")
     return min(clouds, key=lambda topic: (-clouds[topic], topic))
+
+
+def _what(kind: str) -> str:
+    """A word on messages that users take for point clouds."""
+    if kind.endswith("CustomMsg"):
+        return ", a Livox driver's own: record with xfer_format 0, or convert them"
+    if kind.endswith(("VelodyneScan", "PacketMsg", "Packets", "LidarScan")):
+        return ", packets of a driver: replay them through it, and record its points"
+    return ""
 
 
 def unpack_chunk(name: str, packed: bytes, compression: str, size: int) -> bytes:

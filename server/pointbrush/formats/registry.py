@@ -16,7 +16,7 @@ from pathlib import Path
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth import read_depth
 from pointbrush.formats.e57 import read_e57
-from pointbrush.formats.kitti import read_bin, read_kitti
+from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes
 from pointbrush.formats.las import read_las
 from pointbrush.formats.mcap import read_mcap, survey_mcap
 from pointbrush.formats.npy import read_npy, read_npz
@@ -42,6 +42,7 @@ class Format:
     frames of one file and raises BadInputError for a file that is not whole.  ``weak`` endings
     are those of other things too (.txt): in a folder they give way to point cloud files.
     ``survey`` of formats whose files hold many frames counts them without reading them.
+    ``headless``: files hold points and nothing else, so that one of 0 bytes holds none.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Format:
     magic: tuple[bytes, ...] = ()
     weak: tuple[str, ...] = ()
     survey: Callable[[Path], Topic] | None = None
+    headless: bool = False
 
 
 BUILT_IN = (
@@ -63,9 +65,10 @@ BUILT_IN = (
     Format("mcap", (".mcap",), read_mcap, "MCAP", (b"\x89MCAP0",), survey=survey_mcap),
     Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
-    Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records"),
-    Format("bin", (".bin",), read_bin, "KITTI or XYZRGB records, told apart by their values"),
-    Format("kitti", (), read_kitti, "KITTI and SemanticKITTI"),
+    Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records", headless=True),
+    Format("nuscenes", (".pcd.bin",), read_nuscenes, "nuScenes sweeps", headless=True),
+    Format("bin", (".bin",), read_bin, "float records, told apart by their values", headless=True),
+    Format("kitti", (), read_kitti, "KITTI and SemanticKITTI", headless=True),
     Format("rgbd", (), read_depth, "depth and colour images (TUM RGB-D, Kinect v2)"),
     Format(
         "text",
@@ -73,6 +76,7 @@ BUILT_IN = (
         read_text,
         "XYZ, TXT, PTS, CSV",
         weak=(".txt", ".csv"),
+        headless=True,
     ),
 )
 ALIASES = {

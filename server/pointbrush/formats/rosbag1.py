@@ -73,7 +73,7 @@ def survey_rosbag1(path: Path) -> Topic:
     for number, topic in index.topics.items():
         if index.types[topic] in TYPES:
             clouds[topic] += index.counts[number]
-    topic = choose_topic(path.name, clouds, set(index.topics.values()))
+    topic = choose_topic(path.name, clouds, index.types)
     start, stop = (min(index.times), max(index.times)) if index.times else (0.0, 0.0)
     return Topic(topic, clouds[topic], start, stop)
 

@@ -58,7 +58,7 @@ def survey_rosbag2(path: Path) -> Topic:
     ):
         raise BadInputError(f"{path.name}: expected topics with names and times")
     clouds = {name: count for name, kind, count, _, _ in rows if kind in TYPES}
-    topic = choose_topic(path.name, clouds, {str(row[0]) for row in rows})
+    topic = choose_topic(path.name, clouds, {str(row[0]): str(row[1]) for row in rows})
     _, _, count, start, end = next(row for row in rows if row[0] == topic)
     return Topic(topic, count, (start or 0) / 1e9, (end or 0) / 1e9)
 

@@ -8,17 +8,19 @@ import re
 import shutil
 import weakref
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
 from pointbrush.formats.folder import list_files, list_folder
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.listing import Listing
-from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.listing import FrameFile, Listing
+from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
 from pointbrush.formats.registry import format_named
-from pointbrush.formats.timing import natural_key, rate_of
+from pointbrush.formats.timing import in_order, rate_of
 from pointbrush.frame import PointFrame
 
 # Folders within a recording, which say nothing about it.
@@ -107,9 +109,44 @@ def open_source(
 
 
 def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:
-    for listing in listings:
-        for frame in listing.frames:
-            yield from frame.read(replace(options, known=frame.known))
+    files = [file for listing in listings for file in listing.frames]
+    several = len(files) > 1 or sum(listing.count or 0 for listing in listings) != 1
+    colors = ColorRange() if several else None
+    for number, file in enumerate(files):
+        done = 0
+        while True:
+            chosen = replace(options, known=file.known, colors=colors)
+            try:
+                for frame in islice(file.read(chosen), done, None):
+                    yield frame
+                    done += 1
+                break
+            except UndecidedColorsError as undecided:
+                assert colors is not None  # noqa: S101 – nothing else leaves them undecided
+                colors = _decided(colors, undecided, files[number + 1 :], options)
+
+
+def _decided(
+    colors: ColorRange,
+    undecided: UndecidedColorsError,
+    later: list[FrameFile],
+    options: ReadOptions,
+) -> ColorRange:
+    """The range that holds for all files: the small one, unless a later file exceeds it.
+
+    Of a later file that holds several frames the first with colours tells.
+    """
+    small, large = (255, 65535) if undecided.kind == "whole" else (1, 255)
+    high = undecided.high
+    for file in later:
+        if high > small:
+            break
+        with suppress(BadInputError):  # said when its turn comes
+            try:
+                next(file.read(replace(options, known=file.known, colors=colors)), None)
+            except UndecidedColorsError as other:
+                high = max(high, other.high if other.kind == undecided.kind else 0)
+    return replace(colors, **{undecided.kind: large if high > small else small})
 
 
 def _expand(paths: Sequence[Path]) -> list[Path]:
@@ -125,7 +162,7 @@ def _expand(paths: Sequence[Path]) -> list[Path]:
         if not matches:
             kind = "files that match" if glob.has_magic(str(path)) else "a file or folder"
             raise NotFoundError(f"path: expected {kind}, there is no {path}")
-        found += sorted((Path(match) for match in matches), key=natural_key)
+        found += in_order([Path(match) for match in matches])
     return found
 
 
@@ -134,7 +171,7 @@ def _listings(
 ) -> list[Listing]:
     plain = [path for path in paths if path.is_file() and not is_archive(path)]
     if len(plain) == len(paths):
-        return [list_files(sorted(plain, key=natural_key), format, plain[0].parent, options)]
+        return [list_files(in_order(plain), format, plain[0].parent, options)]
     listings: list[Listing] = []
     for path in paths:
         if path.is_dir():

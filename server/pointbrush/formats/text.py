@@ -6,8 +6,11 @@ or intensity red green blue (PTS).
 
 from __future__ import annotations
 
+import csv
 import io
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,14 +19,16 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns, plain_columns, roles
-from pointbrush.formats.numbers import parse_numbers
+from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
-SEPARATORS = (",", ";", "\t")
 MAX_COLUMNS = 1024
+SAMPLE = 50
+"""Rows that tell whether commas are decimal."""
+_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
 _CSV_ROWS = 65536
 
 
@@ -50,26 +55,74 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     ]
     if not numbers:
         raise BadInputError(f"{name}: expected lines of numbers, got none")
-    first = lines[numbers[0]]
-    separator = next((s for s in SEPARATORS if s in first), None)
-    header, claimed = None, None
-    words = _words(first, separator)
-    if len(words) == 1 and len(numbers) > 1 and words[0].isascii() and words[0].isdigit():
-        claimed = int(words[0][:18])
-        separator = next((s for s in SEPARATORS if s in lines[numbers[1]]), None)
-    elif not all(_is_number(word) for word in words):
-        header = [word.strip().strip("\"'") for word in words]
-    rows = numbers[1:] if header is not None or claimed is not None else numbers
-    require_count(name, len(rows), options.limits)
-    if claimed is not None and claimed != len(rows):
-        raise BadInputError(f"{name}: expected {claimed} points as line 1 says, got {len(rows)}")
+    layout = _layout(name, lines, numbers)
+    require_count(name, len(layout.rows), options.limits)
+    columns = _columns(name, lines, layout, is_pts=path.suffix.lower() == ".pts")
+    yield frame_from_columns(name, columns, options)
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How lines hold points: ``rows`` are their numbers; ``header`` names the columns, if any."""
+
+    separator: str | None
+    decimal_comma: bool
+    header: list[str] | None
+    rows: list[int]
+
+
+def _layout(name: str, lines: list[str], numbers: list[int]) -> Layout:
+    """Tell header, count line (PTS), separator and decimal comma by the first lines."""
+    header: list[str] | None = None
+    claimed: tuple[int, int] | None = None
+    left = numbers
+    separator: str | None = None
+    while left:
+        line = lines[left[0]]
+        separator = _separator(line)
+        words = _words(line, separator)
+        if len(words) == 1 and words[0].isascii() and words[0].isdigit() and not claimed:
+            claimed = int(words[0][:18]), left[0] + 1
+        elif header is None and _is_header(words):
+            header = [word.strip().strip("\"'") for word in words]
+        else:
+            break
+        left = left[1:]
+    if claimed is not None and claimed[0] != len(left):
+        raise BadInputError(
+            f"{name}: expected {claimed[0]} points as line {claimed[1]} says, got {len(left)}"
+        )
     if header is not None and not {"x", "y", "z"} <= set(roles(header)):
         raise BadInputError(
             f"{name}: expected numbers, or a header with x, y and z, got other words"
         )
-    table = _table(name, lines, rows, separator)
-    columns = _named(name, table, header, is_pts=path.suffix.lower() == ".pts")
-    yield frame_from_columns(name, columns, options)
+    sample = [word for i in left[:SAMPLE] for word in _words(lines[i], separator)]
+    comma = separator != "," and any(_COMMA.fullmatch(word) for word in sample)
+    return Layout(separator, comma, header, left)
+
+
+def _separator(line: str) -> str | None:
+    """What stands between the values of a line; None: spaces."""
+    for separator in (";", "\t"):
+        if separator in line:
+            return separator
+    if "," not in line:
+        return None
+    # 1,5 2,25 3,125: the commas are decimal ones, and spaces separate.
+    words = line.split()
+    decimal = [_COMMA.fullmatch(word) is not None or is_number(word) for word in words]
+    return None if len(words) >= 3 and all(decimal) else ","
+
+
+def _is_header(words: list[str]) -> bool:
+    """Whether a line names columns: a row has numbers in its first three."""
+    return not all(_is_value(word) for word in words[:3]) and not all(
+        _is_value(word) for word in words
+    )
+
+
+def _is_value(word: str) -> bool:
+    return is_number(word) or _COMMA.fullmatch(word) is not None
 
 
 def _is_comment(line: str) -> bool:
@@ -80,7 +133,7 @@ def _is_comment(line: str) -> bool:
 def _is_header_comment(line: str) -> bool:
     """``//X,Y,Z,R,G,B`` (CloudCompare) and ``# x y z`` name the columns."""
     words = line.lstrip("#/ ").replace(",", " ").replace(";", " ").split()
-    return {"x", "y", "z"} <= set(roles(words)) and not any(_is_number(word) for word in words)
+    return {"x", "y", "z"} <= set(roles(words)) and not any(is_number(word) for word in words)
 
 
 def _words(line: str, separator: str | None) -> list[str]:
@@ -88,64 +141,111 @@ def _words(line: str, separator: str | None) -> list[str]:
     return [word.strip() for word in bare.strip().split(separator)]
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
-def _table(
-    name: str, lines: list[str], rows: list[int], separator: str | None
-) -> NDArray[np.float64]:
-    if not rows:
-        return np.empty((0, 3))
-    width = len(_words(lines[rows[0]], separator))
+def _columns(name: str, lines: list[str], layout: Layout, *, is_pts: bool) -> Mapping[str, Array]:
+    rows, header = layout.rows, layout.header
+    width = len(_words(lines[rows[0]], layout.separator)) if rows else 3
     if width > MAX_COLUMNS:
         raise BadInputError(f"{name}: expected at most {MAX_COLUMNS} columns, got {width}")
+    if rows and header is not None and width != len(header) and not _quoted(lines, rows):
+        raise BadInputError(
+            f"{name}: expected {len(header)} values per line as the header says, got {width}"
+        )
+    table = _table(name, lines, layout, width)
+    if header is None and width < 3:
+        raise BadInputError(f"{name}: expected at least 3 columns (x y z), got {width}")
+    if table is None:
+        return _columns_with_words(name, lines, layout)
+    if header is not None:
+        return {column: table[:, i] for i, column in enumerate(header) if i < width}
+    return plain_columns(table, intensity_first=is_pts)
+
+
+def _quoted(lines: list[str], rows: list[int]) -> bool:
+    return any('"' in lines[row] for row in rows[:SAMPLE])
+
+
+def _table(name: str, lines: list[str], layout: Layout, width: int) -> NDArray[np.float64] | None:
+    """All values as numbers (N, width); None where columns of words may be among them."""
+    rows, separator = layout.rows, layout.separator
+    if not rows:
+        return np.empty((0, 3))
     wanted = [lines[row] for row in rows]
     if {len(line.split(separator)) for line in wanted} != {width}:
-        raise _complaint(name, lines, rows, separator, width)
+        if _quoted(lines, rows):
+            return None
+        raise _complaint(name, lines, layout, width)
     body = "\n".join(wanted)
+    if layout.decimal_comma:
+        body = body.replace(",", ".")
     try:
         numbers = parse_numbers(name, body.replace(separator or "\n", " ").encode())
     except BadInputError:
-        raise _complaint(name, lines, rows, separator, width) from None
-    if numbers.size != len(rows) * width:
-        raise _complaint(name, lines, rows, separator, width)
-    return numbers.reshape(len(rows), width)
+        return None
+    return numbers.reshape(len(rows), width) if numbers.size == len(rows) * width else None
 
 
-def _complaint(
-    name: str, lines: list[str], rows: list[int], separator: str | None, width: int
-) -> BadInputError:
-    for row in rows:
-        words = _words(lines[row], separator)
+def _columns_with_words(name: str, lines: list[str], layout: Layout) -> Mapping[str, Array]:
+    """Columns of numbers alone: names, dates and remarks beside them are left out."""
+    separator = layout.separator or " "
+    wanted = (lines[row] for row in layout.rows)
+    table = list(csv.reader(wanted, delimiter=separator, skipinitialspace=True))
+    width = len(table[0])
+    for row, words in zip(layout.rows, table, strict=True):
+        if len(words) != width:
+            raise BadInputError(
+                f"{name} line {row + 1}: expected {width} values as in line "
+                f"{layout.rows[0] + 1}, got {len(words)}"
+            )
+    names = layout.header or [str(i) for i in range(width)]
+    if len(names) != width:
+        raise BadInputError(
+            f"{name}: expected {len(names)} values per line as the header says, got {width}"
+        )
+    needed = {names[i] for i in range(3)} if layout.header is None else set(_axes(names))
+    columns: dict[str, Array] = {}
+    for i, column in enumerate(names):
+        values = _numbers([words[i] for words in table], layout)
+        if isinstance(values, int) and column in needed:
+            where = f"{name} line {layout.rows[values] + 1}"
+            raise BadInputError(f"{where}: expected a number, got another word")
+        if not isinstance(values, int):
+            columns[column] = values
+    if layout.header is not None:
+        return columns
+    return plain_columns(np.stack(list(columns.values()), axis=1), intensity_first=False)
+
+
+def _axes(names: list[str]) -> list[str]:
+    found = roles(names)
+    return [found[axis] for axis in "xyz"]
+
+
+def _numbers(words: list[str], layout: Layout) -> NDArray[np.float64] | int:
+    """Words as numbers, or which of them is none; a missing value is NaN."""
+    values = np.full(len(words), np.nan)
+    known = False
+    for i, word in enumerate(words):
+        bare = word.strip()
+        if not bare:
+            continue
+        if layout.decimal_comma:
+            bare = bare.replace(",", ".")
+        if not is_number(bare):
+            return i
+        values[i] = parse_numbers("", bare.encode())[0]
+        known = True
+    return values if known or not words else 0
+
+
+def _complaint(name: str, lines: list[str], layout: Layout, width: int) -> BadInputError:
+    for row in layout.rows:
+        words = _words(lines[row], layout.separator)
         if len(words) != width:
             return BadInputError(
-                f"{name} line {row + 1}: expected {width} values as in line {rows[0] + 1}, got "
-                f"{len(words)}"
+                f"{name} line {row + 1}: expected {width} values as in line "
+                f"{layout.rows[0] + 1}, got {len(words)}"
             )
-        for word in words:
-            if not _is_number(word):
-                return BadInputError(f"{name} line {row + 1}: expected a number, got another word")
     return BadInputError(f"{name}: expected lines of {width} numbers")
-
-
-def _named(
-    name: str, table: NDArray[np.float64], header: list[str] | None, *, is_pts: bool
-) -> Mapping[str, Array]:
-    width = table.shape[1]
-    if header is not None:
-        if len(table) and width != len(header):
-            raise BadInputError(
-                f"{name}: expected {len(header)} values per line as the header says, got {width}"
-            )
-        return {column: table[:, i] for i, column in enumerate(header) if i < width}
-    if width < 3:
-        raise BadInputError(f"{name}: expected at least 3 columns (x y z), got {width}")
-    return plain_columns(table, intensity_first=is_pts)
 
 
 def write_csv(out: BinaryIO, table: Table) -> None:

@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from itertools import pairwise
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,13 @@ TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", 
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
 EARLIEST, LATEST = 631_152_000, 4_102_444_800
 _DATE = re.compile(r"(?<!\d)((?:19|20)\d{6})[T_\- ]?(\d{6})(?:[._](\d{1,9}))?(?!\d)")
+_CLOCK = re.compile(
+    r"(?<!\d)((?:19|20)\d\d)-(\d\d)-(\d\d)[T _]+(\d\d)[:_-](\d\d)[:_-](\d\d)"
+    r"(?:[.,_](\d{1,9}))?(?!\d)"
+)
+_DECIMAL = re.compile(
+    r"(?P<before>.*?)(?P<sign>(?<![0-9a-zA-Z])-)?(?P<whole>\d+)(?P<fraction>\.\d+)?", re.ASCII
+)
 _EPOCH = re.compile(r"(?<!\d)(\d{10})(?:[._](\d{1,9}))?(?!\d)|(?<!\d)(\d{13,19})(?!\d)")
 
 
@@ -28,6 +35,28 @@ def natural_key(path: Path) -> tuple[tuple[int, str | int], ...]:
     )
 
 
+def in_order(paths: Sequence[Path]) -> list[Path]:
+    """Files in the order of the numbers that are all that tells their names apart.
+
+    Names that differ in one decimal (``0.05``, ``0.1``; ``scan_-0.5``) are ordered by its value,
+    others by ``natural_key``.
+    """
+    natural = sorted(paths, key=natural_key)
+    decimals = [_DECIMAL.fullmatch(path.stem) for path in natural]
+    matched = [match for match in decimals if match is not None]
+    alike = len({(path.parent, path.suffix) for path in natural}) == 1
+    fractions = any(match["fraction"] or match["sign"] for match in matched)
+    if not alike or len(matched) != len(natural) or not fractions:
+        return natural
+    if len({match["before"] for match in matched}) != 1:
+        return natural
+    values = [
+        Decimal((match["sign"] or "") + match["whole"] + (match["fraction"] or ""))
+        for match in matched
+    ]
+    return [natural[i] for i in sorted(range(len(natural)), key=values.__getitem__)]
+
+
 def time_in_name(name: str) -> float | None:
     """Seconds since 1970 in a file name: ``20121214T142255.814212``, or an epoch in s, ms … ns."""
     if match := _DATE.search(name):
@@ -36,6 +65,12 @@ def time_in_name(name: str) -> float | None:
         except ValueError:
             return None
         return moment.replace(tzinfo=UTC).timestamp() + float(f"0.{match.group(3) or 0}")
+    if match := _CLOCK.search(name):
+        try:
+            moment = datetime(*(int(part) for part in match.groups()[:6]), tzinfo=UTC)  # type: ignore[misc,arg-type]
+        except ValueError:
+            return None
+        return moment.timestamp() + float(f"0.{match.group(7) or 0}")
     if match := _EPOCH.search(name):
         whole, fraction, long = match.groups()
         seconds = (
@@ -46,12 +81,10 @@ def time_in_name(name: str) -> float | None:
 
 
 def times_in_names(paths: Sequence[Path]) -> list[float] | None:
-    """The time in each file's name; None unless every name has one and they increase."""
+    """The time in each file's name; None unless every name has one, and another one."""
     times = [time_in_name(path.stem) for path in paths]
     known = [time for time in times if time is not None]
-    if len(known) != len(times) or any(b <= a for a, b in pairwise(known)):
-        return None
-    return known
+    return known if len(set(known)) == len(times) else None
 
 
 def find_time_file(folder: Path) -> Path | None:

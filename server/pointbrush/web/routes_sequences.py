@@ -121,6 +121,7 @@ IMPORT_BODY: dict[str, Any] = {
                         "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
                         "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
                         "format": {"type": "string", "enum": format_names()},
+                        "drop_invalid": {"type": "string", "enum": ["true", "false"]},
                     },
                 }
             },
@@ -209,6 +210,10 @@ def _fields(form: FormData) -> dict[str, Any]:
         fields["name"] = _plain_name(fields["name"])
     with contextlib.suppress(KeyError):
         fields["fps"] = _rate(fields["fps"])
+    drop = form.get("drop_invalid") or "false"
+    if drop not in ("true", "false"):
+        raise BadInputError(f"drop_invalid: expected true or false, got {str(drop)[:40]!r}")
+    fields["drop_invalid"] = drop == "true"
     return fields
 
 

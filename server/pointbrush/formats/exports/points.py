@@ -21,6 +21,8 @@ from pointbrush.formats.table import Columns, Table
 from pointbrush.formats.text import write_csv
 
 PALETTE = "palette.json"
+WIDE = ("label", "category", "instance")
+"""Fields of a PCD that are unsigned integers of 4 bytes."""
 
 
 def write_palette(palette: Palette, output: Output) -> None:
@@ -52,6 +54,8 @@ def _packed(columns: Columns) -> Columns:
     if "red" in packed:
         parts = [packed.pop(color).astype(np.uint32) for color in ("red", "green", "blue")]
         packed["rgba"] = np.uint32(0xFF000000) | parts[0] << 16 | parts[1] << 8 | parts[2]
+    # PCL's point types have labels of 4 bytes and read no others.
+    packed |= {name: packed[name].astype(np.uint32) for name in WIDE if name in packed}
     order = sorted(packed, key=lambda name: (name not in "xyz", name != "rgba"))
     return {name: packed[name] for name in order}
 
