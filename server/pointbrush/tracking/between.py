@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.tracking.distinct import DistinctFrames, DistinctRun
 from pointbrush.tracking.interface import (
     I64,
     FrameKnowledge,
@@ -78,6 +79,19 @@ class BothSides:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``; raises BadInputError for a bad order or bad seeds."""
         check(frames, order, seeds)
+        run = DistinctRun(DistinctFrames(frames), known, options)
+        given, labels = run.seeds(order[0], seeds), [seed.label for seed in seeds]
+        for result in self._between(run.frames, order, given, run.known, options):
+            yield run.of_all(result, labels)
+
+    def _between(
+        self,
+        frames: Frames,
+        order: Sequence[int],
+        seeds: Sequence[Seed],
+        known: Known,
+        options: TrackOptions,
+    ) -> Iterator[FrameResult]:
         painted = keyframes(order, [s.label for s in seeds], known, options)
         if options.until_painted:
             ends = {label: (at[0] if at else len(order) - 1) for label, at in painted.items()}
