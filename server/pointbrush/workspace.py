@@ -19,9 +19,17 @@ from pointbrush.errors import (
     NotFoundError,
     ReadOnlyError,
 )
-from pointbrush.formats import EXPORTS, export
+from pointbrush.formats import EXPORTS, category_names, export
 from pointbrush.jobs import Job, JobRunner
-from pointbrush.labels import Commit, EditInfo, FrameValues, Label, LabelStore, Limits
+from pointbrush.labels import (
+    Category,
+    Commit,
+    EditInfo,
+    FrameValues,
+    Label,
+    LabelStore,
+    Limits,
+)
 from pointbrush.private import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
@@ -455,7 +463,17 @@ class Workspace:
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []
         labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
-        export(export_format, labeled, self.store.palette(sequence), out, gaps)
+        palette = self.store.palette(sequence)
+        numbers = self.store.taxonomy.numbers(category_names(palette))
+        export(export_format, labeled, palette, out, gaps, numbers)
+
+    def categories(self) -> list[Category]:
+        """The classes of the workspace: each has one number in all recordings."""
+        return self.store.taxonomy.entries()
+
+    def put_categories(self, wanted: Sequence[Category]) -> list[Category]:
+        """Add classes, or change names and colours; see ``Taxonomy.put``."""
+        return self.store.taxonomy.put(wanted)
 
     def jobs(self) -> list[Job]:
         """All remembered jobs, newest first."""

@@ -8,6 +8,7 @@ from pointbrush.formats.exports import (
     Export,
     ExportFrame,
     LabeledFrame,
+    category_names,
     export,
     sizes_of,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "ReadOptions",
     "Source",
     "SourceLabel",
+    "category_names",
     "export",
     "format_names",
     "open_source",

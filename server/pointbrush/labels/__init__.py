@@ -8,6 +8,7 @@ from pointbrush.labels.database import Limits
 from pointbrush.labels.integrity import check_database
 from pointbrush.labels.recordings import KEPT_SECONDS, Known
 from pointbrush.labels.store import LabelStore
+from pointbrush.labels.taxonomy import Category
 from pointbrush.labels.tokens import Token, Tokens
 from pointbrush.labels.types import (
     Cell,
@@ -22,6 +23,7 @@ from pointbrush.labels.types import (
 
 __all__ = [
     "KEPT_SECONDS",
+    "Category",
     "Cell",
     "Commit",
     "Delta",

@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0005"
+HEAD = "0006"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -186,6 +186,14 @@ accounts = Table(
     metadata,
     Column("id", String(256), primary_key=True),
     Column("name", Text, nullable=False),
+)
+
+categories = Table(
+    "categories",
+    metadata,
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("name", String(256), nullable=False, unique=True),
+    Column("color", String(7), nullable=False),
 )
 
 sign_ins = Table(

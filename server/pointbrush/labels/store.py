@@ -20,6 +20,7 @@ from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.sessions import Sessions, require_import
 from pointbrush.labels.sign_ins import SignIns
 from pointbrush.labels.state import revisions
+from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.writes import require_paintable
@@ -50,6 +51,7 @@ class LabelStore:
         self.tokens = Tokens(self._database)
         self.accounts = Accounts(self._database)
         self.sign_ins = SignIns(self._database)
+        self.taxonomy = Taxonomy(self._database)
         self.recordings = Recordings(self._database, self._sessions)
         self.guards = Guards(self._database)
 

@@ -17,6 +17,7 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import (
     page,
     problems,
+    routes_categories,
     routes_edits,
     routes_export,
     routes_frames,
@@ -38,8 +39,8 @@ from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_frames, routes_labels, routes_edits, routes_objects,
-    routes_tracking, routes_export, routes_jobs,
+    routes_meta, routes_sequences, routes_frames, routes_labels, routes_categories, routes_edits,
+    routes_objects, routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -16,6 +16,7 @@ from pointbrush.formats.exports.labeled import (
     LabeledFrame,
     Palette,
     PaletteEntry,
+    category_names,
     sizes_of,
 )
 from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
@@ -58,6 +59,7 @@ def export(
     palette: Sequence[PaletteEntry],
     out: Path | BinaryIO,
     gaps: list[str] | None = None,
+    numbers: Mapping[str, int] | None = None,
 ) -> None:
     """Write frames and palette to a new folder, a .zip, a single file, or a stream (as zip).
 
@@ -67,6 +69,7 @@ def export(
 
     A damaged frame raises DamagedError, unless there is a list of ``gaps``, for a stream that has
     begun: what is missing is told there, by ``frames`` too, and written as ``gaps.json``.
+    ``numbers`` are the categories' numbers by name; without them they are counted.
     """
     if format not in EXPORTS:
         raise BadInputError(f"format: expected one of {', '.join(EXPORTS)}, got {format!r}")
@@ -79,7 +82,7 @@ def export(
         context = folder_output(out)
     with context as output:
         try:
-            entry.write(frames, Palette(palette), output)
+            entry.write(frames, Palette(palette, numbers), output)
         except DamagedError as error:
             if gaps is None:
                 raise
@@ -99,6 +102,7 @@ __all__ = [
     "Output",
     "Palette",
     "PaletteEntry",
+    "category_names",
     "export",
     "sizes_of",
 ]

@@ -132,12 +132,15 @@ ExportFrame = LabeledFrame | BlockedFrame
 
 
 class Palette:
-    """The labels with category numbers (1, 2, … by first label) and instances within each.
+    """The labels with category numbers and instances within each.
 
-    A label without category is a category of its own, called as it is.
+    ``numbers`` are those of the workspace by a category's name; without them 1, 2, … by first
+    label.  A label without category is a category of its own, called as it is.
     """
 
-    def __init__(self, entries: Sequence[PaletteEntry]) -> None:
+    def __init__(
+        self, entries: Sequence[PaletteEntry], numbers: Mapping[str, int] | None = None
+    ) -> None:
         self.entries = sorted(entries, key=lambda entry: entry.id)
         self.categories: dict[str, int] = {}
         self._category = np.zeros(1 << 16, np.uint16)
@@ -145,7 +148,8 @@ class Palette:
         sizes: dict[str, int] = {}
         for entry in self.entries:
             name = category_of(entry)
-            number = self.categories.setdefault(name, len(self.categories) + 1)
+            given = len(self.categories) + 1 if numbers is None else numbers[name]
+            number = self.categories.setdefault(name, given)
             sizes[name] = sizes.get(name, 0) + 1
             self._category[entry.id] = number
             self._instance[entry.id] = sizes[name]
@@ -177,6 +181,12 @@ class Palette:
     def json(self) -> bytes:
         """``document`` as UTF-8 JSON."""
         return json.dumps(self.document(), indent=1, ensure_ascii=False).encode()
+
+
+def category_names(entries: Sequence[PaletteEntry]) -> list[str]:
+    """The categories of labels, each once, in the order of the labels' ids."""
+    ordered = sorted(entries, key=lambda entry: entry.id)
+    return list(dict.fromkeys(category_of(entry) for entry in ordered))
 
 
 def category_of(entry: PaletteEntry) -> str:

@@ -1,0 +1,68 @@
+"""The classes of the workspace, as a file too."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from pointbrush.labels import Category
+from pointbrush.web.context import Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Body
+
+router = APIRouter(tags=["categories"])
+NAME = r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
+"""No control characters, and no space in front."""
+
+
+class CategoryBody(Body):
+    """A class; its number never changes."""
+
+    number: Annotated[int, Field(ge=1, le=65535)]
+    name: Annotated[str, Field(min_length=1, max_length=256, pattern=NAME)]
+    color: Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6})?$")] = ""
+
+
+class CategoriesBody(Body):
+    """Classes to add, and new names and colours of those that there are."""
+
+    categories: Annotated[list[CategoryBody], Field(max_length=65535)]
+
+
+class CategoryOut(BaseModel):
+    """A class and its number in every export of this workspace."""
+
+    number: int
+    name: str
+    color: str
+
+
+class CategoriesOut(BaseModel):
+    """All classes, by number."""
+
+    categories: list[CategoryOut]
+
+    @classmethod
+    def of(cls, entries: list[Category]) -> CategoriesOut:
+        """From the workspace's."""
+        return cls(
+            categories=[
+                CategoryOut(number=each.number, name=each.name, color=each.color)
+                for each in entries
+            ]
+        )
+
+
+@router.get("/categories")
+def list_categories(workspace: Ws) -> CategoriesOut:
+    """All classes of the workspace; the answer can be put into another one."""
+    return CategoriesOut.of(workspace.categories())
+
+
+@router.put("/categories", responses=responses(409, 413))
+def put_categories(body: CategoriesBody, workspace: Ws) -> CategoriesOut:
+    """Add classes, or change their names and colours; those left out stay."""
+    wanted = [Category(each.number, each.name, each.color) for each in body.categories]
+    return CategoriesOut.of(workspace.put_categories(wanted))
