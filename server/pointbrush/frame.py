@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +41,7 @@ class PointFrame:
     ``dropped``    number of invalid points (missing pixels) the reader left out.
     ``camera``     intrinsics when the points are the valid pixels of a depth image, with
     ``pixel``      (N,) uint32 row-major pixel index of each point; both or neither.
+    ``other``      further fields of the source (N,), in its order and types, for exports.
 
     Raises BadInputError when shapes, types or values are not as stated.
     """
@@ -54,6 +57,7 @@ class PointFrame:
     dropped: int = 0
     camera: DepthCamera | None = None
     pixel: NDArray[np.uint32] | None = None
+    other: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         xyz = self.xyz
@@ -84,6 +88,9 @@ class PointFrame:
                 raise BadInputError(
                     f"{name}: expected {shape} {np.dtype(dtype)}, got {array.shape} {array.dtype}"
                 )
+        for name, values in self.other.items():
+            if values.shape != (n,):
+                raise BadInputError(f"{name}: expected ({n},) values, got {values.shape}")
         if (self.camera is None) != (self.pixel is None):
             raise BadInputError("camera and pixel: expected both or neither")
 

@@ -123,6 +123,7 @@ def frame_from_columns(
     rgb = _rgb(name, columns, found, keep, options.colors)
     name_left_out(name, columns, found)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
+    instance = _instances(name, _take(parts["instance"], keep)) if "instance" in parts else None
     extras, known = extras or Extras(), options.known
     return PointFrame(
         xyz=_take(xyz, keep),
@@ -131,14 +132,32 @@ def frame_from_columns(
         label=number_of(name, "label", _take(parts["label"], keep), 65534)
         if "label" in parts
         else None,
-        instance=_instances(name, _take(parts["instance"], keep)) if "instance" in parts else None,
+        instance=instance,
         dropped=0 if keep is None else len(xyz) - len(keep),
         pose=known.pose if extras.pose is None else extras.pose,
         viewpoint=extras.viewpoint,
         timestamp=known.timestamp if extras.timestamp is None else extras.timestamp,
         camera=extras.camera,
         pixel=None if extras.pixel is None else _take(extras.pixel, keep),
+        other=_other(columns, found, keep, instance is not None),
     )
+
+
+def _other(
+    columns: Mapping[str, Array],
+    found: Mapping[str, str],
+    keep: NDArray[np.int64] | None,
+    has_instance: bool,
+) -> dict[str, Array]:
+    """Fields of numbers that a PointFrame has no place for, in the source's order."""
+    used = {name for role, name in found.items() if role != "instance" or has_instance} | {"xyz"}
+    if all(role in found for role in ("red", "green", "blue")):
+        used -= {found["rgb"]} if "rgb" in found else set()
+    return {
+        name: np.ascontiguousarray(_take(values, keep))
+        for name, values in columns.items()
+        if name not in used and values.ndim == 1 and values.dtype.kind in "fiu"
+    }
 
 
 def plain_columns(table: Array, *, intensity_first: bool) -> dict[str, Array]:

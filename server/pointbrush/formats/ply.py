@@ -30,7 +30,7 @@ TYPES = {
 }
 NAMES = {
     **{"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint"},
-    **{"f4": "float", "f8": "double"},
+    **{"f4": "float", "f8": "double", "i8": "int64", "u8": "uint64"},
 }
 ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
 MAX_HEADER = 1 << 20

@@ -22,6 +22,7 @@ from pointbrush.sequences.files import new_folder, write_file
 from pointbrush.sequences.grid import GridChooser
 from pointbrush.sequences.large import LargeFrame
 from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
+from pointbrush.sequences.other import write_other
 from pointbrush.sequences.record import Record, make_manifest, record
 from pointbrush.sequences.store import FRAMES
 
@@ -137,7 +138,18 @@ def join(parts: list[PointFrame]) -> PointFrame:
         if 0 < missing < len(parts):
             raise BadInputError(f"expected {name} in every part of the frame, or in none")
         columns[name] = None if missing else np.concatenate(given)
-    return replace(parts[0], **columns, dropped=sum(part.dropped for part in parts))
+    return replace(
+        parts[0], **columns, other=_join_other(parts), dropped=sum(part.dropped for part in parts)
+    )
+
+
+def _join_other(parts: list[PointFrame]) -> dict[str, Any]:
+    """Further fields that all parts have."""
+    return {
+        name: np.concatenate([part.other[name] for part in parts])
+        for name in parts[0].other
+        if all(name in part.other for part in parts)
+    }
 
 
 def split(frame: PointFrame) -> Iterator[PointFrame]:
@@ -148,7 +160,8 @@ def split(frame: PointFrame) -> Iterator[PointFrame]:
             for field in fields(frame)
             if field.name in ("xyz", *POINT_FIELDS) and getattr(frame, field.name) is not None
         }
-        yield replace(frame, **columns, dropped=frame.dropped if start == 0 else 0)
+        # An octree keeps no further fields.
+        yield replace(frame, **columns, other={}, dropped=frame.dropped if start == 0 else 0)
 
 
 def _store_all(
@@ -175,6 +188,8 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     write_file(wire, encoded.wire)
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
+    if frame.other:
+        write_other(folder, index, frame.other)
     return record(frame, encoded.arrays, encoded.error, named, dropped=frame.dropped, large=False)
 
 

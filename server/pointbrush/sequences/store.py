@@ -8,11 +8,15 @@ from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
+from typing import Any
+
+from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.sequences.check import read_checksums
 from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles, open_frame_files
 from pointbrush.sequences.manifest import read_manifest
+from pointbrush.sequences.other import read_other
 from pointbrush.sequences.stored_frame import StoredFrame
 
 log = logging.getLogger(__name__)
@@ -51,6 +55,13 @@ class Sequence:
             else:
                 self._frames.move_to_end(index)
         return frame
+
+    def other(self, index: int) -> dict[str, NDArray[Any]]:
+        """Further fields of a frame's source, (N,) in source order; {} where it had none.
+
+        Raises NotFoundError, DamagedError.
+        """
+        return read_other(self.path, index, self[index].count)
 
     def _files(self, index: int) -> CopiedFiles | MappedFiles:
         points = self.manifest.points[index]

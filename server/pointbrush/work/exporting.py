@@ -117,12 +117,16 @@ def _blocks(
 ) -> Iterator[LabeledFrame]:
     """A frame with its annotation in blocks of source order."""
     stored = recording[index]
+    other = recording.other(index)
 
     def read(first: int, stop: int) -> Columns:
         columns = stored.read_source(first, stop, EXPORTED)
         return columns | kept.read(first, stop)
 
+    first = 0
     for columns in source_blocks(stored, read):
+        part = slice(first, first + len(columns["label"]))
+        first = part.stop
         yield LabeledFrame(
             index=index,
             points=_point_frame(recording, index, columns),
@@ -131,6 +135,7 @@ def _blocks(
             deleted=columns["deleted"],
             tracks=tracks,
             up=up,
+            other={name: values[part] for name, values in other.items()},
         )
 
 

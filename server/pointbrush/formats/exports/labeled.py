@@ -53,7 +53,7 @@ class LabeledFrame:
 
     ``label`` (N,) uint16, 0 = unlabeled; ``provenance`` (N,) uint8; ``deleted`` (N,) bool;
     ``tracks`` the frame's track states as the tracks call lists them; ``up`` (3,) points away
-    from the floor in source coordinates.
+    from the floor in source coordinates; ``other`` further fields of the source (N,).
     Raises BadInputError when lengths differ.
     """
 
@@ -64,6 +64,7 @@ class LabeledFrame:
     deleted: NDArray[np.bool_]
     tracks: Sequence[Mapping[str, Any]] = field(default_factory=list)
     up: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    other: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -194,14 +195,32 @@ def category_of(entry: PaletteEntry) -> str:
     return entry.category or entry.name
 
 
-def point_table(frame: ExportFrame, palette: Palette) -> Table:
-    """The points that are not deleted, as ``point_columns``."""
+def point_table(frame: ExportFrame, palette: Palette, *, other: bool = False) -> Table:
+    """The points that are not deleted, as ``point_columns``; with the source's ``other`` fields."""
+
+    def columns(block: LabeledFrame) -> dict[str, Array]:
+        made = point_columns(block, palette, block.keep)
+        return made | other_columns(block, made) if other else made
+
     if isinstance(frame, LabeledFrame):
-        return Table.of(point_columns(frame, palette, frame.keep))
-    return Table(
-        frame.kept,
-        lambda: (point_columns(block, palette, block.keep) for block in frame.blocks()),
-    )
+        return Table.of(columns(frame))
+    return Table(frame.kept, lambda: (columns(block) for block in frame.blocks()))
+
+
+def other_columns(frame: LabeledFrame, ours: Mapping[str, Array]) -> dict[str, Array]:
+    """The source's further fields of the points kept, in order and type.
+
+    One that is called as a field of ours is called ``source_…``: neither takes the other's place.
+    """
+    taken = {name.lower() for name in ours} | {"rgb", "rgba"}
+    columns: dict[str, Array] = {}
+    for name, values in frame.other.items():
+        plain = "_".join(name.split()) or "field"
+        while plain.lower() in taken:
+            plain = f"source_{plain}"
+        taken.add(plain.lower())
+        columns[plain] = values[frame.keep]
+    return columns
 
 
 def point_columns(

@@ -37,10 +37,12 @@ def _write(
     frames: Iterable[ExportFrame],
     palette: Palette,
     output: Output,
+    *,
+    other: bool = True,
 ) -> None:
     for frame in frames:
         with output.file(f"{frame.stem}{ending}") as file:
-            write(file, point_table(frame, palette))
+            write(file, point_table(frame, palette, other=other))
     write_palette(palette, output)
 
 
@@ -63,8 +65,8 @@ def _packed(columns: Columns) -> Columns:
 write_plys = partial(_write, ".ply", write_ply)
 write_pcds = partial(_write, ".pcd", _write_pcd)
 write_csvs = partial(_write, ".csv", write_csv)
-write_lass = partial(_write, ".las", partial(write_las, compress=False))
-write_lazs = partial(_write, ".laz", partial(write_las, compress=True))
+write_lass = partial(_write, ".las", partial(write_las, compress=False), other=False)
+write_lazs = partial(_write, ".laz", partial(write_las, compress=True), other=False)
 
 
 def write_npzs(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
