@@ -16,6 +16,7 @@ from pointbrush import __version__
 from pointbrush import commands as do
 from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.formats.annotation import READERS
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
@@ -72,6 +73,18 @@ def parser() -> argparse.ArgumentParser:
         "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
     )
     _settings(import__, "workspace", "database", "database_password_file", "max_frame_points")
+
+    labels_ = _command(
+        commands, "import-labels", do.import_labels, "import labels made elsewhere, as one edit"
+    )
+    labels_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    labels_.add_argument("path", type=Path, metavar="PATH", help="a file or folder of labels")
+    labels_.add_argument("--format", help=f"of the labels: {', '.join(READERS)}")
+    labels_.add_argument(
+        "--map", type=Path, metavar="FILE", help="names of classes: JSON, or lines 'number name'"
+    )
+    labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
+    _settings(labels_, "workspace", "database", "database_password_file", "max_frame_points")
 
     _settings(_command(commands, "serve", do.serve, "serve the page, REST and the socket"), *SERVE)
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.formats.annotation import read_map
 from pointbrush.labels import check_database
 from pointbrush.private import open_to_others
 from pointbrush.progress import follow
@@ -62,6 +63,35 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
         print(
             f"imported {result['sequence']}: {result['frames']} frames, "
             f"{result['points']:,} points{dropped}"
+        )
+
+
+def import_labels(given: argparse.Namespace, settings: Settings) -> None:
+    """Import labels made elsewhere and print what was found."""
+    with closing(Workspace(settings)) as workspace:
+        job = workspace.import_labels(
+            given.sequence,
+            given.path,
+            AUTHOR,
+            label_format=given.format,
+            names=None if given.map is None else read_map(given.map),
+            dry_run=given.dry_run,
+        )
+        result = follow(workspace, job)
+        frames = len(workspace.recording(given.sequence))
+        for told in result["frames"]:
+            print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
+        for number in result["unknown"]:
+            print(f"class {number} has no name: --map FILE gives it one")
+        unmatched = result["unmatched"]
+        if unmatched["frames"]:
+            print(f"frames without labels: {', '.join(map(str, unmatched['frames']))}")
+        if unmatched["files"]:
+            print(f"files of no frame: {', '.join(unmatched['files'])}")
+        done = "found" if given.dry_run else "imported"
+        print(
+            f"{done} {result['labelled']:,} labelled points in {result['matched']} of {frames} "
+            f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
         )
 
 

@@ -6,6 +6,7 @@ leave here are in source order unless a name says ``stored``.
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from pointbrush.errors import (
     ReadOnlyError,
 )
 from pointbrush.formats import EXPORTS, category_names, export
+from pointbrush.formats.annotation import ClassName
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import (
     Category,
@@ -36,6 +38,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
 from pointbrush.work import accepting, checking, exporting, flooring, layers, place
+from pointbrush.work.annotating import LabelImports, LabelRequest
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
 from pointbrush.work.deletion import Deleted, Deletion
@@ -103,6 +106,7 @@ class Workspace:
         self._imports = Imports(
             self.library, self.store, self.runner, self._publish, settings.max_frame_points
         )
+        self._label_imports = LabelImports(self.store, self.runner, settings.max_frame_points)
         self._objects = Objects(
             self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
         )
@@ -235,6 +239,33 @@ class Workspace:
             roots=roots,
             owner=owner,
         )
+
+    def import_labels(
+        self,
+        sequence: str,
+        place: Path,
+        author: str,
+        *,
+        label_format: str | None = None,
+        names: Mapping[int, ClassName] | None = None,
+        dry_run: bool = False,
+        roots: Sequence[Path] = (),
+        cleanup: Path | None = None,
+    ) -> Job:
+        """Import labels made elsewhere as one edit, in a job whose result reports what was found.
+
+        ``names`` are class names by number; ``dry_run`` writes nothing; ``cleanup`` is removed when
+        the job has ended.  Raises NotFoundError.
+        """
+
+        def done() -> None:
+            if cleanup is not None:
+                shutil.rmtree(cleanup, ignore_errors=True)
+
+        request = LabelRequest(
+            place.absolute(), label_format, dict(names or {}), dry_run, tuple(roots)
+        )
+        return self._label_imports.start(self.recording(sequence), request, author, done)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""

@@ -58,10 +58,15 @@ def source_palette(paths: Sequence[Path]) -> list[SourceLabel]:
     return []
 
 
+def own_palette(file: Path) -> list[SourceLabel] | None:
+    """The labels of the palette of ours that lies with a file; None where there is none."""
+    text = _beside(file)
+    return None if text is None else _parse(text)
+
+
 def has_palette(file: Path) -> bool:
     """Whether a palette of ours lies with a file, so that label ids in it are ours."""
-    text = _beside(file)
-    return text is not None and _parse(text) is not None
+    return own_palette(file) is not None
 
 
 def _beside(path: Path) -> bytes | None:

@@ -17,6 +17,7 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import (
     page,
     problems,
+    routes_annotations,
     routes_categories,
     routes_edits,
     routes_export,
@@ -40,7 +41,7 @@ from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
     routes_meta, routes_sequences, routes_frames, routes_labels, routes_categories, routes_edits,
-    routes_objects, routes_tracking, routes_export, routes_jobs,
+    routes_objects, routes_annotations, routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 
 

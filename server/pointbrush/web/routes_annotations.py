@@ -1,0 +1,157 @@
+"""Labels made elsewhere come in."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from pydantic import Field, ValidationError
+from starlette.datastructures import FormData, UploadFile
+from starlette.exceptions import HTTPException
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.annotation import READERS, ClassName, parse_map
+from pointbrush.jobs import Job
+from pointbrush.streaming.encoding import describe
+from pointbrush.streaming.status import MalformedError
+from pointbrush.web.auth import Caller, Gate
+from pointbrush.web.context import SequenceId, Ws, one_of
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Body
+from pointbrush.web.schemas_work import JobOut
+from pointbrush.web.upload_files import save
+from pointbrush.work.roots import allowed
+from pointbrush.work.uploads import Uploads
+from pointbrush.workspace import Workspace
+
+router = APIRouter(tags=["annotations"])
+MAX_FILES = 20_000
+MAX_FIELD = 1 << 20
+DryRun = Annotated[bool, Query(description="say what is found, and write nothing")]
+
+
+class LabelImportBody(Body):
+    """Label files that the server can already read; ``map`` as ``--map`` of the command."""
+
+    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
+    format: Annotated[str, Field(pattern=one_of(list(READERS)))] | None = None
+    map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
+
+
+IMPORT_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {"schema": LabelImportBody.model_json_schema()},
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["files"],
+                    "properties": {
+                        "files": {
+                            "type": "array",
+                            "minItems": 1,
+                            "items": {"type": "string", "format": "binary"},
+                        },
+                        "format": {"type": "string", "enum": list(READERS)},
+                    },
+                }
+            },
+        },
+    }
+}
+
+
+@router.post(
+    "/sequences/{seq}/annotations",
+    status_code=202,
+    responses=responses(404, 409, 413, 415),
+    openapi_extra=IMPORT_BODY,
+)
+async def import_labels(
+    seq: SequenceId,
+    request: Request,
+    response: Response,
+    workspace: Ws,
+    who: Caller,
+    *,
+    dry_run: DryRun = False,
+) -> JobOut:
+    """Import labels made elsewhere as one edit; the job's result reports what was found."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind == "multipart/form-data":
+        job = await _uploaded(request, workspace, seq, who.author, dry_run=dry_run)
+    elif kind not in ("", "application/json"):
+        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
+    else:
+        body = _parse(await request.body())
+        gate: Gate = request.app.state.gate
+        roots = workspace.import_roots(own=gate.is_own(request, who))
+        (place,) = await run_in_threadpool(allowed, body.path, roots)
+        job = await run_in_threadpool(
+            workspace.import_labels,
+            seq,
+            place,
+            who.author,
+            label_format=body.format,
+            names=_names(body.map),
+            dry_run=dry_run,
+            roots=roots,
+        )
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return JobOut.of(job)
+
+
+def _parse(body: bytes) -> LabelImportBody:
+    try:
+        return LabelImportBody.model_validate_json(body)
+    except ValidationError as error:
+        found = error.errors()
+        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
+        raise kind(describe(found)) from None
+
+
+def _names(text: str | None) -> dict[int, ClassName]:
+    return {} if text is None else parse_map("map", text)
+
+
+async def _uploaded(
+    request: Request, workspace: Workspace, seq: str, author: str, *, dry_run: bool
+) -> Job:
+    uploads: Uploads = request.app.state.uploads
+    folder = uploads.new()
+    try:
+        async with request.form(
+            max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
+        ) as form:
+            label_format, names = _fields(form)
+            await run_in_threadpool(_save, form, folder)
+        return await run_in_threadpool(
+            workspace.import_labels,
+            seq,
+            folder,
+            author,
+            label_format=label_format,
+            names=names,
+            dry_run=dry_run,
+            cleanup=folder,
+        )
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _save(form: FormData, folder: Path) -> None:
+    save([file for file in form.getlist("files") if isinstance(file, UploadFile)], folder)
+
+
+def _fields(form: FormData) -> tuple[str | None, dict[int, ClassName]]:
+    given, names = form.get("format"), form.get("map")
+    label_format = given if isinstance(given, str) and given else None
+    if label_format is not None and label_format not in READERS:
+        expected = ", ".join(READERS)
+        raise BadInputError(f"format: expected one of {expected}, got {label_format[:40]!r}")
+    return label_format, _names(names if isinstance(names, str) and names else None)

@@ -1,0 +1,268 @@
+"""Labels made elsewhere → one edit of a recording, with a report of what was found."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats import Limits, ReadOptions
+from pointbrush.formats.annotation import (
+    ClassName,
+    LabelFiles,
+    PointLabels,
+    find_label_files,
+    frames_of,
+)
+from pointbrush.formats.inside import require_inside
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import Label, LabelStore, Write
+from pointbrush.labels.palette import default_color
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import open_sequence
+from pointbrush.work.importing import IMPORTED
+from pointbrush.worker import Channel
+
+Key = tuple[int, int]
+"""Numbers of a class and of an instance, 0 for none."""
+MOST_LABELS = 65_534
+TOLD = 100
+"""Entries of a report's lists."""
+
+
+@dataclass(frozen=True)
+class LabelRequest:
+    """What is to be imported: see ``Workspace.import_labels``."""
+
+    place: Path
+    format: str | None = None
+    names: Mapping[int, ClassName] = field(default_factory=dict)
+    dry_run: bool = False
+    roots: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class FrameLabels:
+    """Labels of a frame: ``rows`` (n,) of the source that have one, ``which`` (n,) their keys."""
+
+    frame: int
+    file: str
+    rows: NDArray[np.int64]
+    which: NDArray[np.int64]
+    keys: tuple[Key, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Unmatched:
+    """A file that is of no frame."""
+
+    file: str
+
+
+@dataclass(frozen=True)
+class ReadLabelsWork:
+    """Picklable reading of label files; hands each frame's labels to the runner."""
+
+    request: LabelRequest
+    recording: Path
+    limits: Limits
+
+    def __call__(self, channel: Channel) -> None:
+        """Read every file, before anything is written.
+
+        Raises BadInputError naming file and frame.
+        """
+        request = self.request
+        if request.roots:
+            require_inside([request.place], request.roots)
+        files = find_label_files(request.place, request.format, request.names, self.limits)
+        channel.item(LabelFiles(files.format, (), dict(files.names), dict(files.own)))
+        recording = open_sequence(self.recording)
+        options = ReadOptions(limits=self.limits)
+        frames = frames_of(files.paths, len(recording))
+        for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
+            if frame is None:
+                channel.item(Unmatched(path.name))
+            else:
+                labels = files.read(path, options)
+                channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
+            channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+
+def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -> FrameLabels:
+    count = len(labels.category)
+    if count != points:
+        raise BadInputError(
+            f"{labels.file}: expected {points:,} labels, one for each point of frame {frame}, "
+            f"got {count:,}"
+        )
+    instance = np.zeros(count, np.int64) if labels.instance is None else labels.instance
+    rows = np.flatnonzero(labels.category > 0)
+    if 0 in files.names and not files.own:
+        rows = np.arange(count)
+    packed = labels.category[rows] << 32 | instance[rows]
+    keys, which = np.unique(packed, return_inverse=True)
+    pairs = tuple((int(key) >> 32, int(key) & 0xFFFFFFFF) for key in keys)
+    return FrameLabels(frame, labels.file, rows, which.astype(np.int64), pairs)
+
+
+class LabelImports:
+    """Starts imports of labels, and writes what they find."""
+
+    def __init__(self, store: LabelStore, runner: JobRunner, max_points: int) -> None:
+        self._store, self._runner, self._max_points = store, runner, max_points
+
+    def start(
+        self, recording: Recording, request: LabelRequest, author: str, done: Callable[[], None]
+    ) -> Job:
+        """Start a job; its result is the report.  ``done`` is called however it ends."""
+        if not request.dry_run:
+            self._store.require_writable()
+        found: list[FrameLabels] = []
+        unmatched: list[str] = []
+        called: list[LabelFiles] = []
+
+        def on_item(_: Job, item: LabelFiles | FrameLabels | Unmatched) -> None:
+            match item:
+                case LabelFiles():
+                    called[:] = [item]
+                case Unmatched():
+                    unmatched.append(item.file)
+                case _:
+                    found.append(item)
+
+        def restart(_: Job) -> None:
+            found.clear()
+            unmatched.clear()
+
+        limits = Limits(self._max_points, roots=request.roots)
+        work = ReadLabelsWork(request, recording.path, limits)
+        edit = str(uuid.uuid4())
+
+        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled:
+                return {}
+            chosen = _Chosen.of(self._store, recording, found, called[0])
+            report = _report(recording, found, unmatched, chosen)
+            if request.dry_run or not report["labelled"]:
+                return report | {"edit": None}
+            commit = self._store.apply(
+                recording.manifest.id,
+                edit_id=edit,
+                author=author,
+                kind="import",
+                writes=_writes(recording, found, chosen),
+                summary=f"labels of {request.place.name}, {len(found)} frames",
+                labels=chosen.fresh,
+                identity=recording.identity,
+            )
+            return report | {"edit": commit.edit_id, "changed": commit.changed}
+
+        return self._runner.submit(
+            "import",
+            recording.manifest.id,
+            work,
+            finish,
+            on_item,
+            lambda _: done(),
+            restart,
+            owner=author,
+            edit=edit,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Chosen:
+    """The palette label of each key, those that are new, and class numbers without a name."""
+
+    ids: Mapping[Key, int]
+    fresh: list[Label]
+    unnamed: list[int]
+
+    @classmethod
+    def of(
+        cls, store: LabelStore, recording: Recording, found: list[FrameLabels], files: LabelFiles
+    ) -> _Chosen:
+        palette = store.palette(recording.manifest.id)
+        by_name = {(label.name, label.category): label.id for label in palette}
+        taken = {label.id for label in palette}
+        ids: dict[Key, int] = {}
+        fresh: list[Label] = []
+        unnamed: set[int] = set()
+        for key in sorted({key for frame in found for key in frame.keys}):
+            name, category, color, wanted = _called(key, files)
+            if key[0] not in files.names and key[0] not in files.own:
+                unnamed.add(key[0])
+            known = by_name.get((name, category))
+            if known is None:
+                known = wanted if wanted and wanted not in taken else _free(taken)
+                taken.add(known)
+                by_name[name, category] = known
+                fresh.append(Label(known, name, category, color or default_color(known)))
+            ids[key] = known
+        return cls(ids, fresh, sorted(unnamed))
+
+
+def _called(key: Key, files: LabelFiles) -> tuple[str, str, str, int]:
+    """Name, category, colour and wished id of a key."""
+    number, instance = key
+    if number in files.own:
+        label = files.own[number]
+        return label.name, label.category, label.color, label.id
+    given = files.names.get(number, ClassName(f"class {number}"))
+    if instance == 0:
+        return given.name, given.name, given.color, number
+    # A class's colour is of all its instances: they are told apart by colours of their own.
+    return f"{given.name} {instance}", given.name, "", 0
+
+
+def _free(taken: set[int]) -> int:
+    number = max(taken, default=0) + 1
+    if number <= MOST_LABELS:
+        return number
+    left = next((n for n in range(1, MOST_LABELS + 1) if n not in taken), None)
+    if left is None:
+        raise BadInputError(f"labels: expected at most {MOST_LABELS}, got more")
+    return left
+
+
+def _writes(
+    recording: Recording, found: list[FrameLabels], chosen: _Chosen
+) -> Iterator[tuple[int, Write]]:
+    for frame in found:
+        ids = np.array([chosen.ids[key] for key in frame.keys], np.uint16)
+        of_row = np.zeros(recording.manifest.points[frame.frame], np.uint16)
+        of_row[frame.rows] = ids[frame.which] if len(ids) else 0
+        label = of_row[recording[frame.frame].source_index]
+        numbers = np.flatnonzero(label)
+        if len(numbers):
+            yield frame.frame, Write(numbers, label=label[numbers], provenance=IMPORTED)
+
+
+def _report(
+    recording: Recording, found: list[FrameLabels], unmatched: list[str], chosen: _Chosen
+) -> dict[str, Any]:
+    matched = {frame.frame for frame in found}
+    without = [index for index in range(len(recording)) if index not in matched]
+    counts: dict[int, int] = {}
+    for frame in found:
+        for key, count in zip(frame.keys, np.bincount(frame.which), strict=True):
+            counts[chosen.ids[key]] = counts.get(chosen.ids[key], 0) + int(count)
+    return {
+        "labelled": sum(len(frame.rows) for frame in found),
+        "frames": [
+            {"frame": frame.frame, "file": frame.file, "points": len(frame.rows)}
+            for frame in found[:TOLD]
+        ],
+        "matched": len(found),
+        "unknown": chosen.unnamed[:TOLD],
+        "unmatched": {"frames": without[:TOLD], "files": unmatched[:TOLD]},
+        "labels": {str(label): points for label, points in sorted(counts.items())},
+        "new_labels": [label.name for label in chosen.fresh[:TOLD]],
+    }

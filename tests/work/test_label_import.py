@@ -1,0 +1,167 @@
+"""Labels made elsewhere come in as one edit; what pointbrush exports comes in again."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pointbrush.formats.annotation import ClassName, parse_map
+from pointbrush.frame import PointFrame
+from pointbrush.sequences import import_frames
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+
+COUNTS = (40, 50, 60)
+IMPORTED = 3
+
+
+def xyz(frame: int) -> np.ndarray:
+    return np.random.default_rng(frame).uniform(-5, 5, (COUNTS[frame], 3)).astype(np.float32)
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Iterator[Workspace]:
+    for name in ("drive", "again"):
+        import_frames(
+            (PointFrame(xyz(k)) for k in range(3)),
+            tmp_path / "ws" / "sequences" / name,
+            sequence_id=name,
+            name=name,
+            fps=10.0,
+        )
+    opened = Workspace(Settings(workspace=tmp_path / "ws"))
+    yield opened
+    opened.close()
+
+
+def run(workspace: Workspace, place: Path, sequence: str = "drive", **options: Any) -> Any:
+    job = workspace.import_labels(sequence, place, "me", **options)
+    deadline = time.monotonic() + 60
+    while job.state in ("queued", "running"):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+        job = workspace.job(job.id)
+    return job
+
+
+def labels(workspace: Workspace, frame: int, sequence: str = "drive") -> list[str]:
+    """Name of each point's label, source order."""
+    names = {0: ""} | {label.id: label.name for label in workspace.palette(sequence)}
+    values = workspace.store.values(sequence, frame)
+    made = np.zeros(COUNTS[frame], np.uint16)
+    made[workspace.recording(sequence)[frame].source_index] = values.label
+    return [names[int(value)] for value in made]
+
+
+def kitti(folder: Path) -> Path:
+    for k, count in enumerate(COUNTS):
+        category = np.where(
+            np.arange(count) % 3 == 0, 10, np.where(np.arange(count) % 3 == 1, 40, 0)
+        )
+        instance = np.where(category == 10, 7, 0)
+        path = folder / "labels" / f"{k:06d}.label"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        (category | instance << 16).astype("<u4").tofile(path)
+    return folder
+
+
+def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path) -> None:
+    job = run(workspace, kitti(tmp_path / "made"))
+    assert job.state == "done", job.error
+    assert job.result["labelled"] == sum(2 * count // 3 + (count % 3 > 0) for count in COUNTS)
+    assert job.result["matched"] == 3
+    assert job.result["unknown"] == []
+    for frame in range(3):
+        expected = ["car 7", "road", ""] * COUNTS[frame]
+        assert labels(workspace, frame) == expected[: COUNTS[frame]]
+        values = workspace.store.values("drive", frame)
+        assert (values.provenance[values.label > 0] == IMPORTED).all()
+    car = next(label for label in workspace.palette("drive") if label.name == "car 7")
+    assert car.category == "car"
+    workspace.undo("drive", "me")
+    assert set(labels(workspace, 0)) == {""}
+
+
+def test_a_dry_run_tells_and_writes_nothing(workspace: Workspace, tmp_path: Path) -> None:
+    job = run(workspace, kitti(tmp_path / "made"), dry_run=True)
+    assert [told["points"] for told in job.result["frames"]] == [27, 34, 40]
+    assert job.result["new_labels"] == ["car 7", "road"]
+    assert job.result["edit"] is None
+    assert workspace.palette("drive") == []
+    assert set(labels(workspace, 1)) == {""}
+
+
+def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
+    category = [np.arange(count) % 2 * 17 for count in COUNTS]
+    names = {17: ClassName("car", "#ff9e00")}
+    for kind, name in (("lidarseg", "car"), ("panoptic", "car 2")):
+        folder = tmp_path / kind
+        folder.mkdir()
+        for k, numbers in enumerate(category):
+            if kind == "lidarseg":
+                numbers.astype(np.uint8).tofile(folder / f"{k}_lidarseg.bin")
+            else:
+                data = (numbers * 1000 + 2 * (numbers > 0)).astype(np.uint16)
+                np.savez(folder / f"{k}_panoptic.npz", data=data)
+        job = run(workspace, folder, names=names)
+        assert job.state == "done", job.error
+        assert labels(workspace, 2)[:4] == ["", name, "", name]
+        assert run(workspace, folder, dry_run=True).result["unknown"] == [17]
+
+
+EXPORTED = ["ply", "pcd", "npz", "csv", "las", "semantickitti", "labels-only"]
+
+
+def test_what_is_exported_comes_in_again(workspace: Workspace, tmp_path: Path) -> None:
+    for number, name in enumerate(("pin 1", "pin 2"), start=1):
+        workspace.create_label("drive", "me", name=name, category="pin")
+        for frame in range(3):
+            for point in xyz(frame)[np.arange(COUNTS[frame]) % 4 == number]:
+                samples = [{"origin": [float(v) for v in point]}]
+                brush = {"label": number, "radius": 1e-4, "samples": samples}
+                workspace.stroke("drive", frame, brush, "me")
+    for kind in EXPORTED:
+        workspace.export("drive", kind, tmp_path / kind)
+        job = run(workspace, tmp_path / kind, "again")
+        assert job.state == "done", (kind, job.error)
+        assert workspace.palette("again") == workspace.palette("drive")
+        for frame in range(3):
+            assert labels(workspace, frame, "again") == labels(workspace, frame), kind
+        workspace.undo("again", "me")
+        assert set(labels(workspace, 0, "again")) == {""}
+
+
+def test_counts_that_do_not_fit_name_file_and_frame(workspace: Workspace, tmp_path: Path) -> None:
+    folder = kitti(tmp_path / "made")
+    np.zeros(49, "<u4").tofile(folder / "labels" / "000001.label")
+    job = run(workspace, folder)
+    assert job.state == "failed"
+    assert "000001.label: expected 50 labels, one for each point of frame 1, got 49" in job.error
+    assert workspace.palette("drive") == []
+
+
+def test_files_are_matched_by_the_numbers_in_their_names(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    folder = kitti(tmp_path / "made")
+    (folder / "labels" / "000000.label").rename(folder / "labels" / "000009.label")
+    (folder / "labels" / "000001.label").unlink()
+    job = run(workspace, folder)
+    assert job.result["unmatched"] == {"frames": [0, 1], "files": ["000009.label"]}
+    assert set(labels(workspace, 0)) == {""}
+    assert "road" in labels(workspace, 2)
+
+
+def test_maps_are_json_or_lines(tmp_path: Path) -> None:
+    text = json.dumps({"3": "car", "4": {"name": "tree", "color": "#00ff00"}})
+    assert parse_map("m", text) == {3: ClassName("car"), 4: ClassName("tree", "#00ff00")}
+    assert parse_map("m", "# classes\n3: car\n4 tall tree\n") == {
+        3: ClassName("car"),
+        4: ClassName("tall tree"),
+    }
