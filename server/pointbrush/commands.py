@@ -81,13 +81,12 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
         frames = len(workspace.recording(given.sequence))
         for told in result["frames"]:
             print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
-        for number in result["unknown"]:
+        for number in result["unknown_classes"]:
             print(f"class {number} has no name: --map FILE gives it one")
-        unmatched = result["unmatched"]
-        if unmatched["frames"]:
-            print(f"frames without labels: {', '.join(map(str, unmatched['frames']))}")
-        if unmatched["files"]:
-            print(f"files of no frame: {', '.join(unmatched['files'])}")
+        if result["unmatched_frames"]:
+            print(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
+        if result["unmatched_files"]:
+            print(f"files of no frame: {', '.join(result['unmatched_files'])}")
         done = "found" if given.dry_run else "imported"
         print(
             f"{done} {result['labelled']:,} labelled points in {result['matched']} of {frames} "

@@ -76,7 +76,7 @@ def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path
     assert job.state == "done", job.error
     assert job.result["labelled"] == sum(2 * count // 3 + (count % 3 > 0) for count in COUNTS)
     assert job.result["matched"] == 3
-    assert job.result["unknown"] == []
+    assert job.result["unknown"] == job.result["unmatched"] == 0
     for frame in range(3):
         expected = ["car 7", "road", ""] * COUNTS[frame]
         assert labels(workspace, frame) == expected[: COUNTS[frame]]
@@ -112,7 +112,7 @@ def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
         job = run(workspace, folder, names=names)
         assert job.state == "done", job.error
         assert labels(workspace, 2)[:4] == ["", name, "", name]
-        assert run(workspace, folder, dry_run=True).result["unknown"] == [17]
+        assert run(workspace, folder, dry_run=True).result["unknown_classes"] == [17]
 
 
 EXPORTED = ["ply", "pcd", "npz", "csv", "las", "semantickitti", "labels-only"]
@@ -153,7 +153,9 @@ def test_files_are_matched_by_the_numbers_in_their_names(
     (folder / "labels" / "000000.label").rename(folder / "labels" / "000009.label")
     (folder / "labels" / "000001.label").unlink()
     job = run(workspace, folder)
-    assert job.result["unmatched"] == {"frames": [0, 1], "files": ["000009.label"]}
+    assert job.result["unmatched"] == 3
+    assert job.result["unmatched_frames"] == [0, 1]
+    assert job.result["unmatched_files"] == ["000009.label"]
     assert set(labels(workspace, 0)) == {""}
     assert "road" in labels(workspace, 2)
 

@@ -18,7 +18,6 @@ from pointbrush.web import (
     page,
     problems,
     routes_annotations,
-    routes_categories,
     routes_edits,
     routes_export,
     routes_frames,
@@ -27,6 +26,7 @@ from pointbrush.web import (
     routes_meta,
     routes_objects,
     routes_sequences,
+    routes_taxonomy,
     routes_tracking,
     routes_trust,
     socket,
@@ -40,7 +40,7 @@ from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_frames, routes_labels, routes_categories, routes_edits,
+    routes_meta, routes_sequences, routes_frames, routes_labels, routes_taxonomy, routes_edits,
     routes_objects, routes_annotations, routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 

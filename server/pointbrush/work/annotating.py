@@ -261,8 +261,11 @@ def _report(
             for frame in found[:TOLD]
         ],
         "matched": len(found),
-        "unknown": chosen.unnamed[:TOLD],
-        "unmatched": {"frames": without[:TOLD], "files": unmatched[:TOLD]},
+        "unknown": len(chosen.unnamed),
+        "unknown_classes": chosen.unnamed[:TOLD],
+        "unmatched": len(without) + len(unmatched),
+        "unmatched_frames": without[:TOLD],
+        "unmatched_files": unmatched[:TOLD],
         "labels": {str(label): points for label, points in sorted(counts.items())},
         "new_labels": [label.name for label in chosen.fresh[:TOLD]],
     }

@@ -12,7 +12,7 @@ from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 
-router = APIRouter(tags=["categories"])
+router = APIRouter(tags=["taxonomy"])
 NAME = r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
 """No control characters, and no space in front."""
 
@@ -25,7 +25,7 @@ class CategoryBody(Body):
     color: Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6})?$")] = ""
 
 
-class CategoriesBody(Body):
+class TaxonomyBody(Body):
     """Classes to add, and new names and colours of those that there are."""
 
     categories: Annotated[list[CategoryBody], Field(max_length=65535)]
@@ -39,13 +39,13 @@ class CategoryOut(BaseModel):
     color: str
 
 
-class CategoriesOut(BaseModel):
+class TaxonomyOut(BaseModel):
     """All classes, by number."""
 
     categories: list[CategoryOut]
 
     @classmethod
-    def of(cls, entries: list[Category]) -> CategoriesOut:
+    def of(cls, entries: list[Category]) -> TaxonomyOut:
         """From the workspace's."""
         return cls(
             categories=[
@@ -55,14 +55,14 @@ class CategoriesOut(BaseModel):
         )
 
 
-@router.get("/categories")
-def list_categories(workspace: Ws) -> CategoriesOut:
+@router.get("/taxonomy")
+def get_taxonomy(workspace: Ws) -> TaxonomyOut:
     """All classes of the workspace; the answer can be put into another one."""
-    return CategoriesOut.of(workspace.categories())
+    return TaxonomyOut.of(workspace.categories())
 
 
-@router.put("/categories", responses=responses(409, 413))
-def put_categories(body: CategoriesBody, workspace: Ws) -> CategoriesOut:
+@router.put("/taxonomy", responses=responses(409, 413))
+def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
     """Add classes, or change their names and colours; those left out stay."""
     wanted = [Category(each.number, each.name, each.color) for each in body.categories]
-    return CategoriesOut.of(workspace.put_categories(wanted))
+    return TaxonomyOut.of(workspace.put_categories(wanted))

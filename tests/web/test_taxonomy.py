@@ -40,7 +40,7 @@ def test_exports_of_two_recordings_agree(served: Served) -> None:
             httpx.post(labels, json=body, headers=served.headers).raise_for_status()
     assert numbers(served, "one") == {"car": 1, "person": 2}
     assert numbers(served, "two") == {"person": 2, "tree": 3, "car": 1}
-    url = f"{served.url}/api/v1/categories"
+    url = f"{served.url}/api/v1/taxonomy"
     listed = httpx.get(url, headers=served.headers).json()
     assert [(c["number"], c["name"]) for c in listed["categories"]] == [
         (1, "car"),

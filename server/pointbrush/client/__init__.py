@@ -1,0 +1,20 @@
+"""A client of a pointbrush server: recordings, frames, labels and jobs as Python values.
+
+    from pointbrush.client import Client
+
+    with Client("http://127.0.0.1:8080", token) as client:
+        room = client["juggling"]
+        car = room.create_label("car 1", category="car")
+        room.frames[0].stroke(label=car.id, radius=0.1, samples=[[0.2, 0.1, 1.4]])
+        room.track([car.id], start=0, stop=len(room.frames) - 1)
+        values = room.frames[5].annotation()
+
+Arrays are NumPy's, in the order of the source's points.  What the server refuses raises the errors
+of ``pointbrush.errors``.
+"""
+
+from pointbrush.client.connection import Client
+from pointbrush.client.recording import Edit, Frame, Frames, Label, Recording
+from pointbrush.client.values import Annotation
+
+__all__ = ["Annotation", "Client", "Edit", "Frame", "Frames", "Label", "Recording"]
