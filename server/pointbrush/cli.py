@@ -16,7 +16,7 @@ from pointbrush import __version__
 from pointbrush import commands as do
 from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.formats.annotation import READERS
+from pointbrush.formats.annotation import LABEL_FORMATS
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
@@ -79,9 +79,12 @@ def parser() -> argparse.ArgumentParser:
     )
     labels_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     labels_.add_argument("path", type=Path, metavar="PATH", help="a file or folder of labels")
-    labels_.add_argument("--format", help=f"of the labels: {', '.join(READERS)}")
+    labels_.add_argument("--format", help=f"of the labels: {', '.join(LABEL_FORMATS)}")
     labels_.add_argument(
         "--map", type=Path, metavar="FILE", help="names of classes: JSON, or lines 'number name'"
+    )
+    labels_.add_argument(
+        "--no-ground", action="store_true", help="leave the ground out of each box"
     )
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
     _settings(labels_, "workspace", "database", "database_password_file", "max_frame_points")

@@ -76,6 +76,7 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             label_format=given.format,
             names=None if given.map is None else read_map(given.map),
             dry_run=given.dry_run,
+            no_ground=given.no_ground,
         )
         result = follow(workspace, job)
         frames = len(workspace.recording(given.sequence))

@@ -249,13 +249,14 @@ class Workspace:
         label_format: str | None = None,
         names: Mapping[int, ClassName] | None = None,
         dry_run: bool = False,
+        no_ground: bool = False,
         roots: Sequence[Path] = (),
         cleanup: Path | None = None,
     ) -> Job:
         """Import labels made elsewhere as one edit, in a job whose result reports what was found.
 
-        ``names`` are class names by number; ``dry_run`` writes nothing; ``cleanup`` is removed when
-        the job has ended.  Raises NotFoundError.
+        ``names`` are class names by number; ``dry_run`` writes nothing; ``no_ground`` leaves the
+        ground out of boxes; ``cleanup`` is removed when the job has ended.  Raises NotFoundError.
         """
 
         def done() -> None:
@@ -263,7 +264,7 @@ class Workspace:
                 shutil.rmtree(cleanup, ignore_errors=True)
 
         request = LabelRequest(
-            place.absolute(), label_format, dict(names or {}), dry_run, tuple(roots)
+            place.absolute(), label_format, dict(names or {}), dry_run, no_ground, tuple(roots)
         )
         return self._label_imports.start(self.recording(sequence), request, author, done)
 

@@ -136,7 +136,7 @@ def test_a_click_on_what_is_left_out_adds_it_to_what_is_taken(
     best = max(candidates(state, clicked(BALL)), key=lambda each: overlap(each, which == BALL))
     both = (which == BALL) | (which == CRATE)
     found = candidates(state, clicked(BALL, CRATE), mask=best.indices)
-    assert max(overlap(each, both) for each in found) > 0.8
+    assert max(overlap(each, both) for each in found) > 0.75
 
 
 def test_a_negative_click_takes_a_thing_from_what_is_taken(

@@ -26,6 +26,8 @@ SEMANTIC = (
     "POST /api/v1/sequences/{seq}/tracking",
     "PUT /api/v1/sequences/{seq}/frames/{i}/annotation",
     "GET /api/v1/sequences/{seq}/export",
+    "POST /api/v1/sequences/{seq}/annotations",
+    "PUT /api/v1/taxonomy",
 )
 """Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""
 

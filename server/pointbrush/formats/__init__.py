@@ -14,7 +14,7 @@ from pointbrush.formats.exports import (
 )
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_palette
-from pointbrush.formats.registry import FORMATS, Format, format_names
+from pointbrush.formats.registry import FORMATS, Format, format_named, format_names
 from pointbrush.formats.source import Source, open_source, read, source_name
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "SourceLabel",
     "category_names",
     "export",
+    "format_named",
     "format_names",
     "open_source",
     "read",

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.formats.box_labels import BOX_READERS, is_box_file
 from pointbrush.formats.columns import without_marks
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes, require_count
@@ -78,14 +79,14 @@ def find_label_files(
     """
     if not place.exists():
         raise NotFoundError(f"path: expected a file or folder, {place} does not exist")
-    if format is not None and format not in READERS:
-        raise BadInputError(f"format: expected one of {', '.join(READERS)}, got {format!r}")
+    if format is not None and format not in LABEL_FORMATS:
+        raise BadInputError(f"format: expected one of {', '.join(LABEL_FORMATS)}, got {format!r}")
     files = [place] if place.is_file() else _files(place, limits)
     chosen, found = _choose(files, format)
     if not found:
         seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
         raise BadInputError(
-            f"{place.name}: expected files of labels ({', '.join(READERS)}), got {seen}"
+            f"{place.name}: expected files of labels ({', '.join(LABEL_FORMATS)}), got {seen}"
         )
     own = {label.id: label for label in own_palette(found[0]) or []}
     template = {} if own or chosen != "semantickitti" else _semantic_kitti()
@@ -120,7 +121,7 @@ def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
     """The format, and its files: those that are labels and nothing else come first."""
     if format is not None:
         return format, [path for path in files if _fits(path, format)]
-    for name in READERS:
+    for name in LABEL_FORMATS:
         fitting = [path for path in files if _fits(path, name, sure=name != "points")]
         if fitting:
             return name, fitting
@@ -141,6 +142,8 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
             kept = path.parent.name not in ("provenance", "deleted")
             named = _LIKE_LABELS.search(f"{path.parent.name}/{lower}") is not None
             return lower.endswith(".npy") and kept and (named or not sure)
+    if format in BOX_READERS:
+        return is_box_file(path, format)
     return format_by_name(path) is not None
 
 
@@ -234,6 +237,8 @@ READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxy
     "points": _read_points,
 })  # fmt: skip
 """Formats of labels a point, those that are told by their names first."""
+LABEL_FORMATS = (*(name for name in READERS if name != "points"), *BOX_READERS, "points")
+"""All formats of labels, in the order in which they are tried."""
 
 
 # ── maps ─────────────────────────────────────────────────────────────────────────────────────

@@ -141,7 +141,7 @@ def _blocks_on_ray(
     points: Points, origin: NDArray[np.float64], direction: NDArray[np.float64], radius: float
 ) -> NDArray[np.int64]:
     """Blocks whose boxes, grown by ``radius``, the ray enters (slab method)."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         inverse = 1.0 / direction
 
     def touches(lo: NDArray[np.float32], hi: NDArray[np.float32]) -> NDArray[np.bool_]:

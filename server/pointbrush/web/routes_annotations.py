@@ -13,7 +13,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.annotation import READERS, ClassName, parse_map
+from pointbrush.formats.annotation import LABEL_FORMATS, ClassName, parse_map
 from pointbrush.jobs import Job
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError
@@ -37,8 +37,9 @@ class LabelImportBody(Body):
     """Label files that the server can already read; ``map`` as ``--map`` of the command."""
 
     path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
-    format: Annotated[str, Field(pattern=one_of(list(READERS)))] | None = None
+    format: Annotated[str, Field(pattern=one_of(list(LABEL_FORMATS)))] | None = None
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
+    no_ground: bool = False
 
 
 IMPORT_BODY: dict[str, Any] = {
@@ -56,7 +57,8 @@ IMPORT_BODY: dict[str, Any] = {
                             "minItems": 1,
                             "items": {"type": "string", "format": "binary"},
                         },
-                        "format": {"type": "string", "enum": list(READERS)},
+                        "format": {"type": "string", "enum": list(LABEL_FORMATS)},
+                        "no_ground": {"type": "string", "enum": ["true", "false"]},
                     },
                 }
             },
@@ -99,6 +101,7 @@ async def import_labels(
             label_format=body.format,
             names=_names(body.map),
             dry_run=dry_run,
+            no_ground=body.no_ground,
             roots=roots,
         )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
@@ -128,6 +131,7 @@ async def _uploaded(
             max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
         ) as form:
             label_format, names = _fields(form)
+            no_ground = form.get("no_ground") == "true"
             await run_in_threadpool(_save, form, folder)
         return await run_in_threadpool(
             workspace.import_labels,
@@ -137,6 +141,7 @@ async def _uploaded(
             label_format=label_format,
             names=names,
             dry_run=dry_run,
+            no_ground=no_ground,
             cleanup=folder,
         )
     except BaseException:
@@ -151,7 +156,7 @@ def _save(form: FormData, folder: Path) -> None:
 def _fields(form: FormData) -> tuple[str | None, dict[int, ClassName]]:
     given, names = form.get("format"), form.get("map")
     label_format = given if isinstance(given, str) and given else None
-    if label_format is not None and label_format not in READERS:
-        expected = ", ".join(READERS)
+    if label_format is not None and label_format not in LABEL_FORMATS:
+        expected = ", ".join(LABEL_FORMATS)
         raise BadInputError(f"format: expected one of {expected}, got {label_format[:40]!r}")
     return label_format, _names(names if isinstance(names, str) and names else None)

@@ -16,7 +16,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import format_names
+from pointbrush.formats import format_named, format_names
 from pointbrush.jobs import Job
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError
@@ -210,6 +210,8 @@ def _fields(form: FormData) -> dict[str, Any]:
         fields["name"] = _plain_name(fields["name"])
     with contextlib.suppress(KeyError):
         fields["fps"] = _rate(fields["fps"])
+    if "file_format" in fields:
+        format_named(fields["file_format"])
     drop = form.get("drop_invalid") or "false"
     if drop not in ("true", "false"):
         raise BadInputError(f"drop_invalid: expected true or false, got {str(drop)[:40]!r}")

@@ -20,6 +20,7 @@ from pointbrush.formats.annotation import (
     find_label_files,
     frames_of,
 )
+from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
 from pointbrush.formats.inside import require_inside
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Label, LabelStore, Write
@@ -44,6 +45,7 @@ class LabelRequest:
     format: str | None = None
     names: Mapping[int, ClassName] = field(default_factory=dict)
     dry_run: bool = False
+    no_ground: bool = False
     roots: tuple[Path, ...] = ()
 
 
@@ -82,8 +84,11 @@ class ReadLabelsWork:
         if request.roots:
             require_inside([request.place], request.roots)
         files = find_label_files(request.place, request.format, request.names, self.limits)
-        channel.item(LabelFiles(files.format, (), dict(files.names), dict(files.own)))
         recording = open_sequence(self.recording)
+        if files.format in BOX_READERS:
+            self._boxes(channel, files, recording)
+            return
+        channel.item(LabelFiles(files.format, (), dict(files.names), dict(files.own)))
         options = ReadOptions(limits=self.limits)
         frames = frames_of(files.paths, len(recording))
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
@@ -93,6 +98,45 @@ class ReadLabelsWork:
                 labels = files.read(path, options)
                 channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+    def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
+        """Hand on the points inside boxes; a class has the number of its name's place."""
+        found = [read_boxes(path, files.format) for path in files.paths]
+        named = sorted({box.name for file in found for part in file for box in part.boxes})
+        names = {number: ClassName(name) for number, name in enumerate(named, start=1)}
+        number_of = {name.name: number for number, name in names.items()}
+        channel.item(LabelFiles(files.format, (), names, {}))
+        up = recording.manifest.T_room_local[1, :3]
+        by_name = frames_of(files.paths, len(recording))
+        for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
+            for part in file:
+                frame = by_name[done] if part.frame is None else part.frame
+                if frame is None or not 0 <= frame < len(recording):
+                    channel.item(Unmatched(path.name))
+                    continue
+                xyz = _source_points(recording, frame)
+                which = points_of(part.boxes, xyz, up, no_ground=self.request.no_ground)
+                keys = tuple((number_of[box.name], box.instance) for box in part.boxes)
+                rows = np.flatnonzero(which >= 0)
+                channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
+            channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+
+def _source_points(recording: Recording, frame: int) -> NDArray[np.float64]:
+    """Points (N, 3) of a frame in source order and coordinates."""
+    stored = recording[frame]
+    xyz = np.empty((stored.count, 3))
+    xyz[stored.source_index] = np.asarray(stored.xyz, np.float64) + recording.manifest.shift
+    return xyz
+
+
+def _of_boxes(
+    frame: int, file: str, rows: NDArray[np.int64], box: NDArray[np.int64], keys: tuple[Key, ...]
+) -> FrameLabels:
+    """Labels of rows (n,) by the box (n,) they are in; boxes of one key are one."""
+    once = tuple(sorted(set(keys)))
+    place = np.array([once.index(key) for key in keys], np.int64)
+    return FrameLabels(frame, file, rows, place[box] if len(keys) else box, once)
 
 
 def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -> FrameLabels:
@@ -252,7 +296,9 @@ def _report(
     without = [index for index in range(len(recording)) if index not in matched]
     counts: dict[int, int] = {}
     for frame in found:
-        for key, count in zip(frame.keys, np.bincount(frame.which), strict=True):
+        for key, count in zip(
+            frame.keys, np.bincount(frame.which, minlength=len(frame.keys)), strict=True
+        ):
             counts[chosen.ids[key]] = counts.get(chosen.ids[key], 0) + int(count)
     return {
         "labelled": sum(len(frame.rows) for frame in found),
