@@ -122,22 +122,7 @@ function BrushOptions() {
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
         />
       )}
-      {way.samples === 'path' && state.tool.value === 'paint' && (
-        <Check
-          label="Offer objects"
-          tip="After a stroke, offer to complete it to the object that it lies on"
-          checked={brush.complete}
-          onChange={(complete) => patch(state.brush, { complete })}
-        />
-      )}
-      {state.tool.value === 'paint' && (
-        <Check
-          label="Follow"
-          tip="Track what you paint on by itself, to the next painted frame or the end"
-          checked={brush.follow}
-          onChange={(follow) => patch(state.brush, { follow })}
-        />
-      )}
+      {state.tool.value === 'paint' && <AfterStroke path={way.samples === 'path'} />}
       {way.through && (
         <Check
           label="Through"
@@ -145,6 +130,48 @@ function BrushOptions() {
           checked={brush.through}
           onChange={(through) => patch(state.brush, { through })}
         />
+      )}
+    </>
+  );
+}
+
+const afterOpen = signal(false);
+
+/** What follows a stroke by itself. */
+function AfterStroke({ path }: { path: boolean }) {
+  const anchor = useRef<HTMLButtonElement>(null);
+  const brush = state.brush.value;
+  return (
+    <>
+      <Button
+        buttonRef={anchor}
+        icon="more"
+        tip="After a stroke: offer its object, track it on"
+        expanded={afterOpen.value}
+        onClick={() => (afterOpen.value = !afterOpen.value)}
+      />
+      {afterOpen.value && (
+        <Popover
+          anchor={anchor}
+          label="After a stroke"
+          onClose={() => (afterOpen.value = false)}
+          class="overlays"
+        >
+          {path && (
+            <Check
+              label="Offer objects"
+              tip="Offer to complete a stroke to the object that it lies on"
+              checked={brush.complete}
+              onChange={(complete) => patch(state.brush, { complete })}
+            />
+          )}
+          <Check
+            label="Follow"
+            tip="Track what you paint on by itself, to the next painted frame or the end"
+            checked={brush.follow}
+            onChange={(follow) => patch(state.brush, { follow })}
+          />
+        </Popover>
       )}
     </>
   );

@@ -310,7 +310,14 @@ export class ObjectTool {
     const chosen = offer?.candidates[offer.level];
     if (offer && chosen) {
       const { frame, brush } = offer.question;
-      frame.setOverlay(OVERLAY, { indices: chosen.indices, values: this.previewOf(brush) });
+      // What a stroke has painted shows as painted while its object is offered.
+      const completes = offer.question.purpose === 'complete' && !this.taken;
+      const label = brush.label ?? 0;
+      this.dropOverlay();
+      const indices = completes
+        ? chosen.indices.filter((point) => frame.labelOf(point) !== label)
+        : chosen.indices;
+      frame.setOverlay(OVERLAY, { indices, values: this.previewOf(brush) });
     } else this.dropOverlay();
     this.tell();
     this.deps.changed();
