@@ -113,6 +113,13 @@ def test_ray_into_the_void_takes_nothing() -> None:
     assert len(select(indexed(xyz), stroke("ray", [0, 0, 5], [0, 0, 1], radius=0.1))) == 0
 
 
+@pytest.mark.parametrize("far", [1e160, -1e300])
+@pytest.mark.parametrize("way", [[0, 0, 1], [1e-310, 0, 1], [1, 1e-200, 1e-300]])
+def test_rays_from_as_far_as_numbers_go_meet_nothing(far: float, way: list[float]) -> None:
+    _, xyz = cloud(3)
+    assert len(select(indexed(xyz), stroke("ray", [far, far, 5], way, radius=0.1))) == 0
+
+
 @given(SEEDS, st.sampled_from(["ray", "grow", "plane"]), st.floats(0.02, 0.3), st.booleans())
 @settings(max_examples=40, deadline=None)
 def test_many_rays_together_are_each_of_them_alone(

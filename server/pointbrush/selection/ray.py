@@ -62,8 +62,10 @@ def first_hits(
     within about the cloud's own spacing there, and never farther than ``radius``.
     """
     along = np.empty(len(origins))
-    for run in runs(len(origins)):
-        along[run] = _first_along(points, origins[run], directions[run], radius, alive)
+    # Rays from places as far away as numbers go meet nothing, which infinity and NaN say as well.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for run in runs(len(origins)):
+            along[run] = _first_along(points, origins[run], directions[run], radius, alive)
     hits = np.full((len(origins), 3), np.nan)
     met = np.isfinite(along)
     hits[met] = origins[met] + along[met, None] * directions[met]
