@@ -123,7 +123,9 @@ def _near_rays(
     squares = np.einsum("ij,ij->i", local, local)[:, None] - 2.0 * (local @ away.T)
     squares += np.einsum("ij,ij->i", away, away)
     scale = max(float(np.abs(local).max(initial=0.0)), float(np.abs(away).max(initial=0.0)), radius)
-    near = squares - along * along <= (1.0 + MARGIN) * radius * radius + MARGIN_SQUARED * scale**2
+    near = (
+        squares - along * along <= (1.0 + MARGIN) * radius * radius + MARGIN_SQUARED * scale * scale
+    )
     for k in np.flatnonzero(near.any(axis=0)).tolist():
         yield k, np.flatnonzero(near[:, k])
 

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'dc85a9bd548e';
+export const SCHEMA_HASH = '41fb7e1c13d5';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**

@@ -15,7 +15,9 @@ Uuid = Annotated[
 FrameIndex = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=0, lt=2**53)]
 Pair = Annotated[list[Count], Field(min_length=2, max_length=2)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+FARTHEST = 1e12
+"""The largest number of a position, in metres; squares of squares of it are still numbers."""
+Finite = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False)]
 Vec3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[Finite], Field(min_length=4, max_length=4)]
 Pose = Annotated[list[Finite], Field(min_length=7, max_length=7)]
