@@ -17,6 +17,7 @@ from pointbrush import commands as do
 from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.formats.annotation import LABEL_FORMATS
+from pointbrush.formats.corrections import AXES, DELIMITERS
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
@@ -68,9 +69,9 @@ def parser() -> argparse.ArgumentParser:
     )
     import__.add_argument("--name", help="the recording's name")
     import__.add_argument("--fps", type=_positive, help="frames per second")
-    import__.add_argument("--format", help="file format, where the name does not tell")
+    _corrections(import__)
     import__.add_argument(
-        "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
+        "--dry-run", action="store_true", help="say what would be imported, write nothing"
     )
     _settings(import__, "workspace", "database", "database_password_file", "max_frame_points")
 
@@ -188,6 +189,39 @@ SERVE = (
     "max_frame_points", "exports", "exports_per_person", "stall_seconds", "body_seconds",
     "upload_seconds", "statement_seconds", "keepalive_seconds", "database_password_file",
 )  # fmt: skip
+
+
+def _corrections(command: argparse.ArgumentParser) -> None:
+    """Add what a person can say of files, see ``Corrections``."""
+    command.add_argument("--format", help="file format, where the name does not tell")
+    command.add_argument(
+        "--columns",
+        help="what the columns are, in order: x,y,z,intensity,red,green,blue,label,instance, '-' "
+        "for none; or pairs: scalar_Foo=label",
+    )
+    command.add_argument(
+        "--delimiter", help=f"between values of a text: a character, or {', '.join(DELIMITERS)}"
+    )
+    command.add_argument(
+        "--decimal-comma",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="whether 1,5 is one and a half in a text",
+    )
+    command.add_argument(
+        "--scale", type=_positive, help="metres for each unit of the files: 0.001 for millimetres"
+    )
+    # "--up -y" would be read as an option -y.
+    command.add_argument(
+        "--up", help=f"the axis that points up, as --up=-y: one of {', '.join(AXES)}"
+    )
+    command.add_argument("--topic", help="of a bag; topic#frame_id where sensors share a topic")
+    command.add_argument(
+        "--poses", default="auto", help="auto, none, or a file of poses (default: auto)"
+    )
+    command.add_argument(
+        "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
+    )
 
 
 def _command(

@@ -8,18 +8,22 @@ import sys
 import threading
 import time
 from contextlib import closing, suppress
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.formats import Limits
 from pointbrush.formats.annotation import read_map
+from pointbrush.formats.corrections import Corrections, parse_corrections
 from pointbrush.labels import check_database
 from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
 from pointbrush.work.place import own_url
+from pointbrush.work.previewing import Preview, PreviewRequest, preview
 from pointbrush.workspace import Listed, Workspace
 
 AUTHOR = "command line"
@@ -49,21 +53,65 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG00
 
 
 def import_(given: argparse.Namespace, settings: Settings) -> None:
-    """Import files as one recording and print its id."""
+    """Import files as one recording and print its id, or what would be imported."""
+    chosen = parse_corrections({f.name: getattr(given, f.name) for f in fields(Corrections)})
+    if given.dry_run:
+        limits = Limits(settings.max_frame_points)
+        _print_preview(
+            preview(PreviewRequest(tuple(given.paths), chosen, limits, given.name, given.fps))
+        )
+        return
     with closing(Workspace(settings)) as workspace:
         job = workspace.import_paths(
             given.paths,
             name=given.name,
             fps=given.fps,
-            file_format=given.format,
-            drop_invalid=given.drop_invalid,
+            chosen=chosen,
         )
         result = follow(workspace, job)
+        for warning in result["warnings"]:
+            print(f"warning: {warning}", file=sys.stderr)
         dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
         print(
             f"imported {result['sequence']}: {result['frames']} frames, "
             f"{result['points']:,} points{dropped}"
         )
+
+
+def _print_preview(found: Preview) -> None:
+    points = ", ".join(f"{frame['points']:,}" for frame in found.points)
+    columns = ", ".join(
+        column["name"]
+        if column["meaning"] in (column["name"].lower(), "xyz")
+        else f"{column['name']} ({column['meaning'] or 'left out'})"
+        for column in found.columns
+    )
+    frames = "an unknown number of" if found.frames is None else found.frames
+    wide = " x ".join(f"{width:,.1f}" for width in found.units["extent"])
+    facts = {
+        "name": found.name,
+        "format": f"{found.format} ({found.title})",
+        "frames": f"{frames}, {found.order}",
+        "rate": f"{found.fps:g} frames/s, from {found.fps_from}",
+        "points": f"{points} in the first frames",
+        "columns": columns,
+        "topics": ", ".join(
+            f"{topic['name']}{' (read)' if topic['read'] else ''}: {topic['messages']} "
+            f"{topic['type']}"
+            for topic in found.topics
+        ),
+        "cameras": ", ".join(camera["name"] for camera in found.cameras),
+        "poses": found.poses["source"] if found.poses else "none",
+        "units": f"{found.units['name']}, {wide}",
+        "up": found.up,
+        "labels": "come with the points" if found.labels else "none",
+    }
+    for name, value in facts.items():
+        if value:
+            print(f"{name:10} {value}")
+    for warning in found.warnings:
+        print(f"warning    {warning}")
+    print("nothing was written: this is what an import would do")
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> None:

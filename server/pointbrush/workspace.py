@@ -21,7 +21,9 @@ from pointbrush.errors import (
     ReadOnlyError,
 )
 from pointbrush.formats import EXPORTS, category_names, export
+from pointbrush.formats import Limits as ReadLimits
 from pointbrush.formats.annotation import ClassName
+from pointbrush.formats.corrections import Corrections
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import (
     Category,
@@ -60,6 +62,7 @@ from pointbrush.work.objects import (
     ObjectStroke,
     StaleCandidateError,
 )
+from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
 from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
@@ -71,6 +74,7 @@ __all__ = [
     "Event",
     "Listed",
     "Prepared",
+    "Preview",
     "Provisional",
     "Retracted",
     "SequencesChanged",
@@ -106,6 +110,7 @@ class Workspace:
         self._imports = Imports(
             self.library, self.store, self.runner, self._publish, settings.max_frame_points
         )
+        self._previews = Previews()
         self._label_imports = LabelImports(self.store, self.runner, settings.max_frame_points)
         self._objects = Objects(
             self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
@@ -120,6 +125,7 @@ class Workspace:
     def close(self) -> None:
         """Cancel jobs, end worker processes, close the database."""
         self._objects.close()
+        self._previews.close()
         self.runner.close()
         self._unsubscribe()
         self.store.close()
@@ -219,25 +225,40 @@ class Workspace:
         *,
         name: str | None = None,
         fps: float | None = None,
-        file_format: str | None = None,
-        drop_invalid: bool = False,
+        chosen: Corrections | None = None,
         cleanup: Path | None = None,
         roots: Sequence[Path] = (),
         owner: str | None = None,
     ) -> Job:
         """Import files as one sequence in a job; ``cleanup`` is removed when it has ended.
 
-        With ``roots``, nothing that lies or leads outside them is read.  ``owner``: who asks.
+        ``chosen`` is what a person says of the files.  With ``roots``, nothing that lies or leads
+        outside them is read.  ``owner``: who asks.
         """
         return self._imports.of_paths(
             paths,
             name=name,
             fps=fps,
-            file_format=file_format,
-            drop_invalid=drop_invalid,
+            chosen=chosen or Corrections(),
             cleanup=cleanup,
             roots=roots,
             owner=owner,
+        )
+
+    def preview(
+        self,
+        paths: Sequence[Path],
+        *,
+        name: str | None = None,
+        fps: float | None = None,
+        chosen: Corrections | None = None,
+        roots: Sequence[Path] = (),
+    ) -> Preview:
+        """Say what ``import_paths`` would do; nothing is written.  Raises what readers raise."""
+        limits = ReadLimits(self.settings.max_frame_points, roots=tuple(roots))
+        absolute = tuple(path.absolute() for path in paths)
+        return self._previews.of(
+            PreviewRequest(absolute, chosen or Corrections(), limits, name, fps)
         )
 
     def import_labels(

@@ -171,6 +171,11 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         with window.page.expect_file_chooser() as chooser:
             window.page.get_by_role("button", name="Choose files").click()
         chooser.value.set_files([DATA / "0000.npz", DATA / "0001.npz"])
+        dialog = window.page.get_by_role("dialog", name="Import")
+        expect(dialog.get_by_text("2, by number in the file names")).to_be_visible()
+        dialog.get_by_label("Name").fill("Two frames")
+        dialog.get_by_label("Name").press("Tab")
+        dialog.get_by_role("button", name="Import", exact=True).click()
         window.until("pb.state.sequence.value?.frames === 2")
         expect(window.page.get_by_text("A label is one thing to follow")).to_be_visible()
         window.page.get_by_role("button", name="First label").click()

@@ -20,6 +20,8 @@ from tests.serving import TOKEN, add_sequence, serving, settings_in
 
 POINTS = 300
 SEMANTIC = (
+    "POST /api/v1/sequences",
+    "POST /api/v1/imports/preview",
     "PATCH /api/v1/sequences/{seq}",
     "POST /api/v1/sequences/{seq}/floor",
     "POST /api/v1/sequences/{seq}/frames/{i}/strokes",

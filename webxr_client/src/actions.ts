@@ -35,10 +35,19 @@ export interface ChosenFile {
   readonly path: string;
 }
 
+/** What a person says of files, by the names of the server's options. */
 export interface ImportOptions {
   readonly name?: string;
   readonly fps?: number;
   readonly format?: string;
+  readonly columns?: string;
+  readonly delimiter?: string;
+  readonly decimal_comma?: boolean;
+  readonly scale?: number;
+  readonly up?: string;
+  readonly topic?: string;
+  readonly poses?: string;
+  readonly drop_invalid?: boolean;
 }
 
 export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';
@@ -121,8 +130,15 @@ export interface Actions {
   refreshDeleted(): Promise<void>;
   /** Bring a deleted recording back, with its labels. */
   restoreSequence(identity: string): Promise<void>;
+  /** Show what files on the server's machine, or here, are; `takeImport` imports them. */
   importPath(path: string, options?: ImportOptions): Promise<void>;
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
+  /** Say what the files are; null takes an option back. */
+  correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
+  /** The files are labels of a recording, or (null) a recording of their own. */
+  retargetImport(sequence: string | null): Promise<void>;
+  takeImport(): Promise<void>;
+  leaveImport(): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all. */
   exportSequence(format: string, frames?: string): Promise<void>;
 

@@ -25,6 +25,7 @@ import type {
   HistoryEntry,
   Notice,
   Upload,
+  ImportDraft,
   XrState,
 } from './store-types';
 
@@ -110,6 +111,8 @@ export const state = {
 
   jobs: signal<readonly Job[]>([]),
   uploads: signal<readonly Upload[]>([]),
+  /** Files that wait to be imported; null when there are none. */
+  importing: signal<ImportDraft | null>(null),
   /** What undo and redo would change, in words; null when there is nothing. */
   undo: signal<string | null>(null),
   redo: signal<string | null>(null),

@@ -1,4 +1,5 @@
 /** What the store holds, in types: `state.ts` has the signals. */
+import type { ChosenFile, ImportOptions } from './actions';
 import type { Welcome } from './protocol/messages';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
@@ -198,6 +199,62 @@ export interface Upload {
   readonly name: string;
   readonly sent: number;
   readonly total: number;
+}
+
+/** What an import of files would do, in the server's words. */
+export interface ImportPreview {
+  readonly name: string;
+  readonly format: string;
+  readonly title: string;
+  readonly frames: number | null;
+  readonly fps: number;
+  readonly fps_from: string;
+  readonly order: string;
+  readonly points: readonly { readonly points: number; readonly left_out: number }[];
+  readonly columns: readonly { readonly name: string; readonly meaning: string }[];
+  readonly topics: readonly {
+    readonly name: string;
+    readonly type: string;
+    readonly messages: number;
+    readonly clouds: boolean;
+    readonly read: boolean;
+  }[];
+  readonly cameras: readonly { readonly name: string }[];
+  readonly poses: { readonly source: string; readonly agree: boolean | null } | null;
+  readonly units: {
+    readonly name: string;
+    readonly scale: number;
+    readonly extent: readonly number[];
+  };
+  readonly up: string;
+  readonly labels: boolean;
+  readonly warnings: readonly string[];
+  readonly upload: string | null;
+}
+
+/** What an import of labels found, or would. */
+export interface LabelsFound {
+  readonly labelled: number;
+  readonly matched: number;
+  readonly labels: readonly unknown[];
+  readonly new_labels: readonly unknown[];
+  readonly unknown_classes: readonly number[];
+  readonly unmatched_frames: readonly number[];
+  readonly unmatched_files: readonly string[];
+}
+
+/** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */
+export interface ImportDraft {
+  readonly files: readonly ChosenFile[] | null;
+  readonly path: string | null;
+  readonly upload: string | null;
+  /** The recording whose labels they are; null for a recording of their own. */
+  readonly sequence: string | null;
+  readonly options: ImportOptions;
+  readonly found: ImportPreview | null;
+  readonly labels: LabelsFound | null;
+  readonly busy: boolean;
+  readonly error: string;
 }
 
 export interface XrState {

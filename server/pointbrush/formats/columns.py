@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.corrections import LEFT_OUT, meanings
 from pointbrush.formats.options import ColorRange, Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
@@ -107,6 +108,7 @@ def frame_from_columns(
     Raises BadInputError when x, y or z is absent, points are not finite, or colours or labels
     are out of range; messages start with ``name``.
     """
+    columns = with_meanings(name, columns, options)
     found = roles(columns)
     whole = columns.get("xyz")
     if whole is not None and whole.ndim == 2:
@@ -125,6 +127,9 @@ def frame_from_columns(
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
     instance = _instances(name, _take(parts["instance"], keep)) if "instance" in parts else None
     extras, known = extras or Extras(), options.known
+    other = _other(columns, found, keep, instance is not None)
+    if options.columns_found is not None:
+        options.columns_found(_described(columns, found, other, rgb is not None))
     return PointFrame(
         xyz=_take(xyz, keep),
         rgb=rgb,
@@ -139,8 +144,40 @@ def frame_from_columns(
         timestamp=known.timestamp if extras.timestamp is None else extras.timestamp,
         camera=extras.camera,
         pixel=None if extras.pixel is None else _take(extras.pixel, keep),
-        other=_other(columns, found, keep, instance is not None),
+        other=other,
     )
+
+
+def with_meanings(
+    name: str, columns: Mapping[str, Array], options: ReadOptions
+) -> Mapping[str, Array]:
+    """Columns by what a person says they are; those that are to be left out are not among them."""
+    if not options.chosen.columns or any(values.ndim > 1 for values in columns.values()):
+        return columns
+    meaning = meanings(list(columns), options.chosen.columns, name)
+    # What a column is said to be, no other one is.
+    said = {new for old, new in meaning.items() if new != old}
+    return {
+        meaning[old]: values
+        for old, values in columns.items()
+        if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in said)
+    }
+
+
+def _described(
+    columns: Mapping[str, Array],
+    found: Mapping[str, str],
+    other: Mapping[str, Array],
+    has_colors: bool,
+) -> dict[str, str]:
+    """What each column is read as: a role, "kept", or "" where it is left out."""
+    by_column = {column: role for role, column in found.items()}
+    if not has_colors:
+        by_column = {c: r for c, r in by_column.items() if r not in ("red", "green", "blue", "rgb")}
+    return {
+        column: by_column.get(column, "xyz" if column == "xyz" else "kept" * (column in other))
+        for column in columns
+    }
 
 
 def _other(
@@ -160,13 +197,16 @@ def _other(
     }
 
 
-def plain_columns(table: Array, *, intensity_first: bool) -> dict[str, Array]:
+def plain_columns(table: Array, options: ReadOptions, *, intensity_first: bool) -> dict[str, Array]:
     """Columns of a table (N, 3 or more) that has no names: by their number and what they hold.
 
+    Where a person says what they are, all of them, called by their numbers.
     x y z, then an intensity alone; or red green blue; or intensity red green blue, which is tried
     first with ``intensity_first``.  What is neither (normals) is left out.
     """
     width = table.shape[1]
+    if options.chosen.columns:
+        return {str(i): table[:, i] for i in range(width)}
     names = ["x", "y", "z"]
     after = width >= 7 and _are_colors(table[:, 4:7])
     before = width >= 6 and _are_colors(table[:, 3:6], whole=width > 6)

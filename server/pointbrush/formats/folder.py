@@ -9,16 +9,18 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats.kitti import read_poses
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.formats.bag import Bag, find_clouds, read_clouds
+from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.poses import Poses, find_poses, read_poses
 from pointbrush.formats.registry import Format, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
+    find_time_file,
     in_order,
     natural_key,
     rate_of,
@@ -38,9 +40,6 @@ SIDECARS = {
     *("requirements.txt", "labels.txt", "classes.txt", "calib_cam_to_cam.txt", "log.txt"),
     *("calib_velo_to_cam.txt", "calib_imu_to_velo.txt", "provenance.npy", "label.npy"),
 }
-
-
-Pose = NDArray[np.float64]
 
 
 def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
@@ -65,10 +64,19 @@ def _directly(
     folder: Path, format: str | None, options: ReadOptions, weakly: bool
 ) -> Listing | None:
     """What lies in the folder itself: point files, else images."""
-    chosen = _point_files(folder, _files(folder, options), format, weakly)
+    chosen = _point_files(folder, _files(folder, options), format, weakly, options)
     if chosen:
         return list_files(chosen, format, folder, options)
     return _images(folder, format)
+
+
+def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
+    """Files without those that tell of the frames: times, poses, calibration."""
+    poses = options.chosen.poses_file
+    named = None if poses is None else poses.absolute()
+    return [
+        path for path in files if path.name.lower() not in SIDECARS and path.absolute() != named
+    ]
 
 
 def _images(folder: Path, format: str | None) -> Listing | None:
@@ -88,9 +96,11 @@ def _files(folder: Path, options: ReadOptions) -> list[Path]:
     return in_order(files)
 
 
-def _point_files(folder: Path, files: list[Path], format: str | None, weakly: bool) -> list[Path]:
+def _point_files(
+    folder: Path, files: list[Path], format: str | None, weakly: bool, options: ReadOptions
+) -> list[Path]:
     """The frames among the files of a folder; raises BadInputError for several formats."""
-    candidates = [path for path in files if path.name.lower() not in SIDECARS]
+    candidates = frames_among(files, options)
     if format is not None:
         wanted = format_named(format)
         if wanted.name == "rgbd":
@@ -138,7 +148,7 @@ def _reads_raw(
     raw: Path, format: str | None, options: ReadOptions, weakly: bool, has_npz: bool
 ) -> bool:
     """Whether ``raw`` is of a format with a layout of its own; .npz there may hold anything."""
-    chosen = _point_files(raw, _files(raw, options), format, weakly)
+    chosen = _point_files(raw, _files(raw, options), format, weakly, options)
     if not chosen:
         return not has_npz and _has_points(raw, format, options, weakly)
     entry = format_by_name(chosen[0])
@@ -149,7 +159,7 @@ def _reads_raw(
 def _has_points(
     folder: Path, format: str | None, options: ReadOptions, weakly: bool, depth: int = 4
 ) -> bool:
-    if _point_files(folder, _files(folder, options), format, weakly):
+    if _point_files(folder, _files(folder, options), format, weakly, options):
         return True
     if _images(folder, format) is not None:
         return True
@@ -180,23 +190,58 @@ def list_files(
     if all(empty):
         empty = [False] * len(files)
     times = times_of(files, folder) if whole else None
-    poses = _poses(entry, files, folder) if whole else None
+    poses = _poses(entry, files, folder, times, options) if whole else None
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
+    if entry.bag is not None:
+        return _bags(entry, entry.bag, [files[i] for i in order], options)
     frames = [
         FrameFile(
             partial(_empty if empty[i] else entry.read, files[i]),
             Extras(
                 timestamp=times[i] if times else None,
-                pose=poses[i] if poses else None,
+                pose=poses.matrices[i] if poses else None,
             ),
         )
         for i in order
     ]
-    if entry.survey is not None:
-        topics = [entry.survey(path) for path in files]
-        return Listing(entry.name, frames, None, topics[0].fps, sum(t.count for t in topics))
+    by_time = find_time_file(folder) if times else None
+    said = by_time.name if by_time else "the times in the file names" if times else ""
     times = sorted(times) if times else None
-    return Listing(entry.name, frames, times, rate_of(times) or stated_rate(folder), len(files))
+    rate, stated = rate_of(times), stated_rate(folder)
+    return Listing(
+        entry.name,
+        frames,
+        times,
+        rate or stated,
+        len(files),
+        order=f"by {said}" if said else "by number in the file names",
+        rate_from=said if rate else "meta.json" if stated else "",
+        poses_from=poses.source if poses else "",
+    )
+
+
+def _bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions) -> Listing:
+    """Bags one after the other, all of the topic that the first is read by."""
+    wanted, found = options.chosen.topic, []
+    for path in files:
+        found.append(find_clouds(bag, path, wanted))
+        wanted = wanted or found[0].topic
+    stamps = np.concatenate([clouds.stamps for clouds in found]).tolist()
+    fps = rate_of(stamps)
+    return Listing(
+        entry.name,
+        [
+            FrameFile(partial(read_clouds, bag, clouds, path))
+            for path, clouds in zip(files, found, strict=True)
+        ],
+        None,
+        fps,
+        len(stamps),
+        order="by the stamps of the messages",
+        rate_from="the stamps of the messages" if fps else "",
+        topics=found[0].topics,
+        topic=found[0].topic,
+    )
 
 
 def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: ARG001 – a reader
@@ -205,17 +250,35 @@ def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: A
     yield PointFrame(np.empty((0, 3), np.float32), pose=known.pose, timestamp=known.timestamp)
 
 
-def _poses(entry: Format, files: Sequence[Path], folder: Path) -> list[Pose] | None:
-    """Poses beside the frames; those of a KITTI layout must fit, others are named if not."""
+def _poses(
+    entry: Format,
+    files: Sequence[Path],
+    folder: Path,
+    times: list[float] | None,
+    options: ReadOptions,
+) -> Poses | None:
+    """Poses beside the frames, or those that a person names; those of a KITTI layout and named
+    ones must fit, others are told in a warning if not."""
+    if options.chosen.poses == "none":
+        return None
+    names = [path.name for path in files]
+    if options.chosen.poses_file is not None:
+        return _named_poses(options.chosen.poses_file, names, times, options)
     kitti = entry.name in ("kitti", "bin")
-    for place in (folder, folder.parent) if kitti else (folder,):
-        try:
-            poses = read_poses(place, [path.name for path in files])
-        except BadInputError as error:
-            if kitti:
-                raise
-            log.warning("%s: the poses are not used: %s", place.name, error)
-            return None
-        if poses is not None:
-            return poses
-    return None
+    try:
+        return find_poses(folder, names, times, above=kitti)
+    except BadInputError as error:
+        if kitti:
+            raise
+        log.warning("%s: the poses are not used: %s", folder.name, error)
+        return None
+
+
+def _named_poses(
+    path: Path, names: Sequence[str], times: list[float] | None, options: ReadOptions
+) -> Poses:
+    if options.limits.roots:
+        require_inside([path], options.limits.roots)
+    if not path.is_file():
+        raise NotFoundError(f"poses: expected 'auto', 'none' or a file, there is no {path.name}")
+    return read_poses(path, names, times)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +12,8 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import has_palette
-from pointbrush.formats.timing import lines_of
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
-
-log = logging.getLogger(__name__)
 
 RECORD = 16
 WIDE = (5, 6, 7)
@@ -171,53 +167,3 @@ def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> ND
     """SemanticKITTI's uint32: class in the lower 16 bits, instance in the upper 16."""
     packed: NDArray[np.uint32] = semantic.astype("<u4") | instance.astype("<u4") << 16
     return packed
-
-
-def read_poses(folder: Path, names: Sequence[str]) -> list[NDArray[np.float64]] | None:
-    """``T_world_velodyne`` of each frame of ``names``, or None without a ``poses.txt``.
-
-    That has the poses of camera 0, ``calib.txt`` where it is on the car.  The world is the first
-    frame's velodyne.  Raises BadInputError for lines that are not twelve numbers, or a number of
-    poses that does not fit the frames.
-    """
-    path = folder / "poses.txt"
-    if not path.is_file():
-        return None
-    T_cam_velo = _velodyne_to_camera(folder / "calib.txt")
-    if T_cam_velo is None:
-        log.warning(
-            "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
-            "them; poses of a camera would turn the recording",
-            path.name,
-        )
-        T_cam_velo = np.eye(4)
-    T_velo_cam = np.linalg.inv(T_cam_velo)
-    poses = []
-    for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
-        if line.strip():
-            T_world_cam = _matrix(f"{path.name} line {number}", line.split())
-            poses.append(T_velo_cam @ T_world_cam @ T_cam_velo)
-    return [poses[line] for line in lines_of(path.name, "poses", len(poses), names)]
-
-
-def _velodyne_to_camera(path: Path) -> NDArray[np.float64] | None:
-    if path.is_file():
-        for line in path.read_text("utf-8", "replace").splitlines():
-            key, _, values = line.partition(":")
-            if key.strip() in ("Tr", "Tr_velo_to_cam", "Tr_velo_cam"):
-                return _matrix(f"{path.name} {key.strip()}", values.split())
-    return None
-
-
-def _matrix(where: str, words: list[str]) -> NDArray[np.float64]:
-    try:
-        values = np.array([float(word) for word in words])
-    except ValueError:
-        values = np.empty(0)
-    if values.size != 12 or not np.isfinite(values).all():
-        raise BadInputError(f"{where}: expected 12 numbers, got {len(words)} words")
-    matrix = np.eye(4)
-    matrix[:3] = values.reshape(3, 4)
-    if abs(np.linalg.det(matrix[:3, :3]) - 1) > 0.05:
-        raise BadInputError(f"{where}: expected a rotation and a translation, got another matrix")
-    return matrix

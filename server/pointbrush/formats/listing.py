@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from pointbrush.formats.bag import Topic
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
@@ -19,10 +20,19 @@ class FrameFile:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """The frames of a folder; ``count`` is None where a file holds an unknown number."""
+    """The frames of a folder; ``count`` is None where a file holds an unknown number.
+
+    ``order`` and ``rate_from`` say in words what the order and ``fps`` come from, ``poses_from``
+    the file of poses; ``topics`` are those of a bag.
+    """
 
     format: str
     frames: list[FrameFile]
     times: list[float] | None = None
     fps: float | None = None
     count: int | None = None
+    order: str = "by number in the file names"
+    rate_from: str = ""
+    poses_from: str = ""
+    topics: tuple[Topic, ...] = ()
+    topic: str = ""

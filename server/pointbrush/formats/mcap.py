@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
-from pointbrush.formats.recording import Topic, choose_topic, map_recording, unpack_chunk
-from pointbrush.frame import PointFrame
+from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
+from pointbrush.formats.recording import map_recording, unpack_chunk
 
 MAGIC = b"\x89MCAP0\r\n"
+ENCODINGS = ("cdr", "ros1")
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 0x0B, 0x0F
 
 
@@ -43,61 +43,47 @@ class _Channels:
             topic, at = _text(content, 4)
             self.channels[number] = (topic, self.schemas.get(schema, ""), _text(content, at)[0])
 
-    def clouds(self) -> dict[int, str]:
-        """Channel → topic of those with point clouds."""
-        return {
-            number: topic
-            for number, (topic, kind, encoding) in self.channels.items()
-            if kind in TYPES and encoding in ("cdr", "ros1")
-        }
+    def topics(self, counts: Mapping[int, int]) -> list[Topic]:
+        """The topics, with the numbers of messages of their channels."""
+        found: dict[str, Topic] = {}
+        for number, (topic, kind, encoding) in self.channels.items():
+            known = found.get(topic, Topic(topic, kind if encoding in ENCODINGS else encoding))
+            found[topic] = replace(known, count=known.count + counts.get(number, 0))
+        return list(found.values())
 
 
-def read_mcap(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """The PointCloud2 messages of the topic that has most, in recorded order.
-
-    Raises BadInputError for a file without such messages, cut off or damaged.
-    """
-    topic = survey_mcap(path).name
-    with map_recording(path, MAGIC, "an MCAP file") as data:
-        known = _Channels(path.name)
-        for channel, time, message in _messages(path.name, data, known):
-            if known.clouds().get(channel) == topic:
-                encoding = known.channels[channel][2]
-                yield frame_of_message(f"{path.name} {topic}", message, encoding, time, options)
-
-
-def survey_mcap(path: Path) -> Topic:
-    """The topic that is read, its number of messages and their times; from the summary.
-
-    Raises BadInputError when no topic has point clouds.
-    """
+def topics_of(path: Path) -> list[Topic]:
+    """List a file's topics, from its summary; raises BadInputError when cut off or damaged."""
     with map_recording(path, MAGIC, "an MCAP file") as data:
         known = _Channels(path.name)
         counts: Counter[int] = Counter()
-        start = end = 0.0
         summary = _summary_start(path.name, data)
         if summary:
             for operation, content in _records(path.name, data, summary, len(data) - len(MAGIC)):
                 known.add(operation, content)
                 if operation == STATISTICS and len(content) >= 46:
-                    first, last, length = struct.unpack_from("<QQI", content, 26)
-                    start, end = first / 1e9, last / 1e9
+                    (length,) = struct.unpack_from("<I", content, 42)
                     for at in range(46, min(46 + length, len(content) - 9), 10):
                         number, count = struct.unpack_from("<HQ", content, at)
                         counts[number] += count
         if not counts:
-            times = []
-            for channel, time, _ in _messages(path.name, data, known):
+            for channel, _, _ in _messages(path.name, data, known):
                 counts[channel] += 1
-                times.append(time)
-            start, end = (min(times), max(times)) if times else (0.0, 0.0)
-    clouds: Counter[str] = Counter()
-    for number, topic in known.clouds().items():
-        clouds[topic] += counts[number]
-    topic = choose_topic(
-        path.name, clouds, {topic: kind for topic, kind, _ in known.channels.values()}
-    )
-    return Topic(topic, clouds[topic], start, end)
+    return known.topics(counts)
+
+
+def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
+    """Messages of a topic as stored; raises BadInputError when cut off or damaged."""
+    with map_recording(path, MAGIC, "an MCAP file") as data:
+        known = _Channels(path.name)
+        for channel, time, message in _messages(path.name, data, known):
+            name, _, encoding = known.channels.get(channel, ("", "", ""))
+            if name == topic and encoding in ENCODINGS:
+                yield BagMessage(encoding, time, message)
+
+
+BAG = Bag(topics_of, messages_of)
+read_mcap = partial(read_bag, BAG)
 
 
 def _summary_start(name: str, data: mmap) -> int:

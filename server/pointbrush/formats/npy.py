@@ -50,7 +50,7 @@ def read_npy(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     array = _load(path)
     if not isinstance(array, np.ndarray):
         raise BadInputError(f"{path.name}: expected one NumPy array, got an archive of arrays")
-    columns = _columns_of(path.name, "array", array)
+    columns = _columns_of(path.name, "array", array, options)
     yield frame_from_columns(path.name, columns, options)
 
 
@@ -88,7 +88,7 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     columns = (
         {axis: arrays[axis].reshape(-1) for axis in "xyz"}
         if points is None
-        else _columns_of(path.name, points, arrays[points])
+        else _columns_of(path.name, points, arrays[points], options)
     )
     count = len(columns["x"]) if "x" in columns else len(next(iter(columns.values())))
     require_count(path.name, count, options.limits)
@@ -177,7 +177,7 @@ def _first(arrays: Mapping[str, Array], keys: tuple[str, ...]) -> str | None:
     return next((key for key in keys if key in arrays), None)
 
 
-def _columns_of(name: str, key: str, array: Array) -> dict[str, Array]:
+def _columns_of(name: str, key: str, array: Array, options: ReadOptions) -> dict[str, Array]:
     if array.dtype.names:
         flat = array.reshape(-1)
         columns: dict[str, Array] = {}
@@ -199,7 +199,7 @@ def _columns_of(name: str, key: str, array: Array) -> dict[str, Array]:
         )
     if array.dtype == np.float16:
         array = array.astype(np.float32)
-    return plain_columns(array, intensity_first=True)
+    return plain_columns(array, options, intensity_first=True)
 
 
 def _beside(name: str, arrays: Mapping[str, Array], count: int) -> dict[str, Array]:

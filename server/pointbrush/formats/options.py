@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import DepthCamera
 
 
@@ -74,15 +76,22 @@ class ColorRange:
 class ReadOptions:
     """How to read a file.
 
-    ``drop_invalid`` leaves NaN and infinite points out instead of raising; ``known`` is what the
-    folder tells of the frame (a line of poses.txt, a time in its name): the file itself wins.
-    ``colors`` is the range of colours in the recording; None: each file's own.
+    ``known`` is what the folder tells of the frame (a line of poses.txt, a time in its name): the
+    file itself wins.  ``colors`` is the range of colours in the recording; None: each file's own.
+    ``chosen`` is what a person says.  ``columns_found`` is called with the columns of each file
+    and what they are read as, "" for what is left out.
     """
 
-    drop_invalid: bool = False
     known: Extras = field(default_factory=Extras)
     limits: Limits = field(default_factory=Limits)
     colors: ColorRange | None = None
+    chosen: Corrections = field(default_factory=Corrections)
+    columns_found: Callable[[Mapping[str, str]], None] | None = None
+
+    @property
+    def drop_invalid(self) -> bool:
+        """Whether NaN and infinite points are left out instead of raising."""
+        return self.chosen.drop_invalid
 
 
 def require_count(name: str, count: int, limits: Limits) -> None:

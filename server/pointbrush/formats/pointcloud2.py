@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,20 +61,40 @@ class PointCloud2:
     data: bytes
 
 
-def frame_of_message(
-    name: str, message: bytes, encoding: str, log_time: float, options: ReadOptions
-) -> PointFrame:
-    """The points of a message; ``encoding`` is ``ros1`` or ``cdr``.
+class Message(Protocol):
+    """A serialised message."""
+
+    @property
+    def encoding(self) -> str:
+        """Return ``ros1`` or ``cdr``."""
+
+    @property
+    def time(self) -> float:
+        """Return when it was recorded, in seconds."""
+
+    @property
+    def data(self) -> bytes:
+        """Return its bytes."""
+
+
+def head_of_message(name: str, message: Message) -> tuple[float, str]:
+    """Stamp in seconds, and frame id; raises BadInputError for a message that is cut off."""
+    try:
+        return _head(_reader(name, message))
+    except struct.error:
+        raise _cut_off(name, message) from None
+
+
+def frame_of_message(name: str, message: Message, options: ReadOptions) -> PointFrame:
+    """The points of a message.
 
     Points with NaN are missing measurements.  Raises BadInputError for a message that is cut
     off, or whose fields and steps do not fit its data.
     """
     try:
-        cloud = _parse(name, message, encoding)
+        cloud = _parse(name, message)
     except struct.error:
-        raise BadInputError(
-            f"{name}: expected a PointCloud2 message, got {len(message)} bytes; it is cut off"
-        ) from None
+        raise _cut_off(name, message) from None
     require_count(name, cloud.height * cloud.width, options.limits)
     rows = _rows(name, cloud)
     columns: dict[str, NDArray[Any]] = {field: rows[field] for field in rows.dtype.names or ()}
@@ -82,20 +102,37 @@ def frame_of_message(
         if field in columns:
             columns[field] = unpack_rgb(columns[field])
     organised = cloud.height > 1
-    extras = Extras(timestamp=cloud.time or log_time, viewpoint=np.zeros(3) if organised else None)
+    extras = Extras(
+        timestamp=cloud.time or message.time, viewpoint=np.zeros(3) if organised else None
+    )
     return frame_from_columns(name, columns, options, missing=True, extras=extras)
 
 
-def _parse(name: str, message: bytes, encoding: str) -> PointCloud2:
-    if encoding == "cdr":
-        if len(message) < 4 or message[1] not in (0, 1):
-            raise BadInputError(f"{name}: expected a CDR message, got other bytes")
-        reader = _Reader(message, 4, "<" if message[1] else ">", True, 4)
-    else:
-        reader = _Reader(message, 0, "<", False, 0)
-        reader.number("I")  # sequence number
+def _cut_off(name: str, message: Message) -> BadInputError:
+    return BadInputError(
+        f"{name}: expected a PointCloud2 message, got {len(message.data)} bytes; it is cut off"
+    )
+
+
+def _reader(name: str, message: Message) -> _Reader:
+    data = message.data
+    if message.encoding != "cdr":
+        return _Reader(data, 0, "<", False, 0)
+    if len(data) < 4 or data[1] not in (0, 1):
+        raise BadInputError(f"{name}: expected a CDR message, got other bytes")
+    return _Reader(data, 4, "<" if data[1] else ">", True, 4)
+
+
+def _head(reader: _Reader) -> tuple[float, str]:
+    if not reader.aligned:
+        reader.number("I")  # ROS 1: sequence number
     seconds, nanoseconds = reader.number("I"), reader.number("I")
-    reader.text()  # frame id
+    return seconds + nanoseconds / 1e9, reader.text()
+
+
+def _parse(name: str, message: Message) -> PointCloud2:
+    reader = _reader(name, message)
+    time, _ = _head(reader)
     height, width = reader.number("I"), reader.number("I")
     count = reader.number("I")
     if count > MAX_FIELDS:
@@ -110,9 +147,7 @@ def _parse(name: str, message: bytes, encoding: str) -> PointCloud2:
     point_step, row_step = reader.number("I"), reader.number("I")
     data = reader.bytes(reader.number("I"))
     ordered = [(field, offset, (">" if big else "<") + kind) for field, offset, kind in fields]
-    return PointCloud2(
-        seconds + nanoseconds / 1e9, height, width, ordered, point_step, row_step, data
-    )
+    return PointCloud2(time, height, width, ordered, point_step, row_step, data)
 
 
 def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:

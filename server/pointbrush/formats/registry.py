@@ -14,18 +14,16 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats import mcap, rosbag1, rosbag2
+from pointbrush.formats.bag import Bag
 from pointbrush.formats.depth import read_depth
 from pointbrush.formats.e57 import read_e57
 from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes
 from pointbrush.formats.las import read_las
-from pointbrush.formats.mcap import read_mcap, survey_mcap
 from pointbrush.formats.npy import read_npy, read_npz
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pcd import read_pcd
 from pointbrush.formats.ply import read_ply
-from pointbrush.formats.recording import Topic
-from pointbrush.formats.rosbag1 import read_rosbag1, survey_rosbag1
-from pointbrush.formats.rosbag2 import read_rosbag2, survey_rosbag2
 from pointbrush.formats.text import read_text
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
@@ -41,7 +39,7 @@ class Format:
     ``magic`` starts the files of the format, for names that do not tell.  ``read`` yields the
     frames of one file and raises BadInputError for a file that is not whole.  ``weak`` endings
     are those of other things too (.txt): in a folder they give way to point cloud files.
-    ``survey`` of formats whose files hold many frames counts them without reading them.
+    ``bag``: files hold topics, and messages that are frames.
     ``headless``: files hold points and nothing else, so that one of 0 bytes holds none.
     """
 
@@ -51,7 +49,7 @@ class Format:
     title: str
     magic: tuple[bytes, ...] = ()
     weak: tuple[str, ...] = ()
-    survey: Callable[[Path], Topic] | None = None
+    bag: Bag | None = None
     headless: bool = False
 
 
@@ -60,9 +58,9 @@ BUILT_IN = (
     Format("pcd", (".pcd",), read_pcd, "PCD", (b"# .PCD", b"VERSION ")),
     Format("las", (".las", ".laz"), read_las, "LAS, LAZ and COPC", (b"LASF",)),
     Format("e57", (".e57",), read_e57, "E57", (b"ASTM-E57",)),
-    Format("rosbag1", (".bag",), read_rosbag1, "ROS 1 bag", (b"#ROSBAG",), survey=survey_rosbag1),
-    Format("rosbag2", (".db3",), read_rosbag2, "ROS 2 bag", survey=survey_rosbag2),
-    Format("mcap", (".mcap",), read_mcap, "MCAP", (b"\x89MCAP0",), survey=survey_mcap),
+    Format("rosbag1", (".bag",), rosbag1.read_rosbag1, "ROS 1 bag", (b"#ROSBAG",), bag=rosbag1.BAG),
+    Format("rosbag2", (".db3",), rosbag2.read_rosbag2, "ROS 2 bag", bag=rosbag2.BAG),
+    Format("mcap", (".mcap",), mcap.read_mcap, "MCAP", (b"\x89MCAP0",), bag=mcap.BAG),
     Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records", headless=True),

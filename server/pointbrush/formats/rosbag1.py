@@ -6,17 +6,16 @@ import struct
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
-from pointbrush.formats.recording import Topic, choose_topic, map_recording, unpack_chunk
-from pointbrush.frame import PointFrame
+from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
+from pointbrush.formats.recording import map_recording, unpack_chunk
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
+MESSAGE, BAG_HEADER, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
 
 
 @dataclass
@@ -26,7 +25,6 @@ class _Index:
     topics: dict[int, str] = field(default_factory=dict)
     types: dict[str, str] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    times: list[float] = field(default_factory=list)
 
     def connect(self, header: dict[str, bytes], data: bytes) -> None:
         number = _u32(header, "conn")
@@ -35,47 +33,41 @@ class _Index:
         self.types[topic] = _fields(data).get("type", b"").decode("utf-8", "replace")
 
 
-def read_rosbag1(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """The PointCloud2 messages of the topic that has most, in recorded order.
-
-    Raises BadInputError for a bag without such messages, cut off or damaged.
-    """
-    with map_recording(path, MAGIC, "a bag of format 2.0") as data:
-        topic = survey_rosbag1(path).name
-        index = _Index()
-        for number, message, time in _messages(path.name, data, index):
-            if index.topics.get(number) == topic:
-                yield frame_of_message(f"{path.name} {topic}", message, "ros1", time, options)
-
-
-def survey_rosbag1(path: Path) -> Topic:
-    """The topic that is read, its number of messages and their times.
-
-    Raises BadInputError when no topic has point clouds.
-    """
+def topics_of(path: Path) -> list[Topic]:
+    """List a bag's topics, from its index; raises BadInputError for a bag cut off or damaged."""
     with map_recording(path, MAGIC, "a bag of format 2.0") as data:
         index = _Index()
-        for at, operation, header, _ in _records(path.name, data, len(MAGIC), len(data)):
-            if operation == BAG:
+        for _, operation, header, _ in _records(path.name, data, len(MAGIC), len(data)):
+            if operation == BAG_HEADER:
                 end = _u64(header, "index_pos")
                 if end == 0:
                     # Not closed properly: the chunks themselves have to tell.
                     index = _scanned(path.name, data)
                     break
-                if not at < end <= len(data):
+                if not len(MAGIC) < end <= len(data):
                     raise BadInputError(
                         f"{path.name}: expected an index within {len(data)} bytes, got one at "
                         f"{end}; the bag is cut off"
                     )
                 _read_index(path.name, data, end, index)
                 break
-    clouds: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for number, topic in index.topics.items():
-        if index.types[topic] in TYPES:
-            clouds[topic] += index.counts[number]
-    topic = choose_topic(path.name, clouds, index.types)
-    start, stop = (min(index.times), max(index.times)) if index.times else (0.0, 0.0)
-    return Topic(topic, clouds[topic], start, stop)
+        counts[topic] += index.counts[number]
+    return [Topic(topic, kind, counts[topic]) for topic, kind in index.types.items()]
+
+
+def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
+    """Messages of a topic as stored; raises BadInputError for a bag cut off or damaged."""
+    with map_recording(path, MAGIC, "a bag of format 2.0") as data:
+        index = _Index()
+        for number, message, time in _messages(path.name, data, index):
+            if index.topics.get(number) == topic:
+                yield BagMessage("ros1", time, message)
+
+
+BAG = Bag(topics_of, messages_of)
+read_rosbag1 = partial(read_bag, BAG)
 
 
 def _read_index(name: str, data: mmap, start: int, index: _Index) -> None:
@@ -83,7 +75,6 @@ def _read_index(name: str, data: mmap, start: int, index: _Index) -> None:
         if operation == CONNECTION:
             index.connect(header, content)
         elif operation == CHUNK_INFO:
-            index.times += [_time(header, "start_time"), _time(header, "end_time")]
             for at in range(0, len(content) - 7, 8):
                 number, count = struct.unpack_from("<II", content, at)
                 index.counts[number] += count
@@ -91,9 +82,8 @@ def _read_index(name: str, data: mmap, start: int, index: _Index) -> None:
 
 def _scanned(name: str, data: mmap) -> _Index:
     index = _Index()
-    for number, _, time in _messages(name, data, index):
+    for number, _, _ in _messages(name, data, index):
         index.counts[number] += 1
-        index.times.append(time)
     return index
 
 

@@ -9,16 +9,12 @@ from functools import partial
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pointcloud2 import TYPES, frame_of_message
-from pointbrush.formats.recording import Topic, choose_topic
-from pointbrush.frame import PointFrame
+from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
 
 # Views could compute anything, for ever.
 KINDS = "SELECT name, type FROM sqlite_master WHERE name IN ('topics', 'messages')"
 COUNTS = """
-    SELECT topics.name, topics.type, count(messages.id), min(messages.timestamp),
-           max(messages.timestamp)
+    SELECT topics.name, topics.type, count(messages.id)
     FROM topics LEFT JOIN messages ON messages.topic_id = topics.id
     GROUP BY topics.name, topics.type
 """
@@ -29,21 +25,8 @@ MESSAGES = """
 """
 
 
-def read_rosbag2(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """The PointCloud2 messages of the topic that has most, by time.
-
-    Raises BadInputError for a file that is no bag, damaged, or without such messages.
-    """
-    topic = survey_rosbag2(path).name
-    with _opened(path) as database:
-        for time, message in database.execute(MESSAGES, (topic,)):
-            if not isinstance(time, int) or not isinstance(message, bytes):
-                raise BadInputError(f"{path.name}: expected messages as bytes with a time")
-            yield frame_of_message(f"{path.name} {topic}", message, "cdr", time / 1e9, options)
-
-
-def survey_rosbag2(path: Path) -> Topic:
-    """The topic that is read, its number of messages and their times."""
+def topics_of(path: Path) -> list[Topic]:
+    """List a bag's topics; raises BadInputError for a file that is no bag, or damaged."""
     with _opened(path) as database:
         kinds = dict(database.execute(KINDS).fetchall())
         if kinds != {"topics": "table", "messages": "table"}:
@@ -52,15 +35,22 @@ def survey_rosbag2(path: Path) -> Topic:
             )
         rows = database.execute(COUNTS).fetchall()
     # SQLite keeps any type in any column.
-    if not all(
-        isinstance(name, str) and isinstance(start or 0, int) and isinstance(end or 0, int)
-        for name, _, _, start, end in rows
-    ):
-        raise BadInputError(f"{path.name}: expected topics with names and times")
-    clouds = {name: count for name, kind, count, _, _ in rows if kind in TYPES}
-    topic = choose_topic(path.name, clouds, {str(row[0]): str(row[1]) for row in rows})
-    _, _, count, start, end = next(row for row in rows if row[0] == topic)
-    return Topic(topic, count, (start or 0) / 1e9, (end or 0) / 1e9)
+    if not all(isinstance(name, str) for name, _, _ in rows):
+        raise BadInputError(f"{path.name}: expected topics with names")
+    return [Topic(name, str(kind), int(count)) for name, kind, count in rows]
+
+
+def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
+    """Messages by the time they were recorded; raises BadInputError for a damaged file."""
+    with _opened(path) as database:
+        for time, message in database.execute(MESSAGES, (topic,)):
+            if not isinstance(time, int) or not isinstance(message, bytes):
+                raise BadInputError(f"{path.name}: expected messages as bytes with a time")
+            yield BagMessage("cdr", time / 1e9, message)
+
+
+BAG = Bag(topics_of, messages_of)
+read_rosbag2 = partial(read_bag, BAG)
 
 
 @contextmanager

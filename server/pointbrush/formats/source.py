@@ -7,7 +7,7 @@ import os
 import re
 import shutil
 import weakref
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -15,7 +15,8 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
-from pointbrush.formats.folder import list_files, list_folder
+from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.folder import frames_among, list_files, list_folder
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
@@ -32,14 +33,15 @@ class Source:
     """A recording about to be read.
 
     ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
-    their number and ``fps`` their rate, where the files tell.  ``close`` removes temporary
-    files; exhausting or dropping ``frames`` does too.
+    their number and ``fps`` their rate, where the files tell; ``listings`` what was found where.
+    ``close`` removes temporary files; exhausting or dropping ``frames`` does too.
     """
 
     frames: Iterator[PointFrame]
     count: int | None
     fps: float | None
     name: str
+    listings: Sequence[Listing] = ()
     _temporary: list[Path] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -69,7 +71,8 @@ def read(
     Raises NotFoundError, BadInputError, TooLargeError as ``open_source`` does, at the first
     frame that is asked for.
     """
-    with open_source([Path(path)], format, drop_invalid=drop_invalid) as source:
+    chosen = Corrections(format=format, drop_invalid=drop_invalid)
+    with open_source([Path(path)], chosen=chosen) as source:
         yield from source.frames
 
 
@@ -78,9 +81,12 @@ def open_source(
     format: str | None = None,
     limits: Limits | None = None,
     *,
-    drop_invalid: bool = False,
+    chosen: Corrections | None = None,
+    columns_found: Callable[[Mapping[str, str]], None] | None = None,
 ) -> Source:
     """Find the frames that ``paths`` name, without reading points yet.
+
+    ``format`` is a name of the registry, as is ``chosen.format``; see ``ReadOptions``.
 
     Raises NotFoundError for a path or glob that matches nothing, BadInputError for an unknown
     format, a folder without points or with several formats, a damaged archive; TooLargeError;
@@ -88,7 +94,9 @@ def open_source(
     """
     if not paths:
         raise BadInputError("path: expected one or more files or folders, got none")
-    options = ReadOptions(drop_invalid=drop_invalid, limits=limits or Limits())
+    chosen = chosen or Corrections()
+    format = format or chosen.format
+    options = ReadOptions(limits=limits or Limits(), chosen=chosen, columns_found=columns_found)
     if format is not None:
         format_named(format)
     found = _expand(paths)
@@ -105,7 +113,8 @@ def open_source(
     count = sum(c for c in counts if c is not None) if None not in counts else None
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
-    return Source(_frames(listings, options), count, fps, source_name(paths), temporary)
+    frames = map(chosen.applied, _frames(listings, options))
+    return Source(frames, count, fps, source_name(paths), listings, temporary)
 
 
 def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:
@@ -171,6 +180,7 @@ def _listings(
 ) -> list[Listing]:
     plain = [path for path in paths if path.is_file() and not is_archive(path)]
     if len(plain) == len(paths):
+        plain = frames_among(plain, options) or plain
         return [list_files(in_order(plain), format, plain[0].parent, options)]
     listings: list[Listing] = []
     for path in paths:

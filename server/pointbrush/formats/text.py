@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns, plain_columns, roles
+from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.table import Table
@@ -55,9 +56,9 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     ]
     if not numbers:
         raise BadInputError(f"{name}: expected lines of numbers, got none")
-    layout = _layout(name, lines, numbers)
+    layout = _layout(name, lines, numbers, options.chosen)
     require_count(name, len(layout.rows), options.limits)
-    columns = _columns(name, lines, layout, is_pts=path.suffix.lower() == ".pts")
+    columns = _columns(name, lines, layout, options, is_pts=path.suffix.lower() == ".pts")
     yield frame_from_columns(name, columns, options)
 
 
@@ -71,15 +72,18 @@ class Layout:
     rows: list[int]
 
 
-def _layout(name: str, lines: list[str], numbers: list[int]) -> Layout:
-    """Tell header, count line (PTS), separator and decimal comma by the first lines."""
+def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections) -> Layout:
+    """Tell header, count line (PTS), separator and decimal comma by the first lines.
+
+    ``chosen`` wins over what they seem to say.
+    """
     header: list[str] | None = None
     claimed: tuple[int, int] | None = None
     left = numbers
     separator: str | None = None
     while left:
         line = lines[left[0]]
-        separator = _separator(line)
+        separator = chosen.separator if chosen.delimiter else _separator(line)
         words = _words(line, separator)
         if len(words) == 1 and words[0].isascii() and words[0].isdigit() and not claimed:
             claimed = int(words[0][:18]), left[0] + 1
@@ -92,12 +96,15 @@ def _layout(name: str, lines: list[str], numbers: list[int]) -> Layout:
         raise BadInputError(
             f"{name}: expected {claimed[0]} points as line {claimed[1]} says, got {len(left)}"
         )
-    if header is not None and not {"x", "y", "z"} <= set(roles(header)):
+    named = bool(chosen.columns) or header is None or {"x", "y", "z"} <= set(roles(header))
+    if not named:
         raise BadInputError(
             f"{name}: expected numbers, or a header with x, y and z, got other words"
         )
     sample = [word for i in left[:SAMPLE] for word in _words(lines[i], separator)]
-    comma = separator != "," and any(_COMMA.fullmatch(word) for word in sample)
+    comma = chosen.decimal_comma
+    if comma is None:
+        comma = separator != "," and any(_COMMA.fullmatch(word) for word in sample)
     return Layout(separator, comma, header, left)
 
 
@@ -141,7 +148,9 @@ def _words(line: str, separator: str | None) -> list[str]:
     return [word.strip() for word in bare.strip().split(separator)]
 
 
-def _columns(name: str, lines: list[str], layout: Layout, *, is_pts: bool) -> Mapping[str, Array]:
+def _columns(
+    name: str, lines: list[str], layout: Layout, options: ReadOptions, *, is_pts: bool
+) -> Mapping[str, Array]:
     rows, header = layout.rows, layout.header
     width = len(_words(lines[rows[0]], layout.separator)) if rows else 3
     if width > MAX_COLUMNS:
@@ -154,10 +163,10 @@ def _columns(name: str, lines: list[str], layout: Layout, *, is_pts: bool) -> Ma
     if header is None and width < 3:
         raise BadInputError(f"{name}: expected at least 3 columns (x y z), got {width}")
     if table is None:
-        return _columns_with_words(name, lines, layout)
+        return _columns_with_words(name, lines, layout, options)
     if header is not None:
         return {column: table[:, i] for i, column in enumerate(header) if i < width}
-    return plain_columns(table, intensity_first=is_pts)
+    return plain_columns(table, options, intensity_first=is_pts)
 
 
 def _quoted(lines: list[str], rows: list[int]) -> bool:
@@ -184,7 +193,9 @@ def _table(name: str, lines: list[str], layout: Layout, width: int) -> NDArray[n
     return numbers.reshape(len(rows), width) if numbers.size == len(rows) * width else None
 
 
-def _columns_with_words(name: str, lines: list[str], layout: Layout) -> Mapping[str, Array]:
+def _columns_with_words(
+    name: str, lines: list[str], layout: Layout, options: ReadOptions
+) -> Mapping[str, Array]:
     """Columns of numbers alone: names, dates and remarks beside them are left out."""
     separator = layout.separator or " "
     wanted = (lines[row] for row in layout.rows)
@@ -201,23 +212,27 @@ def _columns_with_words(name: str, lines: list[str], layout: Layout) -> Mapping[
         raise BadInputError(
             f"{name}: expected {len(names)} values per line as the header says, got {width}"
         )
-    needed = {names[i] for i in range(3)} if layout.header is None else set(_axes(names))
+    meaning = meanings(names, options.chosen.columns or names, name)
+    if layout.header is None and not options.chosen.columns:
+        needed = {names[i] for i in range(3)}
+    else:
+        axes = roles(meaning.values())
+        needed = {old for old, new in meaning.items() if new in {axes.get(a) for a in "xyz"}}
     columns: dict[str, Array] = {}
     for i, column in enumerate(names):
         values = _numbers([words[i] for words in table], layout)
         if isinstance(values, int) and column in needed:
             where = f"{name} line {layout.rows[values] + 1}"
             raise BadInputError(f"{where}: expected a number, got another word")
+        # A column of words keeps its place among the meanings that a person gives in order.
         if not isinstance(values, int):
             columns[column] = values
-    if layout.header is not None:
+        elif options.chosen.columns:
+            columns[column] = np.full(len(table), np.nan)
+    if layout.header is not None or options.chosen.columns:
         return columns
-    return plain_columns(np.stack(list(columns.values()), axis=1), intensity_first=False)
-
-
-def _axes(names: list[str]) -> list[str]:
-    found = roles(names)
-    return [found[axis] for axis in "xyz"]
+    table_of = np.stack(list(columns.values()), axis=1)
+    return plain_columns(table_of, options, intensity_first=False)
 
 
 def _numbers(words: list[str], layout: Layout) -> NDArray[np.float64] | int:

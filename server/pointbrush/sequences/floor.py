@@ -24,6 +24,8 @@ _NEIGHBOURS = 12
 _PLANES = 250
 _MIN_SHARE = 0.04
 _FEW = 100
+SAID_TILT = 20.0
+"""Degrees that a floor may lean from the axis that a person says is up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,14 +135,25 @@ def _normals(points: Vector) -> tuple[Vector, Vector]:
     return vectors[:, :, 0], values[:, 0] / np.maximum(values.sum(axis=1), 1e-30)
 
 
-def find_floor(points: Vector, viewpoints: Vector, kind: Kind = "unknown") -> Floor:
-    """The floor under points (N, 3) seen from ``viewpoints`` (V, 3), V may be 0."""
+def _said(up: Vector) -> _Convention:
+    """The convention of an axis (3,) that a person says is up."""
+    forward = (0.0, 0.0, -float(np.sign(up[1]))) if up[1] else (0.0, 1.0, 0.0)
+    return _Convention((float(up[0]), float(up[1]), float(up[2])), forward, 1.0, SAID_TILT)
+
+
+def find_floor(
+    points: Vector, viewpoints: Vector, kind: Kind = "unknown", up: Vector | None = None
+) -> Floor:
+    """The floor under points (N, 3) seen from ``viewpoints`` (V, 3), V may be 0.
+
+    ``up`` (3,), where it is known, is the axis of the coordinates that points up.
+    """
     if len(points) == 0:
         return Floor(np.array([0.0, 1, 0]), 0.0, np.array([0.0, 0, -1]), found=False)
     depth = frustum_depth(points) if kind == "unknown" else 0.0
     if depth and len(viewpoints) == 0:
         viewpoints = np.zeros((1, 3))
-    choices = _conventions(points, kind, depth)
+    choices = _conventions(points, kind, depth) if up is None else [_said(up)]
     points = thin(points)
     best: tuple[float, _Convention, Vector, float] | None = None
     if len(points) >= 3 * _NEIGHBOURS:
@@ -150,11 +163,11 @@ def find_floor(points: Vector, viewpoints: Vector, kind: Kind = "unknown") -> Fl
             if plane is not None and (best is None or plane[0] > best[0]):
                 best = (plane[0], choice, plane[1], plane[2])
     if best is None:
-        up = np.array(choices[0].up)
-        height = float(np.quantile(points @ up, 0.01))
-        return Floor(up, height, _level(np.array(choices[0].forward), up), found=False)
-    _, choice, up, height = best
-    return Floor(up, height, _level(np.array(choice.forward), up), found=True)
+        axis = np.array(choices[0].up)
+        height = float(np.quantile(points @ axis, 0.01))
+        return Floor(axis, height, _level(np.array(choices[0].forward), axis), found=False)
+    _, choice, axis, height = best
+    return Floor(axis, height, _level(np.array(choice.forward), axis), found=True)
 
 
 def _best_plane(

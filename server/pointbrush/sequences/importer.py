@@ -48,10 +48,12 @@ def import_frames(
     total: int | None = None,
     progress: Progress = _silent,
     source: str = "",
+    up: str | None = None,
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
     ``progress`` gets a fraction 0..1 and a message after each frame; what it raises cancels.
+    ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
     """
@@ -67,7 +69,7 @@ def import_frames(
             progress(min(done / total, 1.0) if total else 0.0, f"imported {count} frames")
         if not records:
             raise BadInputError("expected at least one frame, got none")
-        manifest = make_manifest(records, grid_of.grid, sequence_id, name, fps, source)
+        manifest = make_manifest(records, grid_of.grid, sequence_id, name, fps, source, up)
         _complete(folder, manifest, records)
     return manifest
 
@@ -82,6 +84,7 @@ def import_large(
     total_points: int | None = None,
     progress: Progress = _silent,
     source: str = "",
+    up: str | None = None,
 ) -> Manifest:
     """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
@@ -103,13 +106,14 @@ def import_large(
                 total=1,
                 progress=progress,
                 source=source,
+                up=up,
             )
         head.append(part)
     with new_folder(target) as folder:
         (folder / FRAMES).mkdir()
         grid = GridChooser()(head)
         records = [_store_large(chain(head, parts), 0, grid, folder, total_points, progress)]
-        manifest = make_manifest(records, grid, sequence_id, name, fps, source)
+        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up)
         _complete(folder, manifest, records)
         progress(1.0, f"imported {manifest.points[0]:,} points")
     return manifest

@@ -70,14 +70,20 @@ def _says_something(name: str, arrays: dict[str, NDArray[Any]]) -> bool:
 
 
 def make_manifest(
-    records: list[Record], grid: Grid, sequence_id: str, name: str, fps: float, source: str
+    records: list[Record],
+    grid: Grid,
+    sequence_id: str,
+    name: str,
+    fps: float,
+    source: str,
+    up: str | None = None,
 ) -> Manifest:
-    """The manifest of a sequence of these frames, in their order."""
+    """The manifest of a sequence of these frames, in their order; ``up`` as in ``RoomFinder``."""
     filled = [record for record in records if record.count]
     lo = np.min([record.lo for record in filled], axis=0) if filled else np.zeros(3)
     hi = np.max([record.hi for record in filled], axis=0) if filled else np.zeros(3)
     present = {field for record in records for field in record.fields}
-    finder = RoomFinder(grid.shift)
+    finder = RoomFinder(grid.shift, up)
     for record in records:
         viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
         finder.add(record.prefix, viewpoint)

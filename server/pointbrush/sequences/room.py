@@ -12,11 +12,20 @@ _ROOM_SIZE = 30.0
 """Recordings wider than this (metres) are entered where the sensor was, not in their middle."""
 
 
+def axis_of(name: str) -> NDArray[np.float64]:
+    """The unit vector (3,) of an axis called "x", "-x", … "-z"."""
+    axis = np.zeros(3)
+    axis["xyz".index(name[-1])] = -1.0 if name.startswith("-") else 1.0
+    return axis
+
+
 class RoomFinder:
     """Collects samples of a recording's frames, however long it is, and places the room."""
 
-    def __init__(self, shift: NDArray[np.float64]) -> None:
+    def __init__(self, shift: NDArray[np.float64], up: str | None = None) -> None:
+        """``shift`` is local = source − shift; ``up`` the axis that is said to point up."""
         self._shift = shift
+        self._up = None if up is None else axis_of(up)
         self._points: list[NDArray[np.float32]] = []
         self._viewpoints: list[NDArray[np.float64]] = []
         self._stride = 1
@@ -39,7 +48,7 @@ class RoomFinder:
         viewpoints = np.array(self._viewpoints).reshape(-1, 3)
         # Far coordinates are a map's, and maps have z up.
         kind: Kind = "camera" if camera else "survey" if self._shift.any() else "unknown"
-        floor = find_floor(points, viewpoints, kind)
+        floor = find_floor(points, viewpoints, kind, self._up)
         right = np.cross(floor.forward, floor.up)
         rotation = np.stack([right, floor.up, -floor.forward])
         T_room_local = np.eye(4)

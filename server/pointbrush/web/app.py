@@ -21,6 +21,7 @@ from pointbrush.web import (
     routes_edits,
     routes_export,
     routes_frames,
+    routes_imports,
     routes_jobs,
     routes_labels,
     routes_meta,
@@ -33,6 +34,7 @@ from pointbrush.web import (
 )
 from pointbrush.web.auth import Gate, caller
 from pointbrush.web.exports import Exports
+from pointbrush.web.kept_uploads import KeptUploads
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
@@ -40,8 +42,8 @@ from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_frames, routes_labels, routes_taxonomy, routes_edits,
-    routes_objects, routes_annotations, routes_tracking, routes_export, routes_jobs,
+    routes_meta, routes_sequences, routes_imports, routes_frames, routes_labels, routes_taxonomy,
+    routes_edits, routes_objects, routes_annotations, routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 
 
@@ -63,6 +65,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
     app.state.uploads = Uploads(settings.workspace.absolute())
+    app.state.kept_uploads = KeptUploads()
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)

@@ -61,6 +61,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/frames/{i}/accept"): "reviewer",
     ("PUT", "/taxonomy"): "manager",
     ("POST", "/sequences"): "manager",
+    ("POST", "/imports/preview"): "manager",
+    ("DELETE", "/imports/{upload}"): "manager",
     ("PATCH", "/sequences/{seq}"): "manager",
     ("DELETE", "/sequences/{seq}"): "manager",
     ("POST", "/sequences/{seq}/restore"): "manager",

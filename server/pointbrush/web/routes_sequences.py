@@ -1,46 +1,24 @@
-"""Recordings: list, manifest, change, delete, import."""
+"""Recordings: list, manifest, change, delete."""
 
 from __future__ import annotations
 
-import contextlib
-import shutil
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Query, Request, Response
-from fastapi.concurrency import run_in_threadpool
-from pydantic import TypeAdapter, ValidationError
-from starlette.datastructures import FormData, UploadFile
-from starlette.exceptions import HTTPException
+from fastapi import APIRouter, Query
 
-from pointbrush.errors import BadInputError
-from pointbrush.formats import format_named, format_names
-from pointbrush.jobs import Job
-from pointbrush.streaming.encoding import describe
-from pointbrush.streaming.status import MalformedError
-from pointbrush.web.auth import Caller, Gate
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
     FloorBody,
-    Name,
     SequenceOut,
     SequencePatch,
 )
-from pointbrush.web.schemas_work import ImportBody, JobOut
-from pointbrush.web.upload_files import Saved, save
-from pointbrush.work.roots import allowed
-from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
 
 router = APIRouter(tags=["sequences"])
-MAX_FILES = 20_000
-MAX_FIELD = 64 * 1024
-COPY_BLOCK = 1 << 20
 
 
 def _out(workspace: Workspace, sequence: str) -> SequenceOut:
@@ -101,138 +79,3 @@ def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
     Of several with this id the last one deleted.  If the id is taken meanwhile, it gets another.
     """
     return SequenceOut.listed(workspace.entry(workspace.restore_sequence(seq)))
-
-
-IMPORT_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "application/json": {"schema": ImportBody.model_json_schema()},
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["files"],
-                    "properties": {
-                        "files": {
-                            "type": "array",
-                            "minItems": 1,
-                            "items": {"type": "string", "format": "binary"},
-                        },
-                        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
-                        "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
-                        "format": {"type": "string", "enum": format_names()},
-                        "drop_invalid": {"type": "string", "enum": ["true", "false"]},
-                    },
-                }
-            },
-        },
-    }
-}
-
-
-@router.post(
-    "/sequences",
-    status_code=202,
-    responses=responses(404, 409, 413, 415),
-    openapi_extra=IMPORT_BODY,
-)
-async def import_sequence(
-    request: Request, response: Response, workspace: Ws, who: Caller
-) -> JobOut:
-    """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
-    await run_in_threadpool(workspace.require_importable)
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind == "multipart/form-data":
-        job = await _import_upload(request, workspace, who.author)
-    elif kind not in ("", "application/json"):
-        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
-    else:
-        body = _parse(ImportBody, await request.body())
-        gate: Gate = request.app.state.gate
-        roots = workspace.import_roots(own=gate.is_own(request, who))
-        job = await run_in_threadpool(_import_path, workspace, body, who.author, roots)
-    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
-    return JobOut.of(job)
-
-
-def _parse(model: type[ImportBody], body: bytes) -> ImportBody:
-    try:
-        return model.model_validate_json(body)
-    except ValidationError as error:
-        found = error.errors()
-        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
-        raise kind(describe(found)) from None
-
-
-def _import_path(workspace: Workspace, body: ImportBody, owner: str, roots: Sequence[Path]) -> Job:
-    return workspace.import_paths(
-        allowed(body.path, roots),
-        name=body.name,
-        fps=body.fps,
-        file_format=body.format,
-        drop_invalid=body.drop_invalid,
-        roots=roots,
-        owner=owner,
-    )
-
-
-async def _import_upload(request: Request, workspace: Workspace, owner: str) -> Job:
-    uploads: Uploads = request.app.state.uploads
-    folder = uploads.new()
-    try:
-        async with request.form(
-            max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
-        ) as form:
-            saved = await run_in_threadpool(_save, form, folder)
-            fields = {"name": saved.name, **_fields(form)}
-        return await run_in_threadpool(
-            lambda: workspace.import_paths(saved.paths, cleanup=folder, owner=owner, **fields)
-        )
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
-
-
-def _save(form: FormData, folder: Path) -> Saved:
-    return save([file for file in form.getlist("files") if isinstance(file, UploadFile)], folder)
-
-
-_NAME: TypeAdapter[str] = TypeAdapter(Name)
-
-
-def _fields(form: FormData) -> dict[str, Any]:
-    fields: dict[str, Any] = {}
-    for name, key in (("name", "name"), ("fps", "fps"), ("format", "file_format")):
-        value = form.get(name)
-        if isinstance(value, str) and value:
-            fields[key] = value
-    with contextlib.suppress(KeyError):
-        fields["name"] = _plain_name(fields["name"])
-    with contextlib.suppress(KeyError):
-        fields["fps"] = _rate(fields["fps"])
-    if "file_format" in fields:
-        format_named(fields["file_format"])
-    drop = form.get("drop_invalid") or "false"
-    if drop not in ("true", "false"):
-        raise BadInputError(f"drop_invalid: expected true or false, got {str(drop)[:40]!r}")
-    fields["drop_invalid"] = drop == "true"
-    return fields
-
-
-def _plain_name(text: str) -> str:
-    try:
-        return _NAME.validate_python(text)
-    except ValidationError:
-        raise BadInputError(
-            f"name: expected 1 to 200 printable characters, got {text[:80]!r}"
-        ) from None
-
-
-def _rate(text: str) -> float:
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = 0.0
-    if not 0 < rate <= 1000:
-        raise BadInputError(f"fps: expected a number above 0 and up to 1000, got {text[:40]!r}")
-    return rate

@@ -2,26 +2,94 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, fields
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
 from pointbrush.formats import format_names
+from pointbrush.formats.corrections import (
+    DELIMITERS,
+    LARGEST_SCALE,
+    MOST_COLUMNS,
+    Corrections,
+    parse_corrections,
+)
 from pointbrush.jobs import Job
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import one_of
 from pointbrush.web.schemas import Body, Name, PaintId
+from pointbrush.workspace import Preview
+
+ColumnName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
-class ImportBody(Body):
-    """Import files that the server can already read."""
+Text = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
 
-    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
+
+class ImportOptions(Body):
+    """What a person says of the files of an import; see ``formats.corrections.Corrections``."""
+
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
     format: Annotated[str, Field(pattern=one_of(format_names()))] | None = None
+    columns: Annotated[list[ColumnName], Field(max_length=MOST_COLUMNS)] | None = None
+    delimiter: Annotated[str, Field(pattern=one_of(DELIMITERS) + r"|^[^\x00]$")] | None = None
+    decimal_comma: bool | None = None
+    scale: Annotated[float, Field(gt=0, le=LARGEST_SCALE, allow_inf_nan=False)] | None = None
+    up: Annotated[str, Field(pattern=r"^\+?(x|y|z|-x|-y|-z)$")] | None = None
+    topic: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
+    poses: Text | None = None
     drop_invalid: bool = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _listed(cls, value: Any) -> Any:
+        """Take ``columns`` as one text with commas too."""
+        if isinstance(value, dict) and isinstance(value.get("columns"), str):
+            return {**value, "columns": [part.strip() for part in value["columns"].split(",")]}
+        return value
+
+    @property
+    def chosen(self) -> Corrections:
+        """The corrections among them; raises BadInputError."""
+        return parse_corrections({f.name: getattr(self, f.name) for f in fields(Corrections)})
+
+
+class ImportBody(ImportOptions):
+    """Import files that the server can already read: at ``path``, or a previewed ``upload``."""
+
+    path: Text | None = None
+    upload: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
+
+
+class PreviewOut(BaseModel):
+    """What an import would do; ``upload`` names files that a preview was sent, for an hour."""
+
+    name: str
+    format: str
+    title: str
+    frames: int | None
+    fps: float
+    fps_from: str
+    order: str
+    points: list[dict[str, int]]
+    columns: list[dict[str, str]]
+    topics: list[dict[str, Any]]
+    cameras: list[dict[str, Any]]
+    poses: dict[str, Any] | None
+    units: dict[str, Any]
+    up: str
+    labels: bool
+    corrections: dict[str, Any]
+    warnings: list[str]
+    upload: str | None = None
+
+    @classmethod
+    def of(cls, preview: Preview, upload: str | None) -> PreviewOut:
+        """From the workspace's answer."""
+        return cls(**asdict(preview), upload=upload)
 
 
 class TrackingBody(Body):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.palette import SourceLabel
+from pointbrush.formats.reports import reported
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -40,35 +42,40 @@ class ImportWork:
     sequence_id: str
     name: str | None = None
     fps: float | None = None
-    format: str | None = None
-    drop_invalid: bool = False
+    chosen: Corrections = field(default_factory=Corrections)
     max_points: int = 500_000_000
     roots: tuple[Path, ...] = ()
 
     def __call__(self, channel: Channel) -> None:
-        """Read, reorder and store every frame; nothing is left behind on any error."""
-        about = {
+        """Read, reorder and store every frame; the readers' warnings are an item.
+
+        Nothing is left behind on any error.
+        """
+        with reported() as warnings:
+            self._import(channel)
+        channel.item(list(warnings))
+
+    def _import(self, channel: Channel) -> None:
+        about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
             "source": ", ".join(str(path) for path in self.paths),
+            "up": self.chosen.up,
         }
-        options = ReadOptions(
-            drop_invalid=self.drop_invalid, limits=Limits(self.max_points, roots=self.roots)
-        )
-        scan = _large_scan(self.paths, options.limits)
+        limits = Limits(self.max_points, roots=self.roots)
+        scan = large_scan(self.paths, limits)
         if scan is not None:
+            options = ReadOptions(limits=limits, chosen=self.chosen)
             import_large(
-                read_chunks(scan, PART_POINTS, options),
+                map(self.chosen.applied, read_chunks(scan, PART_POINTS, options)),
                 self.target,
                 name=self.name or scan.stem,
                 fps=self.fps or 1.0,
-                total_points=read_header(scan, options.limits).count,
+                total_points=read_header(scan, limits).count,
                 progress=channel.progress,
                 **about,
             )
             return
-        with open_source(
-            self.paths, self.format, options.limits, drop_invalid=self.drop_invalid
-        ) as source:
+        with open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             import_frames(
                 _limited(source.frames, self.max_points),
                 self.target,
@@ -104,7 +111,7 @@ class SampleWork:
         )
 
 
-def _large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
+def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
     """The one LAS file that is too large to read whole, or None."""
     if len(paths) != 1 or paths[0].suffix.lower() not in (".las", ".laz"):
         return None
@@ -184,7 +191,7 @@ def label_of(label_id: int, given: SourceLabel | None) -> Label:
     return Label(label_id, name, given.category if given else "", color or default_color(label_id))
 
 
-def result(recording: Sequence) -> dict[str, Any]:
+def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:
     """What a finished import job reports."""
     manifest = recording.manifest
     return {
@@ -192,4 +199,5 @@ def result(recording: Sequence) -> dict[str, Any]:
         "frames": manifest.frames,
         "points": int(sum(manifest.points)),
         "dropped": int(sum(manifest.dropped)),
+        "warnings": warnings,
     }

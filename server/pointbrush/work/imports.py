@@ -10,6 +10,7 @@ from typing import Any
 
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.formats import source_name
+from pointbrush.formats.corrections import Corrections
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
@@ -68,8 +69,7 @@ class Imports:
         *,
         name: str | None,
         fps: float | None,
-        file_format: str | None,
-        drop_invalid: bool,
+        chosen: Corrections,
         cleanup: Path | None,
         roots: Sequence[Path],
         owner: str | None,
@@ -86,8 +86,7 @@ class Imports:
             sequence_id=sequence,
             name=name,
             fps=fps,
-            format=file_format,
-            drop_invalid=drop_invalid,
+            chosen=chosen,
             max_points=self._max_points,
             roots=tuple(roots),
         )
@@ -114,6 +113,7 @@ class Imports:
         owner: str | None = None,
     ) -> Job:
         sequence = guard.sequence
+        warnings: list[str] = []
 
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:
@@ -122,7 +122,7 @@ class Imports:
             self._store.register(sequence, recording.manifest.points, recording.identity)
             label(self._store, recording)
             self._publish(SequencesChanged(sequence))
-            return importing.result(recording)
+            return importing.result(recording, warnings)
 
         def done(_: Job) -> None:
             self._store.guards.end(guard)
@@ -130,7 +130,15 @@ class Imports:
                 shutil.rmtree(cleanup, ignore_errors=True)
 
         try:
-            return self._runner.submit("import", sequence, work, finish, done=done, owner=owner)
+            return self._runner.submit(
+                "import",
+                sequence,
+                work,
+                finish,
+                on_item=lambda _, found: warnings.extend(found),
+                done=done,
+                owner=owner,
+            )
         except BaseException:
             self._store.guards.end(guard)
             raise

@@ -29,6 +29,7 @@ import { Inbox } from './inbox';
 import { labelActions } from './labels';
 import { Pacing } from './pacing';
 import { Playback } from './playback';
+import { importActions } from './importing';
 import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { timeActions } from './time';
@@ -199,6 +200,7 @@ export class Engine {
 
   private bind(): void {
     bindActions(recordingActions);
+    bindActions(importActions);
     bindActions(labelActions);
     bindActions(brushActions);
     bindActions(reviewActions);

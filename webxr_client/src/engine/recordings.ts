@@ -1,7 +1,7 @@
-/** Recordings: the list, import, export, change, delete. */
-import { actions, type Actions, type ChosenFile, type ImportOptions } from '../actions';
+/** Recordings: the list, export, change, delete. */
+import { actions, type Actions, type ChosenFile } from '../actions';
 import { listSequences } from '../net/early';
-import { api, apiUrl, ApiError, upload } from '../net/rest';
+import { api, apiUrl, ApiError } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import { notify, state, type DeletedSequence, type SequenceSummary, type Upload } from '../state';
 
@@ -10,8 +10,6 @@ type RecordingActions = Pick<
   | 'refreshSequences'
   | 'renameSequence'
   | 'deleteSequence'
-  | 'importPath'
-  | 'importFiles'
   | 'refreshDeleted'
   | 'restoreSequence'
   | 'exportSequence'
@@ -35,12 +33,12 @@ export function noteJob(job: Job): void {
   state.jobs.value = [...others, job];
 }
 
-function setUpload(name: string, next: Upload | null): void {
+export function setUpload(name: string, next: Upload | null): void {
   const others = state.uploads.peek().filter((other) => other.name !== name);
   state.uploads.value = next ? [...others, next] : others;
 }
 
-function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
+export function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
   return { ...answer, type: 'job', frame: null };
 }
 
@@ -67,33 +65,18 @@ export function sequencePath(id: string): string {
   return `sequences/${encodeURIComponent(id)}`;
 }
 
-async function importFiles(
-  files: readonly ChosenFile[],
-  options: ImportOptions = {},
-): Promise<void> {
-  const name = options.name ?? commonName(files);
-  const form = new FormData();
-  for (const { file, path } of files) form.append('files', file, path);
-  form.append('name', name);
-  if (options.fps !== undefined) form.append('fps', String(options.fps));
-  if (options.format !== undefined) form.append('format', options.format);
-  const total = files.reduce((sum, { file }) => sum + file.size, 0);
-  setUpload(name, { name, sent: 0, total });
-  try {
-    const job = await upload<Omit<Job, 'type' | 'frame'>>('sequences', form, (sent) =>
-      setUpload(name, { name, sent, total }),
-    );
-    noteJob(jobOf(job));
-  } finally {
-    setUpload(name, null);
-  }
+/** A folder's name, the file's without its ending, or what the files' names begin with. */
+function beginning(names: readonly string[]): string {
+  const [first = '', ...others] = names.map((name) => name.replace(/\.[^.]+$/, ''));
+  let length = first.length;
+  for (const name of others) while (!name.startsWith(first.slice(0, length))) length--;
+  return others.length > 0 ? first.slice(0, length).replace(/[\d\s._-]+$/, '') : first;
 }
 
-/** A folder's name, or the file's without its ending. */
-function commonName(files: readonly ChosenFile[]): string {
+export function commonName(files: readonly ChosenFile[]): string {
   const first = files[0]?.path.split('/');
   if (!first) return 'recording';
-  const name = first.length > 1 ? first[0]! : first[0]!.replace(/\.[^.]+$/, '');
+  const name = first.length > 1 ? first[0]! : beginning(files.map(({ path }) => path));
   return name.slice(0, 200) || 'recording';
 }
 
@@ -138,13 +121,6 @@ export const recordingActions: RecordingActions = {
       await refreshSequences();
       await refreshDeleted();
     }),
-  importPath: (path, options = {}) =>
-    attempt('The import did not start', async () => {
-      const body = { path, ...options };
-      noteJob(jobOf(await api<Omit<Job, 'type' | 'frame'>>('POST', 'sequences', body)));
-    }),
-  importFiles: (files, options) =>
-    attempt('The import did not start', () => importFiles(files, options)),
   exportSequence: (format, frames) =>
     attempt('The export did not start', () => exportSequence(format, frames)),
   cancelJob: (id, keep = false) =>

@@ -5,6 +5,8 @@ export class ApiError extends Error {
     readonly title: string,
     readonly detail: string,
     readonly status: number,
+    /** Further members of the problem. */
+    readonly more: Readonly<Record<string, unknown>> = {},
   ) {
     super(detail || title);
   }
@@ -31,10 +33,19 @@ export async function api<T>(method: string, path: string, body?: unknown): Prom
   return (response.status === 204 ? undefined : await response.json()) as T;
 }
 
+interface Problem {
+  readonly title?: string;
+  readonly detail?: string;
+}
+
+function refusal(answer: Problem | null, title: string, status: number): ApiError {
+  const { title: said, detail, ...more } = answer ?? {};
+  return new ApiError(said ?? title, detail ?? '', status, more);
+}
+
 async function problem(response: Response): Promise<ApiError> {
   try {
-    const { title, detail } = (await response.json()) as { title?: string; detail?: string };
-    return new ApiError(title ?? response.statusText, detail ?? '', response.status);
+    return refusal((await response.json()) as Problem, response.statusText, response.status);
   } catch {
     return new ApiError(response.statusText, '', response.status);
   }
@@ -53,12 +64,8 @@ export function upload<T>(
     request.upload.onprogress = (event) => progress(event.loaded, event.total);
     request.onerror = () => reject(new ApiError('No connection', 'The upload was cut off.', 0));
     request.onload = () => {
-      const answer = request.response as { title?: string; detail?: string } | null;
-      if (request.status < 300) resolve(answer as T);
-      else
-        reject(
-          new ApiError(answer?.title ?? 'Upload failed', answer?.detail ?? '', request.status),
-        );
+      if (request.status < 300) resolve(request.response as T);
+      else reject(refusal(request.response as Problem | null, 'Upload failed', request.status));
     };
     request.send(form);
   });

@@ -2,6 +2,7 @@
 import { render, type ComponentChild } from 'preact';
 import { state } from '../state';
 import { Help, helpOpen } from './help';
+import { ImportDialog } from './import-dialog';
 import { acceptDrops } from './import-files';
 import { Palette } from './palette';
 import { Stage } from './stage';
@@ -23,7 +24,7 @@ export function mountPanels(): () => void {
     ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
     ['timeline', <AtTheDesk panel={Timeline} />],
-    ['panels', [<Tooltip />, <Help />]],
+    ['panels', [<Tooltip />, <Help />, <ImportDialog />]],
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {

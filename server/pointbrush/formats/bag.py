@@ -1,0 +1,147 @@
+"""Point clouds in bags of any kind: which topic and sensor, in the order of their stamps."""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.pointcloud2 import TYPES, frame_of_message, head_of_message
+from pointbrush.frame import PointFrame
+
+log = logging.getLogger(__name__)
+SENSOR = "#"
+"""Between a topic and the frame id of a sensor on it; no topic has it in its name."""
+NAMED = 8
+"""Topics that an error lists."""
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic of a bag: the type of its messages, and their number."""
+
+    name: str
+    type: str
+    count: int = 0
+
+    @property
+    def has_clouds(self) -> bool:
+        """Whether its messages are point clouds that are read."""
+        return self.type in TYPES
+
+
+@dataclass(frozen=True, slots=True)
+class BagMessage:
+    """A message as it is stored; ``time`` is when it was recorded, in seconds."""
+
+    encoding: str
+    time: float
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Bag:
+    """A kind of bag: ``topics`` lists a file's, ``messages`` gives those of a topic as stored."""
+
+    topics: Callable[[Path], list[Topic]]
+    messages: Callable[[Path, str], Iterator[BagMessage]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clouds:
+    """The point clouds of a bag that make a recording.
+
+    ``order`` numbers the messages of ``topic`` that are its frames, by stamp; ``stamps`` are theirs
+    in that order, seconds.  ``sensors`` counts the messages of each frame id on the topic.
+    """
+
+    topic: str
+    topics: tuple[Topic, ...]
+    order: NDArray[np.int64]
+    stamps: NDArray[np.float64]
+    sensors: dict[str, int]
+
+
+def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
+    """Choose the topic ``wanted`` ("topic" or "topic#frame_id"), else the one with most clouds.
+
+    Of several sensors on a topic, the one with most messages is taken, and the others are named
+    in a warning.  Raises BadInputError naming topics and types when there is no such one.
+    """
+    topics = bag.topics(path)
+    name, _, sensor = (wanted or "").partition(SENSOR)
+    topic = _choose(path.name, topics, name)
+    heads = [
+        (stamp or message.time, frame_id)
+        for message in bag.messages(path, topic)
+        for stamp, frame_id in [head_of_message(f"{path.name} {topic}", message)]
+    ]
+    sensors = Counter(frame_id for _, frame_id in heads)
+    if sensor and sensor not in sensors:
+        raise BadInputError(
+            f"{path.name}: expected a sensor of {topic}: {', '.join(sorted(sensors))}, got "
+            f"{sensor!r}"
+        )
+    if not sensor and sensors:
+        sensor = min(sensors, key=lambda each: (-sensors[each], each))
+        others = [f"{topic}{SENSOR}{each}" for each in sorted(sensors) if each != sensor]
+        if others:
+            log.warning(
+                "%s: several sensors speak on %s: '%s' is read; the topics %s give the others",
+                path.name, topic, sensor, ", ".join(others),
+            )  # fmt: skip
+    taken = np.array([i for i, head in enumerate(heads) if head[1] == sensor], np.int64)
+    stamps = np.array([heads[i][0] for i in taken.tolist()], np.float64)
+    order = np.argsort(stamps, kind="stable")
+    return Clouds(topic, tuple(topics), taken[order], stamps[order], dict(sensors))
+
+
+def read_clouds(bag: Bag, found: Clouds, path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """Frames by their stamps; a message waits in memory until those before it have come."""
+    place = {number: at for at, number in enumerate(found.order.tolist())}
+    waiting: dict[int, BagMessage] = {}
+    following = 0
+    for number, message in enumerate(bag.messages(path, found.topic)):
+        if number not in place:
+            continue
+        waiting[place[number]] = message
+        while following in waiting:
+            yield frame_of_message(f"{path.name} {found.topic}", waiting.pop(following), options)
+            following += 1
+
+
+def read_bag(bag: Bag, path: Path, options: ReadOptions) -> Iterator[PointFrame]:
+    """The clouds of one file; see ``find_clouds``."""
+    yield from read_clouds(bag, find_clouds(bag, path, options.chosen.topic), path, options)
+
+
+def _choose(name: str, topics: Sequence[Topic], wanted: str) -> str:
+    if wanted:
+        found = next((topic for topic in topics if topic.name == wanted), None)
+        if found is not None and found.has_clouds:
+            return wanted
+        got = f"{wanted!r}" if found is None else f"{wanted} ({found.type or 'no type'})"
+        named = ", ".join(sorted(topic.name for topic in topics if topic.has_clouds)) or "none"
+        raise BadInputError(f"{name}: expected a topic with PointCloud2 ({named}), got {got}")
+    clouds = [topic for topic in topics if topic.has_clouds]
+    if not clouds:
+        listed = sorted(f"{t.name} ({t.type or 'no type'}){_what(t.type)}" for t in topics)
+        seen = ", ".join(listed[:NAMED]) or "no messages"
+        raise BadInputError(f"{name}: expected messages of type PointCloud2, got {seen}")
+    return min(clouds, key=lambda topic: (-topic.count, topic.name)).name
+
+
+def _what(kind: str) -> str:
+    """A word on messages that users take for point clouds."""
+    if kind.endswith("CustomMsg"):
+        return ", a Livox driver's own: record with xfer_format 0, or convert them"
+    if kind.endswith(("VelodyneScan", "PacketMsg", "Packets", "LidarScan")):
+        return ", packets of a driver: replay them through it, and record its points"
+    return ""

@@ -1,0 +1,150 @@
+"""What a person says of a recording in place of what its files say, or seem to say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import BadInputError
+from pointbrush.frame import PointFrame
+
+MEANINGS = ("x", "y", "z", "red", "green", "blue", "rgb", "intensity", "label", "instance")
+"""What a column can be; any other name keeps it as a field of its own."""
+LEFT_OUT = "-"
+DELIMITERS: Mapping[str, str] = {
+    "comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|",
+}  # fmt: skip
+AXES = ("x", "-x", "y", "-y", "z", "-z")
+MOST_COLUMNS = 1024
+LARGEST_SCALE = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Corrections:
+    """How to read a recording, where a person knows better than the files tell.
+
+    Raises BadInputError for a value that is none of its field's.
+    """
+
+    format: str | None = None
+    """A name of the registry; None: what endings and contents tell."""
+    columns: tuple[str, ...] = ()
+    """Meanings of all columns in order ("x", "y", "-", "label"), or pairs "column=meaning"."""
+    delimiter: str | None = None
+    """What separates the values of a text: one character, or a name of DELIMITERS."""
+    decimal_comma: bool | None = None
+    """Whether 1,5 is one and a half in a text."""
+    scale: float = 1.0
+    """Metres for each unit of the files' coordinates and of the poses with them."""
+    up: str | None = None
+    """The axis of the files' coordinates that points up, one of AXES."""
+    topic: str | None = None
+    """Of a bag: the topic, or "topic#frame_id" where several sensors speak on it."""
+    poses: str = "auto"
+    """"auto", "none", or the path of a file of poses, a line a frame."""
+    drop_invalid: bool = False
+    """Leave NaN and infinite points out, and count them."""
+
+    def __post_init__(self) -> None:
+        if len(self.columns) > MOST_COLUMNS or not all(
+            part.strip() and len(part) <= 200 for part in self.columns
+        ):
+            raise BadInputError(
+                f"columns: expected up to {MOST_COLUMNS} meanings ({', '.join(MEANINGS)}, or "
+                f"{LEFT_OUT!r} for none) or pairs 'column=meaning', got {len(self.columns)} or an "
+                "empty one"
+            )
+        if len({"=" in part for part in self.columns}) > 1:
+            raise BadInputError("columns: expected meanings in order or pairs, got both")
+        if self.delimiter is not None and (
+            len(self.delimiter) != 1 and self.delimiter not in DELIMITERS
+        ):
+            raise BadInputError(
+                f"delimiter: expected one character or {', '.join(DELIMITERS)}, got "
+                f"{self.delimiter[:20]!r}"
+            )
+        if not (math.isfinite(self.scale) and 0 < self.scale <= LARGEST_SCALE):
+            raise BadInputError(
+                f"scale: expected metres per unit, above 0 and up to {LARGEST_SCALE:g}, got "
+                f"{self.scale}"
+            )
+        if self.up is not None and self.up not in AXES:
+            raise BadInputError(f"up: expected one of {', '.join(AXES)}, got {self.up[:20]!r}")
+
+    @property
+    def separator(self) -> str | None:
+        """The character between values of a text, None for runs of spaces or not said."""
+        said = DELIMITERS.get(self.delimiter or "", self.delimiter)
+        return None if said == " " else said
+
+    @property
+    def poses_file(self) -> Path | None:
+        """The file of poses that was named, if any."""
+        return None if self.poses in ("auto", "none") else Path(self.poses)
+
+    def applied(self, frame: PointFrame) -> PointFrame:
+        """Return a frame in metres, and without its pose where poses are left out."""
+        pose = None if self.poses == "none" else frame.pose
+        if self.scale == 1.0:
+            return frame if pose is frame.pose else replace(frame, pose=pose)
+        if pose is not None:
+            pose = pose.copy()
+            pose[:3, 3] *= self.scale
+        viewpoint = frame.viewpoint
+        return replace(
+            frame,
+            xyz=frame.xyz.astype(np.float64) * self.scale,
+            pose=pose,
+            viewpoint=None if viewpoint is None else viewpoint * self.scale,
+        )
+
+
+def parse_corrections(given: Mapping[str, Any]) -> Corrections:
+    """Corrections from options as text (a form, a command line) or as JSON.
+
+    ``columns`` may be one text with commas.  Raises BadInputError.
+    """
+    values = {name: value for name, value in given.items() if value not in (None, "")}
+    columns = values.get("columns", ())
+    if isinstance(columns, str):
+        columns = columns.split(",")
+    values["columns"] = tuple(str(part).strip() for part in columns)
+    if isinstance(values.get("scale"), str):
+        try:
+            values["scale"] = float(values["scale"])
+        except ValueError:
+            raise BadInputError(f"scale: expected a number, got {values['scale'][:40]!r}") from None
+    for name in ("drop_invalid", "decimal_comma"):
+        if isinstance(values.get(name), str):
+            if values[name] not in ("true", "false"):
+                raise BadInputError(f"{name}: expected true or false, got {values[name][:40]!r}")
+            values[name] = values[name] == "true"
+    if isinstance(values.get("up"), str):
+        values["up"] = values["up"].lower().removeprefix("+")
+    return Corrections(**values)
+
+
+def meanings(names: Sequence[str], columns: Sequence[str], where: str) -> dict[str, str]:
+    """The meaning of each column, in order: name in the file → what it is read as.
+
+    ``columns`` is ``Corrections.columns``.  Raises BadInputError where they do not fit ``names``.
+    """
+    if columns and "=" in columns[0]:
+        pairs = dict(part.split("=", 1) for part in columns)
+        absent = [name for name in pairs if name not in names]
+        if absent:
+            raise BadInputError(
+                f"{where}: expected columns of {', '.join(names)}, got {absent[0]!r}"
+            )
+        return {name: pairs.get(name, name) for name in names}
+    if len(columns) != len(names):
+        raise BadInputError(
+            f"{where}: expected meanings for {len(names)} columns ({', '.join(names)[:200]}), got "
+            f"{len(columns)}"
+        )
+    return dict(zip(names, columns, strict=True))

@@ -1,0 +1,220 @@
+"""Where the sensor was at each frame: files of poses beside a recording.
+
+``poses.txt`` of KITTI (12 or 16 numbers a line, of the camera where ``calib.txt`` says how it is
+mounted), lines ``time x y z qx qy qz qw`` (TUM), and the OXTS folder of KITTI's raw recordings.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.timing import lines_of, natural_key, read_times
+
+log = logging.getLogger(__name__)
+Pose = NDArray[np.float64]
+CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")
+EARTH_RADIUS = 6_378_137.0
+"""Metres; of the projection in KITTI's development kit."""
+MOST_APART = 0.2
+"""Seconds between a frame and the pose that is taken for it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Poses:
+    """``T_world_frame`` (4, 4) of each frame, and the file they come from."""
+
+    matrices: list[Pose]
+    source: str
+
+
+def find_poses(
+    folder: Path, names: Sequence[str], times: Sequence[float] | None, *, above: bool
+) -> Poses | None:
+    """The poses that lie with the files ``names`` of a folder; None where there are none.
+
+    ``above``: in the folder around it too, as in KITTI's layouts.  Raises BadInputError for a file
+    that is no list of poses, or one that does not fit the frames.
+    """
+    for place in (folder, folder.parent) if above else (folder,):
+        path = place / "poses.txt"
+        if path.is_file():
+            return read_poses(path, names, times)
+    if not above:
+        return None
+    # dataset/sequences/00/velodyne has its poses in dataset/poses/00.txt.
+    listed = folder.parent.parent.parent / "poses" / f"{folder.parent.name}.txt"
+    if folder.parent.parent.name == "sequences" and listed.is_file():
+        return read_poses(listed, names, times, calibration=folder.parent)
+    drive = folder.parent.parent
+    if (drive / "oxts" / "data").is_dir() and folder.parent.name == "velodyne_points":
+        return _of_oxts(drive, names, times)
+    return None
+
+
+def read_poses(
+    path: Path,
+    names: Sequence[str],
+    times: Sequence[float] | None = None,
+    *,
+    calibration: Path | None = None,
+) -> Poses:
+    """A file of poses, one for each of the files ``names``; the world is the first frame's sensor
+    where they are a camera's.
+
+    ``times`` of the frames pair them with lines that begin with one.  ``calibration`` is the
+    folder of ``calib.txt``, the file's own unless given.  Raises BadInputError for other lines.
+    """
+    rows = [
+        (f"{path.name} line {number}", words)
+        for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1)
+        if (words := line.split("#")[0].replace(",", " ").split())
+    ]
+    if not rows:
+        raise BadInputError(f"{path.name}: expected lines of poses, got none")
+    if {len(words) for _, words in rows} <= {7, 8}:
+        return Poses(_timed(path.name, rows, names, times), path.name)
+    T_cam_velo = _velodyne_to_camera((calibration or path.parent) / "calib.txt")
+    if T_cam_velo is None:
+        log.warning(
+            "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
+            "them; poses of a camera would turn the recording",
+            path.name,
+        )
+        T_cam_velo = np.eye(4)
+    T_velo_cam = np.linalg.inv(T_cam_velo)
+    poses = [T_velo_cam @ _matrix(where, words) @ T_cam_velo for where, words in rows]
+    fitting = lines_of(path.name, "poses", len(poses), names)
+    return Poses([poses[line] for line in fitting], path.name)
+
+
+def _timed(
+    name: str,
+    rows: list[tuple[str, list[str]]],
+    names: Sequence[str],
+    times: Sequence[float] | None,
+) -> list[Pose]:
+    """Poses of lines ``[time] x y z qx qy qz qw``, by time, else in their order."""
+    table = np.array([_floats(where, words) for where, words in rows if len(words) == 8])
+    if len(table) == len(rows) and times is not None:
+        nearest = np.abs(table[:, :1] - np.asarray(times)).argmin(axis=0)
+        apart = np.abs(table[nearest, 0] - np.asarray(times))
+        if (apart <= MOST_APART).all():
+            return [_of_quaternion(rows[i][0], table[i, 1:]) for i in nearest.tolist()]
+    fitting = lines_of(name, "poses", len(rows), names)
+    numbers = [(rows[i][0], _floats(*rows[i])) for i in fitting]
+    return [_of_quaternion(where, row[-7:]) for where, row in numbers]
+
+
+def _of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
+    if not row[3:].any():
+        raise BadInputError(f"{where}: expected a quaternion, got zeros")
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat(row[3:]).as_matrix()
+    pose[:3, 3] = row[:3]
+    return pose
+
+
+def _floats(where: str, words: list[str]) -> NDArray[np.float64]:
+    try:
+        values = np.array([float(word) for word in words])
+    except ValueError:
+        values = np.full(1, np.nan)
+    if not np.isfinite(values).all():
+        raise BadInputError(f"{where}: expected numbers, got other words")
+    return values
+
+
+def velodyne_to_camera(folder: Path) -> Pose | None:
+    """``T_cam_velo`` of a ``calib.txt`` in KITTI's form; None where it does not say."""
+    return _velodyne_to_camera(folder / "calib.txt")
+
+
+def _velodyne_to_camera(path: Path) -> Pose | None:
+    if path.is_file():
+        for line in path.read_text("utf-8", "replace").splitlines():
+            key, _, values = line.partition(":")
+            if key.strip() in CAMERA_KEYS:
+                return _matrix(f"{path.name} {key.strip()}", values.split())
+    return None
+
+
+def _matrix(where: str, words: list[str]) -> Pose:
+    try:
+        values = np.array([float(word) for word in words])
+    except ValueError:
+        values = np.empty(0)
+    if values.size not in (12, 16) or not np.isfinite(values).all():
+        raise BadInputError(f"{where}: expected 12 numbers, got {len(words)} words")
+    matrix = np.eye(4)
+    matrix[:3] = values[:12].reshape(3, 4)
+    if abs(np.linalg.det(matrix[:3, :3]) - 1) > 0.05:
+        raise BadInputError(f"{where}: expected a rotation and a translation, got another matrix")
+    return matrix
+
+
+# ── KITTI raw ────────────────────────────────────────────────────────────────────────────────
+
+
+def rigid_of(path: Path) -> Pose | None:
+    """The transform of a KITTI calibration file with lines ``R:`` and ``T:``, or None."""
+    if not path.is_file():
+        return None
+    found = dict(re.findall(r"^(R|T): *(.+)$", path.read_text("utf-8", "replace"), re.MULTILINE))
+    if set(found) != {"R", "T"}:
+        return None
+    matrix = np.eye(4)
+    try:
+        matrix[:3, :3] = np.array(found["R"].split(), np.float64).reshape(3, 3)
+        matrix[:3, 3] = np.array(found["T"].split(), np.float64)
+    except ValueError:
+        raise BadInputError(f"{path.name}: expected R of 9 and T of 3 numbers") from None
+    return matrix
+
+
+def _of_oxts(drive: Path, names: Sequence[str], times: Sequence[float] | None) -> Poses:
+    """Poses from the positions and angles of a GPS and inertial unit, first frame at the origin."""
+    T_velo_imu = rigid_of(drive.parent / "calib_imu_to_velo.txt")
+    if T_velo_imu is None:
+        log.warning(
+            "oxts: the poses are taken as the sensor's own: there is no calib_imu_to_velo.txt; "
+            "they are off by how the unit is mounted, about a metre",
+        )
+        T_velo_imu = np.eye(4)
+    files = sorted((drive / "oxts" / "data").glob("*.txt"), key=natural_key)
+    rows = [_floats(file.name, file.read_text("utf-8", "replace").split()[:6]) for file in files]
+    if not rows or any(len(row) < 6 for row in rows):
+        raise BadInputError("oxts: expected files of latitude, longitude, altitude and angles")
+    table = np.array(rows)
+    scale = np.cos(np.radians(table[0, 0])) * EARTH_RADIUS
+    latitude = np.radians(90 + np.clip(table[:, 0], -89.9, 89.9)) / 2
+    position = np.stack(
+        [scale * np.radians(table[:, 1]), scale * np.log(np.tan(latitude)), table[:, 2]], axis=1
+    )
+    T_imu_velo = np.linalg.inv(T_velo_imu)
+    poses = []
+    for place, angles in zip(position - position[0], table[:, 3:6], strict=True):
+        T_world_imu = np.eye(4)
+        T_world_imu[:3, :3] = Rotation.from_euler("ZYX", angles[::-1]).as_matrix()
+        T_world_imu[:3, 3] = place
+        poses.append(T_world_imu @ T_imu_velo)
+    to_first = np.linalg.inv(poses[0])
+    poses = [to_first @ pose for pose in poses]
+    stamps = drive / "oxts" / "timestamps.txt"
+    if times is not None and stamps.is_file():
+        moments = np.array(read_times(stamps, [file.name for file in files]))
+        nearest = np.abs(moments[:, None] - np.asarray(times)).argmin(axis=0)
+        return Poses([poses[i] for i in nearest.tolist()], "oxts")
+    by_stem = {file.stem: pose for file, pose in zip(files, poses, strict=True)}
+    absent = [name for name in names if Path(name).stem not in by_stem]
+    if absent:
+        raise BadInputError(f"oxts: expected a pose for {absent[0]}, got none")
+    return Poses([by_stem[Path(name).stem] for name in names], "oxts")

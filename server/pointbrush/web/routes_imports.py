@@ -1,0 +1,256 @@
+"""Imports, and what they would do: from paths of the server's machine, or uploaded files."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi import Path as PathParameter
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import JSONResponse
+from pydantic import ValidationError
+from starlette.datastructures import FormData, UploadFile
+from starlette.exceptions import HTTPException
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats import format_names
+from pointbrush.streaming.encoding import describe
+from pointbrush.streaming.status import MalformedError
+from pointbrush.web.auth import Caller, Gate
+from pointbrush.web.context import Ws
+from pointbrush.web.kept_uploads import KeptUploads, Upload
+from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
+from pointbrush.web.upload_files import relative_path, save
+from pointbrush.work.roots import allowed
+from pointbrush.work.uploads import Uploads
+from pointbrush.workspace import Workspace
+
+router = APIRouter(tags=["imports"])
+MAX_FILES = 20_000
+MAX_FIELD = 64 * 1024
+MAX_FIELDS = 32
+NUMBERS, WORDS = ("fps", "scale"), ("drop_invalid", "decimal_comma")
+TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
+"""Options of a form that have no pattern of their own, with an example."""
+UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
+
+IMPORT_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {"schema": ImportBody.model_json_schema()},
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["files"],
+                    "properties": {
+                        "files": {
+                            "type": "array",
+                            "minItems": 1,
+                            "items": {"type": "string", "format": "binary"},
+                        },
+                        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
+                        "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
+                        "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
+                        "format": {"type": "string", "enum": format_names()},
+                        "poses": {"type": "string", "enum": ["auto", "none"]},
+                        **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
+                        **{
+                            name: {"type": "string", "enum": [example]}
+                            for name, example in TEXTS.items()
+                        },
+                    },
+                }
+            },
+        },
+    }
+}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An import that a call asks for; ``upload`` where its files were sent, ``cleanup`` to remove
+    when it has ended."""
+
+    paths: list[Path]
+    options: ImportOptions
+    roots: Sequence[Path] = ()
+    upload: Upload | None = None
+
+    @property
+    def of_workspace(self) -> dict[str, Any]:
+        """Arguments of ``Workspace.import_paths`` and ``preview``; raises BadInputError."""
+        options = self.options
+        name = options.name or (self.upload.name if self.upload else None)
+        return {
+            "name": name, "fps": options.fps, "chosen": options.chosen, "roots": self.roots
+        }  # fmt: skip
+
+
+@router.post(
+    "/sequences",
+    status_code=202,
+    responses=responses(404, 409, 413, 415),
+    openapi_extra=IMPORT_BODY,
+)
+async def import_sequence(
+    request: Request, response: Response, workspace: Ws, who: Caller
+) -> JobOut:
+    """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
+    await run_in_threadpool(workspace.require_importable)
+    wanted = await _wanted(request, workspace, who)
+    kept: KeptUploads = request.app.state.kept_uploads
+
+    def start() -> JobOut:
+        upload = wanted.upload
+        job = workspace.import_paths(
+            wanted.paths,
+            cleanup=upload.folder if upload else None,
+            owner=who.author,
+            **wanted.of_workspace,
+        )
+        if upload is not None:
+            kept.forget(upload)
+        return JobOut.of(job)
+
+    try:
+        job = await run_in_threadpool(start)
+    except BaseException:
+        if wanted.upload is not None and not wanted.upload.kept:
+            shutil.rmtree(wanted.upload.folder, ignore_errors=True)
+        raise
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return job
+
+
+@router.post(
+    "/imports/preview",
+    responses=responses(404, 409, 413, 415),
+    openapi_extra=IMPORT_BODY,
+    response_model=PreviewOut,
+)
+async def preview_import(request: Request, workspace: Ws, who: Caller) -> PreviewOut | JSONResponse:
+    """Say what an import would do; nothing is written.
+
+    Uploaded files are kept for an hour: ``upload`` of the answer, also of one that says what is
+    wrong with them, names them to later previews and to the import.
+    """
+    await run_in_threadpool(workspace.require_importable)
+    wanted = await _wanted(request, workspace, who)
+    upload = wanted.upload
+    if upload is not None:
+        kept: KeptUploads = request.app.state.kept_uploads
+        upload = await run_in_threadpool(kept.keep, upload)
+    named = None if upload is None else upload.id
+    try:
+        found = await run_in_threadpool(
+            lambda: workspace.preview(wanted.paths, **wanted.of_workspace)
+        )
+    except BadInputError as error:
+        if named is None:
+            raise
+        hidden = BadInputError(workspace.paths.hide(str(error)))
+        return problem_of(hidden, {"upload": named})
+    return PreviewOut.of(found, named)
+
+
+@router.delete("/imports/{upload}", status_code=204, responses=responses(404))
+def drop_upload(upload: UploadPath, request: Request, who: Caller) -> None:
+    """Remove the files that a preview was sent."""
+    kept: KeptUploads = request.app.state.kept_uploads
+    found = kept.find(upload, who.author)
+    kept.forget(found)
+    shutil.rmtree(found.folder, ignore_errors=True)
+
+
+async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted:
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind == "multipart/form-data":
+        return await _uploaded(request, who.author)
+    if kind not in ("", "application/json"):
+        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
+    body = _parse(await request.body())
+    if (body.path is None) == (body.upload is None):
+        raise BadInputError(
+            "path: expected a path or an upload, got "
+            + ("none of them" if body.path is None else "both")
+        )
+    if body.upload is not None:
+        kept: KeptUploads = request.app.state.kept_uploads
+        upload = kept.find(body.upload, who.author)
+        return Wanted(list(upload.paths), _within(body, upload), upload=upload)
+    gate: Gate = request.app.state.gate
+    roots = workspace.import_roots(own=gate.is_own(request, who))
+    paths = await run_in_threadpool(allowed, body.path or "", roots)
+    if body.poses not in (None, "auto", "none"):
+        (poses,) = await run_in_threadpool(allowed, body.poses, roots)
+        body = body.model_copy(update={"poses": str(poses)})
+    return Wanted(paths, body, roots)
+
+
+def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
+    """Options whose file of poses is one of the uploaded ones."""
+    if options.poses in (None, "auto", "none"):
+        return options
+    path = upload.folder / relative_path(options.poses)
+    inside = [path, *upload.folder.glob(f"*/{relative_path(options.poses)}")]
+    found = next((each for each in inside if each.is_file()), None)
+    if found is None:
+        raise BadInputError(
+            f"poses: expected 'auto', 'none' or an uploaded file, got {options.poses[:80]!r}"
+        )
+    return options.model_copy(update={"poses": str(found)})
+
+
+def _parse(body: bytes) -> ImportBody:
+    try:
+        return ImportBody.model_validate_json(body)
+    except ValidationError as error:
+        found = error.errors()
+        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
+        raise kind(describe(found)) from None
+
+
+async def _uploaded(request: Request, owner: str) -> Wanted:
+    uploads: Uploads = request.app.state.uploads
+    folder = uploads.new()
+    try:
+        async with request.form(
+            max_files=MAX_FILES, max_fields=MAX_FIELDS, max_part_size=MAX_FIELD
+        ) as form:
+            options = _options(form)
+            files = [file for file in form.getlist("files") if isinstance(file, UploadFile)]
+            saved = await run_in_threadpool(save, files, folder)
+        upload = Upload("", owner, folder, tuple(saved.paths), saved.name)
+        return Wanted(saved.paths, _within(options, upload), upload=upload)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _options(form: FormData) -> ImportOptions:
+    """Options as a form has them, which is all text; raises BadInputError."""
+    values: dict[str, Any] = {}
+    for name in ImportOptions.model_fields:
+        text = form.get(name)
+        if not isinstance(text, str) or not text:
+            continue
+        values[name] = text
+        if name in NUMBERS:
+            try:
+                values[name] = float(text)
+            except ValueError:
+                raise BadInputError(f"{name}: expected a number, got {text[:40]!r}") from None
+        elif name in WORDS:
+            if text not in ("true", "false"):
+                raise BadInputError(f"{name}: expected true or false, got {text[:40]!r}")
+            values[name] = text == "true"
+    try:
+        return ImportOptions.model_validate(values)
+    except ValidationError as error:
+        raise BadInputError(describe(error.errors())) from None

@@ -1,0 +1,250 @@
+"""What an import would do: format, order, rate, columns, poses, units and up, without writing."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from dataclasses import asdict, dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.formats.alignment import agree_better_without
+from pointbrush.formats.bag import SENSOR
+from pointbrush.formats.corrections import AXES, Corrections
+from pointbrush.formats.las import read_chunks
+from pointbrush.formats.listing import Listing
+from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.registry import format_named
+from pointbrush.formats.reports import reported
+from pointbrush.formats.source import open_source
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.floor import Kind, find_floor
+from pointbrush.sequences.room import axis_of
+from pointbrush.work.importing import DEFAULT_FPS, PART_POINTS, large_scan
+from pointbrush.worker import local_processes
+
+FRAMES = 3
+"""Frames that are read."""
+SURVEYS = ("las", "e57")
+"""Formats whose coordinates are metres, or a map's, by definition."""
+DEPTHS = ("rgbd",)
+"""Formats whose units the reader knows."""
+
+
+SECONDS = 120.0
+"""Time that the first frames may take to read."""
+FAR = 1e4
+"""Metres from the origin beyond which coordinates are a map's."""
+SAMPLE = 20_000
+"""Points that tell which axis is up."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewRequest:
+    """What is to be previewed; the fields are those of an import."""
+
+    paths: tuple[Path, ...]
+    chosen: Corrections
+    limits: Limits
+    name: str | None = None
+    fps: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class UnitGuess:
+    """What a unit of the files seems to be, and ``scale``, metres for each of it."""
+
+    name: str
+    scale: float
+    extent: tuple[float, float, float]
+    """Width of the middle 96 % of the first frame's points along each axis, in units."""
+
+
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """What an import would do; fields as JSON has them."""
+
+    name: str
+    format: str
+    title: str
+    frames: int | None
+    fps: float
+    fps_from: str
+    order: str
+    points: list[dict[str, int]]
+    columns: list[dict[str, str]]
+    topics: list[dict[str, Any]]
+    cameras: list[dict[str, Any]]
+    poses: dict[str, Any] | None
+    units: dict[str, Any]
+    up: str
+    labels: bool
+    corrections: dict[str, Any]
+    warnings: list[str]
+
+
+def preview(request: PreviewRequest) -> Preview:
+    """Read the first frames of a recording and say what an import would make of it.
+
+    Raises what ``open_source`` raises, and BadInputError for frames that cannot be read.
+    """
+    chosen, fps = request.chosen, request.fps
+    columns: dict[str, str] = {}
+
+    def note(found: Mapping[str, str]) -> None:
+        for column, meaning in found.items():
+            columns.setdefault(column, meaning)
+
+    with (
+        reported() as warnings,
+        open_source(
+            request.paths, limits=request.limits, chosen=chosen, columns_found=note
+        ) as source,
+    ):
+        frames = _first_frames(request, source.frames)
+        if not any(len(frame) for frame in frames):
+            raise BadInputError(f"expected points, got none in the first {len(frames)} frame(s)")
+        listing = source.listings[0]
+        first = next(frame for frame in frames if len(frame))
+        poses = _poses(listing, frames, warnings)
+        units = guess_units(first.xyz, listing.format)
+        if chosen.scale == 1.0 and units.scale != 1.0:
+            warnings.setdefault(
+                f"the first frame is {max(units.extent):,.0f} units wide: they seem to be "
+                f"{units.name}; scale {units.scale:g} makes them metres"
+            )
+        return Preview(
+            name=request.name or source.name,
+            format=listing.format,
+            title=format_named(listing.format).title,
+            frames=source.count,
+            fps=fps or source.fps or DEFAULT_FPS,
+            fps_from="given" if fps else listing.rate_from if source.fps else "assumed",
+            order=listing.order,
+            points=[{"points": len(f), "left_out": f.dropped} for f in frames],
+            columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
+            topics=_topics(listing),
+            cameras=[],
+            poses=poses,
+            units={"name": units.name, "scale": units.scale, "extent": list(units.extent)},
+            up=chosen.up or _up(first),
+            labels=any(frame.label is not None and frame.label.any() for frame in frames),
+            corrections={k: v for k, v in asdict(chosen).items() if v not in (None, ())},
+            warnings=list(warnings),
+        )
+
+
+def _first_frames(request: PreviewRequest, frames: Iterator[PointFrame]) -> list[PointFrame]:
+    """The first frames; of a scan that is too large to read whole, its first part."""
+    scan = large_scan(request.paths, request.limits)
+    if scan is None:
+        return list(islice(frames, FRAMES))
+    options = ReadOptions(limits=request.limits, chosen=request.chosen)
+    return [next(map(request.chosen.applied, read_chunks(scan, PART_POINTS, options)))]
+
+
+def _up(frame: PointFrame) -> str:
+    """The axis of the coordinates that is nearest to up, as an import finds it."""
+    step = -(-len(frame) // SAMPLE)
+    points = frame.xyz[::step].astype(np.float64)
+    viewpoints = np.empty((0, 3)) if frame.viewpoint is None else frame.viewpoint[None]
+    far = float(np.abs(points).max()) > FAR
+    kind: Kind = "camera" if frame.pixel is not None else "survey" if far else "unknown"
+    found = find_floor(points, viewpoints, kind).up
+    return max(AXES, key=lambda name: float(axis_of(name) @ found))
+
+
+def _topics(listing: Listing) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": topic.name,
+            "type": topic.type,
+            "messages": topic.count,
+            "clouds": topic.has_clouds,
+            "read": topic.name == listing.topic.partition(SENSOR)[0],
+        }
+        for topic in listing.topics
+    ]
+
+
+def _poses(
+    listing: Listing, frames: Sequence[PointFrame], warnings: dict[str, None]
+) -> dict[str, Any] | None:
+    posed = [frame for frame in frames if frame.pose is not None]
+    if not posed:
+        return None
+    source = listing.poses_from or "the frames' own files"
+    worse = agree_better_without(posed)
+    if worse:
+        warnings.setdefault(
+            f"consecutive frames agree better without the poses of {source} than with them; "
+            "poses 'none' leaves them out"
+        )
+    return {"source": source, "agree": None if worse is None else not worse}
+
+
+def guess_units(xyz: NDArray[Any], format: str) -> UnitGuess:
+    """Guess the unit of coordinates (N, 3) by how wide they spread; metres where it is not clear.
+
+    Only what cannot be metres is called otherwise: scanners see some hundred metres at most, and
+    rooms are some metres wide in all directions.
+    """
+    low, high = np.quantile(xyz, [0.02, 0.98], axis=0)
+    extent = (high - low).astype(np.float64)
+    wide, thin = float(extent.max()), float(extent.min())
+    name, scale = "metres", 1.0
+    if format not in (*SURVEYS, *DEPTHS):
+        if wide > 1000:
+            name, scale = "millimetres", 0.001
+        elif thin > 100:
+            name, scale = "centimetres", 0.01
+    x, y, z = extent.tolist()
+    return UnitGuess(name, scale, (x, y, z))
+
+
+class Previews:
+    """Previews in a process of their own, which a damaged file may end; thread-safe."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._lock = threading.Lock()
+
+    def of(self, request: PreviewRequest) -> Preview:
+        """Preview a recording; raises what ``preview`` raises, UnavailableError after a time."""
+        with self._lock:
+            self._pool = self._pool or local_processes(1)
+            pool = self._pool
+        try:
+            return pool.submit(preview, request).result(SECONDS)
+        except (BrokenExecutor, FutureTimeoutError) as error:
+            self._end(pool)
+            if isinstance(error, BrokenExecutor):
+                raise BadInputError(
+                    "expected files that can be read, their reader ended while it read them"
+                ) from None
+            raise UnavailableError(
+                f"the first frames could not be read within {SECONDS:.0f} s"
+            ) from None
+
+    def close(self) -> None:
+        """End the process."""
+        with self._lock:
+            pool, self._pool = self._pool, None
+        if pool is not None:
+            self._end(pool)
+
+    def _end(self, pool: ProcessPoolExecutor) -> None:
+        with self._lock:
+            if self._pool is pool:
+                self._pool = None
+        processes = list((pool._processes or {}).values())
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()

@@ -1,0 +1,106 @@
+"""Between a drop and an import: what was found, corrections, and labels for what is open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Locator, expect
+
+from tests.e2e.desk import Desk, launch
+from tests.e2e.recording import SEQUENCE
+from tests.e2e.server import LiveServer
+from tests.waiting import eventually
+
+
+@pytest.fixture
+def desk(browser: Browser, server: LiveServer) -> Iterator[Desk]:
+    window = launch(browser, server.page_url)
+    window.until("window.__pointbrush !== undefined")
+    window.ask("pb.setDrawing(false)")
+    window.until("pb.state.sequence.value !== null")
+    yield window
+    window.context.close()
+    assert window.complaints == []
+
+
+def choose(desk: Desk, files: list[Path]) -> Locator:
+    desk.page.get_by_role("button", name=desk.ask("pb.state.sequence.value.name")).click()
+    with desk.page.expect_file_chooser() as chooser:
+        desk.page.get_by_role("button", name="Import files…").click()
+    chooser.value.set_files(files)
+    desk.until("pb.state.importing.value?.busy === false")
+    return desk.page.get_by_role("dialog", name="Import")
+
+
+def wide_room(folder: Path) -> list[Path]:
+    """Two frames in millimetres."""
+    rng = np.random.default_rng(0)
+    files = [folder / f"room {i}.csv" for i in range(2)]
+    for file in files:
+        floor = rng.uniform([-2000, -1500, 0], [2000, 1500, 10], (3000, 3))
+        wall = rng.uniform([-2000, 1490, 0], [2000, 1500, 2500], (2000, 3))
+        np.savetxt(file, np.concatenate([floor, wall]), delimiter=";", fmt="%.1f")
+    return files
+
+
+def test_what_is_wrong_with_files_is_shown_and_corrected(
+    desk: Desk, server: LiveServer, tmp_path: Path
+) -> None:
+    dialog = choose(desk, wide_room(tmp_path))
+    expect(dialog.get_by_text("they seem to be millimetres")).to_be_visible()
+    dialog.get_by_label("Unit").select_option("millimetres")
+    desk.until("pb.state.importing.value.busy === false")
+    expect(dialog.get_by_text("they seem to be millimetres")).to_have_count(0)
+    expect(dialog.get_by_text("3.8 × 2.9 × 2.4 m")).to_be_visible()
+    dialog.get_by_label("Frames per second").fill("12")
+    dialog.get_by_label("Name").fill("A room")
+    dialog.get_by_label("Name").press("Tab")
+    dialog.get_by_role("button", name="Import", exact=True).click()
+    expect(dialog).to_have_count(0)
+
+    def rooms() -> list[dict[str, Any]]:
+        return [s for s in server.request("GET", "sequences").json() if s["name"] == "A room"]
+
+    eventually(rooms)
+    (imported,) = rooms()
+    assert imported["fps"] == 12
+    assert imported["bounds"]["hi"][0] == pytest.approx(2, abs=0.01)
+
+
+def test_an_error_can_be_answered_where_it_is_shown(
+    desk: Desk, server: LiveServer, tmp_path: Path
+) -> None:
+    odd = tmp_path / "odd.csv"
+    odd.write_text("kind;p;q;r\n" + "".join(f"{i};{i};1;2\n" for i in range(30)))
+    dialog = choose(desk, [odd])
+    expect(dialog.get_by_role("alert")).to_contain_text("a header with x, y and z")
+    expect(dialog.get_by_role("button", name="Import", exact=True)).to_be_disabled()
+    desk.complaints.clear()  # the browser's own line on an answer of 422
+    dialog.get_by_label("Columns").fill("label,x,y,z")
+    dialog.get_by_label("Columns").press("Tab")
+    desk.until("pb.state.importing.value.busy === false")
+    expect(dialog.get_by_text("come with the points")).to_be_visible()
+    dialog.get_by_role("button", name="Cancel").click()
+    expect(dialog).to_have_count(0)
+    assert "odd" not in {s["name"] for s in server.request("GET", "sequences").json()}
+
+
+def test_label_files_on_an_open_recording_are_its_labels(
+    desk: Desk, server: LiveServer, tmp_path: Path
+) -> None:
+    count = server.request("GET", f"sequences/{SEQUENCE}").json()["points"][0]
+    classes = np.zeros(count, "<u4")
+    classes[:100] = 10 | 3 << 16
+    (tmp_path / "000000.label").write_bytes(classes.tobytes())
+    dialog = choose(desk, [tmp_path / "000000.label"])
+    expect(dialog.get_by_text("100 with a label")).to_be_visible()
+    before = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
+    dialog.get_by_role("button", name="Import labels").click()
+    expect(dialog).to_have_count(0)
+    desk.until("pb.state.palette.value.some((label) => label.category === 'car')")
+    after = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
+    assert len(after) == len(before) + 1
