@@ -42,6 +42,8 @@ class PointFrame:
     ``camera``     intrinsics when the points are the valid pixels of a depth image, with
     ``pixel``      (N,) uint32 row-major pixel index of each point; both or neither.
     ``other``      further fields of the source (N,), in its order and types, for exports.
+    ``header``     the source's header as its format keeps it for exports, or None.
+    ``rows``       (N,) which row of the source each point was, where some were left out; or None.
 
     Raises BadInputError when shapes, types or values are not as stated.
     """
@@ -58,6 +60,8 @@ class PointFrame:
     camera: DepthCamera | None = None
     pixel: NDArray[np.uint32] | None = None
     other: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    header: bytes | None = None
+    rows: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         xyz = self.xyz
@@ -82,6 +86,7 @@ class PointFrame:
             ("pixel", self.pixel, (n,), np.uint32),
             ("pose", self.pose, (4, 4), np.float64),
             ("viewpoint", self.viewpoint, (3,), np.float64),
+            ("rows", self.rows, (n,), np.int64),
         )
         for name, array, shape, dtype in columns:
             if array is not None and (array.shape != shape or array.dtype != dtype):

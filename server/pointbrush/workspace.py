@@ -22,8 +22,8 @@ from pointbrush.errors import (
 )
 from pointbrush.formats import EXPORTS, category_names, export
 from pointbrush.formats import Limits as ReadLimits
-from pointbrush.formats.annotation import ClassName
 from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.datasets import DATASETS, ClassName
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import (
     Category,
@@ -518,7 +518,8 @@ class Workspace:
         labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
         palette = self.store.palette(sequence)
         numbers = self.store.taxonomy.numbers(category_names(palette))
-        export(export_format, labeled, palette, out, gaps, numbers)
+        datasets = {name: self.store.taxonomy.known_as(name) for name in DATASETS}
+        export(export_format, labeled, palette, out, gaps, numbers, datasets)
 
     def categories(self) -> list[Category]:
         """The classes of the workspace: each has one number in all recordings."""

@@ -171,6 +171,7 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         with window.page.expect_file_chooser() as chooser:
             window.page.get_by_role("button", name="Choose files").click()
         chooser.value.set_files([DATA / "0000.npz", DATA / "0001.npz"])
+        window.until("pb.state.importing.value?.busy === false")
         dialog = window.page.get_by_role("dialog", name="Import")
         expect(dialog.get_by_text("2, by number in the file names")).to_be_visible()
         dialog.get_by_label("Name").fill("Two frames")

@@ -28,6 +28,7 @@ class Label:
     name: str
     category: str
     color: str = "#ff8800"
+    instance: int | None = None
 
 
 PALETTE = [Label(1, "pin 1", "pin"), Label(3, "pin 2", "pin"), Label(7, "Ännä / ..", "")]
@@ -74,7 +75,7 @@ def test_ply_in_source_order_without_deleted_points(tmp_path):
     assert [label["category_id"] for label in palette["labels"]] == [1, 1, 2]
     assert palette["labels"][2] == {
         **{"id": 7, "name": "Ännä / ..", "category": "Ännä / ..", "category_id": 2},
-        **{"instance": 1, "color": "#ff8800"},
+        **{"instance": 1, "color": "#ff8800", "datasets": {"semantickitti": [2, 7]}},
     }
 
 

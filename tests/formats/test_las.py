@@ -16,6 +16,8 @@ from pointbrush.formats.las_write import write_las
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.table import Table
 
+CLASSES = np.arange(1 << 16, dtype=np.uint16) % 3
+
 
 def make(path, *, version="1.2", form=3, count=1000, color=65535, scale=0.001):
     rng = np.random.default_rng(5)
@@ -86,7 +88,7 @@ def test_written_files_read_back_with_labels(tmp_path, xyz, compress):
     columns |= {"label": label, "category": label % 3, "instance": label}
     path = tmp_path / ("a.laz" if compress else "a.las")
     with path.open("wb") as file:
-        write_las(file, Table.of(columns), compress=compress)
+        write_las(file, Table.of(columns), CLASSES, compress=compress)
     frame = one(path)
     assert np.allclose(frame.xyz, xyz, rtol=0, atol=1e-8)
     assert np.array_equal(frame.label, label)

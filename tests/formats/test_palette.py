@@ -18,6 +18,7 @@ class Label:
     name: str
     category: str
     color: str
+    instance: int | None = None
 
 
 PALETTE = [Label(300, "pin 1", "pin", "#ff8800"), Label(7, "Ännä", "", "#00ff00")]

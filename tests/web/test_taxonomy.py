@@ -47,7 +47,10 @@ def test_exports_of_two_recordings_agree(served: Served) -> None:
         (2, "person"),
         (3, "tree"),
     ]
-    listed["categories"].append({"number": 40, "name": "road", "color": "#808080"})
+    listed["categories"][0]["datasets"] = {"semantickitti": 10}
+    listed["categories"].append(
+        {"number": 40, "name": "road", "color": "#808080", "datasets": {"las": 11}}
+    )
     put = httpx.put(url, json=listed, headers=served.headers)
     assert put.json() == listed
     moved = {"categories": [{"number": 41, "name": "road"}]}

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pointbrush.formats.annotation import ClassName, parse_map
+from pointbrush.formats.annotation import parse_map
+from pointbrush.formats.datasets import ClassName
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings

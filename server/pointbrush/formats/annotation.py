@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.box_labels import BOX_READERS, is_box_file
 from pointbrush.formats.columns import without_marks
+from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes, require_count
-from pointbrush.formats.palette import SEMANTIC_KITTI, SourceLabel, own_palette
+from pointbrush.formats.palette import SourceLabel, labels_of_packed, own_palette
 from pointbrush.formats.registry import format_by_name
 from pointbrush.formats.timing import in_order
 
@@ -32,6 +34,10 @@ GREATEST = 65535
 LEVELS = 4
 """Folders below a path that are searched for label files."""
 MAP_BYTES = 4 << 20
+_DATASETS: Mapping[str, Dataset] = MappingProxyType({
+    "semantickitti": SEMANTIC_KITTI, "lidarseg": NUSCENES, "panoptic": NUSCENES, "las": LAS,
+})  # fmt: skip
+"""Datasets whose numbers the labels of a format are."""
 _LIKE_LABELS = re.compile("label|segm|class|semantic")
 
 
@@ -45,25 +51,19 @@ class PointLabels:
     instance: Numbers | None
 
 
-@dataclass(frozen=True, slots=True)
-class ClassName:
-    """A class as a map or a template names it; ``color`` is ``#rrggbb`` or ""."""
-
-    name: str
-    color: str = ""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelFiles:
     """Label files in the order of frames: how each is read, and what their numbers are called.
 
     ``own``: labels by id, where a palette of ours lies with the files; their numbers are its ids.
+    ``dataset`` is the one whose numbers they are, "" where it is not known.
     """
 
     format: str
     paths: tuple[Path, ...]
     names: Mapping[int, ClassName]
     own: Mapping[int, SourceLabel]
+    dataset: str = ""
 
     def read(self, path: Path, options: ReadOptions) -> PointLabels:
         """Return the labels of one file.  Raises BadInputError, TooLargeError."""
@@ -89,12 +89,13 @@ def find_label_files(
             f"{place.name}: expected files of labels ({', '.join(LABEL_FORMATS)}), got {seen}"
         )
     own = {label.id: label for label in own_palette(found[0]) or []}
-    template = {} if own or chosen != "semantickitti" else _semantic_kitti()
+    dataset = None if own else _DATASETS.get(chosen)
     return LabelFiles(
         chosen,
         tuple(in_order(found)),
-        MappingProxyType({**template, **names}),
+        MappingProxyType({**(dataset.classes if dataset else {}), **names}),
         MappingProxyType(own),
+        dataset.name if dataset else "",
     )
 
 
@@ -121,7 +122,7 @@ def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
     """The format, and its files: those that are labels and nothing else come first."""
     if format is not None:
         return format, [path for path in files if _fits(path, format)]
-    for name in LABEL_FORMATS:
+    for name in (each for each in LABEL_FORMATS if each != "las"):
         fitting = [path for path in files if _fits(path, name, sure=name != "points")]
         if fitting:
             return name, fitting
@@ -138,6 +139,8 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
             return lower.endswith("_lidarseg.bin" if sure else ".bin")
         case "panoptic":
             return lower.endswith("_panoptic.npz" if sure else ".npz")
+        case "las":
+            return lower.endswith((".las", ".laz"))
         case "npy":
             kept = path.parent.name not in ("provenance", "deleted")
             named = _LIKE_LABELS.search(f"{path.parent.name}/{lower}") is not None
@@ -145,10 +148,6 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
     if format in BOX_READERS:
         return is_box_file(path, format)
     return format_by_name(path) is not None
-
-
-def _semantic_kitti() -> dict[int, ClassName]:
-    return {number: ClassName(name, color) for number, (name, color) in SEMANTIC_KITTI.items()}
 
 
 # ── readers ──────────────────────────────────────────────────────────────────────────────────
@@ -159,10 +158,11 @@ def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
     if len(data) % 4:
         raise BadInputError(f"{path.name}: expected labels of 4 bytes, got {len(data)} bytes")
     require_count(path.name, len(data) // 4, options.limits)
-    packed = np.frombuffer(data, "<u4").astype(np.int64)
-    if own_palette(path) is not None:
-        # Ours have the label's id in the upper half.
-        return PointLabels(path.name, packed >> 16, None)
+    raw = np.frombuffer(data, "<u4")
+    own = own_palette(path)
+    if own is not None:
+        return PointLabels(path.name, labels_of_packed(path.name, raw, own).astype(np.int64), None)
+    packed = raw.astype(np.int64)
     instance = packed >> 16
     return PointLabels(path.name, packed & 0xFFFF, instance if instance.any() else None)
 
@@ -209,7 +209,7 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
     frame = next(iter(entry.read(path, options)), None)
     if frame is None or frame.label is None:
         raise BadInputError(f"{path.name}: expected a field of labels, got none")
-    if frame.dropped:
+    if frame.dropped and frame.rows is None:
         raise BadInputError(
             f"{path.name}: expected all {len(frame) + frame.dropped} points to be valid, "
             f"{frame.dropped} are not, so that their order is not known"
@@ -217,7 +217,20 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
     instance = None if frame.instance is None else frame.instance.astype(np.int64)
     if own_palette(path) is not None:
         instance = None  # a label of ours is an instance
-    return PointLabels(path.name, frame.label.astype(np.int64), instance)
+    labels = PointLabels(path.name, frame.label.astype(np.int64), instance)
+    return labels if frame.rows is None else _of_rows(labels, frame.rows, frame.dropped)
+
+
+def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
+    """Labels of all rows of a file, 0 for those that are no points."""
+
+    def spread(values: Numbers) -> Numbers:
+        of_row = np.zeros(len(rows) + dropped, np.int64)
+        of_row[rows] = values
+        return of_row
+
+    instance = None if labels.instance is None else spread(labels.instance)
+    return replace(labels, category=spread(labels.category), instance=instance)
 
 
 def _numbers(name: str, values: NDArray[Any]) -> Numbers:
@@ -229,16 +242,24 @@ def _numbers(name: str, values: NDArray[Any]) -> Numbers:
     return numbers
 
 
+def _read_classification(path: Path, options: ReadOptions) -> PointLabels:
+    """The classification of LAS and LAZ; 0 and 1 are points that nobody classified."""
+    labels = _read_points(path, replace(options, chosen=Corrections(columns=(CLASSIFICATION,))))
+    return replace(labels, category=np.where(labels.category == 1, 0, labels.category))
+
+
 READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxyType({
     "semantickitti": _read_semantic_kitti,
     "lidarseg": _read_lidarseg,
     "panoptic": _read_panoptic,
     "npy": _read_npy,
+    "las": _read_classification,
     "points": _read_points,
 })  # fmt: skip
 """Formats of labels a point, those that are told by their names first."""
 LABEL_FORMATS = (*(name for name in READERS if name != "points"), *BOX_READERS, "points")
-"""All formats of labels, in the order in which they are tried."""
+"""All formats of labels, in the order in which they are tried; LAS classes when asked for."""
+CLASSIFICATION = "classification=label"
 
 
 # ── maps ─────────────────────────────────────────────────────────────────────────────────────

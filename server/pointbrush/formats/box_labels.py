@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,8 @@ def is_box_file(path: Path, format: str) -> bool:
     lower = path.name.lower()
     if format == "kitti-tracking":
         return lower.endswith(".txt") and _KITTI.match(_start(path)) is not None
+    if format == "kitti-tracklets":
+        return lower.endswith(".xml") and "<tracklets" in _start(path)
     return lower.endswith(".json") and all(word in _start(path) for word in MARKS[format])
 
 
@@ -173,6 +176,39 @@ def _kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))
 
 
+def _kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
+    """Tracklets of KITTI's raw recordings: boxes of objects, in the velodyne's coordinates."""
+    data = read_bytes(path)
+    if b"<!ENTITY" in data:
+        raise BadInputError(f"{path.name}: expected tracklets, got XML with entities of its own")
+    try:
+        root = ElementTree.fromstring(data)  # noqa: S314 – without entities
+    except ElementTree.ParseError as error:
+        raise BadInputError(f"{path.name}: expected tracklets as XML: {error}") from None
+    frames: dict[int, list[Box]] = {}
+    for number, item in enumerate(root.findall("./tracklets/item"), start=1):
+        size = np.array([float(_text(item, name)) for name in "lwh"])
+        first = int(_text(item, "first_frame"))
+        for step, pose in enumerate(item.findall("./poses/item")):
+            place = np.array([float(_text(pose, f"t{axis}")) for axis in "xyz"])
+            angles = np.array([float(_text(pose, f"r{axis}")) for axis in "xyz"])
+            if not np.isfinite([*place, *angles, *size]).all():
+                raise BadInputError(f"{path.name}: expected finite numbers in item {number}")
+            rotation = _turned(angles)
+            # A tracklet's place is the middle of the bottom.
+            center = place + rotation[:, 2] * size[2] / 2
+            box = Box(_text(item, "objectType"), number, center, size, rotation)
+            frames.setdefault(first + step, []).append(box)
+    yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))
+
+
+def _text(element: ElementTree.Element, name: str) -> str:
+    found = element.findtext(name)
+    if found is None:
+        raise ValueError(name)
+    return found.strip()
+
+
 def _camera_from_velodyne(path: Path) -> Floats:
     """``T_camera_velodyne`` (4, 4), rectified, of the calibration that lies with a label file."""
     for folder in (path.parent, path.parent.parent):
@@ -207,6 +243,7 @@ BOX_READERS: Mapping[str, Callable[[Path], Iterator[FrameBoxes]]] = MappingProxy
     "sustechpoints": _sustechpoints,
     "supervisely": _supervisely,
     "kitti-tracking": _kitti_tracking,
+    "kitti-tracklets": _kitti_tracklets,
 })  # fmt: skip
 
 

@@ -86,7 +86,13 @@ def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -
     if "label" in found:
         return
     used = set(found.values())
-    left = [c for c in columns if c not in used and LIKE_LABELS.search(c.strip().lower())]
+    left = [
+        column
+        for column in columns
+        if column not in used
+        and LIKE_LABELS.search(column.strip().lower())
+        and (not isinstance(columns, Mapping) or columns[column].any())
+    ]
     if left:
         log.warning("%s: the fields %s are left out", name, ", ".join(left))
 
@@ -145,6 +151,7 @@ def frame_from_columns(
         camera=extras.camera,
         pixel=None if extras.pixel is None else _take(extras.pixel, keep),
         other=other,
+        rows=keep,
     )
 
 
@@ -152,7 +159,7 @@ def with_meanings(
     name: str, columns: Mapping[str, Array], options: ReadOptions
 ) -> Mapping[str, Array]:
     """Columns by what a person says they are; those that are to be left out are not among them."""
-    if not options.chosen.columns or any(values.ndim > 1 for values in columns.values()):
+    if not options.chosen.columns:
         return columns
     meaning = meanings(list(columns), options.chosen.columns, name)
     # What a column is said to be, no other one is.

@@ -81,6 +81,7 @@ def depth_frame(
         dropped=depth.size - len(pixel),
         camera=DepthCamera(width, height, known.fx, known.fy, known.cx, known.cy),
         pixel=pixel.astype(np.uint32),
+        rows=None if len(pixel) == depth.size else pixel.astype(np.int64),
     )
 
 

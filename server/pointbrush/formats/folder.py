@@ -12,6 +12,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.bag import Bag, find_clouds, read_clouds
+from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
@@ -38,6 +39,7 @@ SIDECARS = {
     *("associations.txt", "accelerometer.txt", "license.txt", "licence.txt", "readme.txt"),
     *("camera.txt", "intrinsics.txt", "imu.txt", "imu.csv", "poses.csv", "tracks.csv"),
     *("requirements.txt", "labels.txt", "classes.txt", "calib_cam_to_cam.txt", "log.txt"),
+    *("city_se3_egovehicle.feather", "annotations.feather"),
     *("calib_velo_to_cam.txt", "calib_imu_to_velo.txt", "provenance.npy", "label.npy"),
 }
 
@@ -131,7 +133,7 @@ def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: b
     by_name = {path.name.lower(): path for path in inner}
     if "raw" in by_name and _reads_raw(by_name["raw"], format, options, weakly, "npz" in by_name):
         return by_name["raw"]
-    for name in ("npz", "velodyne", "velodyne_points", "data", "sequences"):
+    for name in ("npz", "velodyne", "velodyne_points", "data", "sequences", "sensors", "lidar"):
         if name in by_name and _has_points(by_name[name], format, options, weakly):
             return by_name[name]
     holding = [path for path in inner if _has_points(path, format, options, weakly)]
@@ -266,6 +268,8 @@ def _poses(
         return _named_poses(options.chosen.poses_file, names, times, options)
     kitti = entry.name in ("kitti", "bin")
     try:
+        if entry.name == "feather":
+            return argoverse_poses(folder.parent.parent, names, options.limits)
         return find_poses(folder, names, times, above=kitti)
     except BadInputError as error:
         if kitti:

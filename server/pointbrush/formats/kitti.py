@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
-from pointbrush.formats.palette import has_palette
+from pointbrush.formats.palette import labels_of_packed, own_palette
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
 
@@ -41,8 +41,10 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     label_file = find_label(path)
     if label_file is not None:
         label, instance = read_label(label_file, len(table))
-        named = has_palette(label_file)
-        columns["label"] = instance if named else label
+        own = own_palette(label_file)
+        if own is not None:
+            label = labels_of_packed(label_file.name, pack_label(label, instance), own)
+        columns["label"] = label
         columns["instance"] = instance
     yield frame_from_columns(path.name, columns, options)
 

@@ -7,6 +7,7 @@ decoded in a child process (``laz_child.py``), since native decoders can crash o
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,14 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.las_fields import COLORS, further_fields, read_records
 from pointbrush.formats.las_header import LasHeader, read_header
 from pointbrush.formats.laz import decoded_records
 from pointbrush.formats.options import ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
-COLORS = ("red", "green", "blue")
+OURS = ("label", "instance")
 # Enough of a file to see whether its 16-bit colours go beyond 255.
 SAMPLE_BLOCKS, SAMPLE_POINTS = 64, 4096
 
@@ -35,7 +37,8 @@ def read_las(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     header = read_header(path, options.limits)
     records = list(_records(path, header, max(header.count, 1), options))
     rows = records[0] if len(records) == 1 else np.concatenate([_empty(header), *records])
-    yield _frame(path.name, header, rows, _eight_bit(rows, options), options)
+    frame = _frame(path.name, header, rows, _eight_bit(rows, options), options)
+    yield replace(frame, header=read_records(path, header))
 
 
 def read_chunks(
@@ -50,10 +53,11 @@ def read_chunks(
     options = options or ReadOptions()
     header = read_header(path, options.limits)
     eight_bit: bool | None = None
+    records = read_records(path, header)
     for rows in _records(path, header, points_per_chunk, options):
         if eight_bit is None:
             eight_bit = _is_8_bit(rows if header.laszip else _sample(path, header))
-        yield _frame(path.name, header, rows, eight_bit, options)
+        yield replace(_frame(path.name, header, rows, eight_bit, options), header=records)
 
 
 def _records(
@@ -110,7 +114,12 @@ def _frame(
             xyz[:, i] += header.offsets[i]
     columns: dict[str, Array] = {"xyz": xyz}
     columns["intensity"] = rows["intensity"]
-    columns |= {extra: rows[extra] for extra in ("label", "instance") if extra in header.extra}
+    columns |= {extra: rows[extra] for extra in OURS if extra in header.extra}
+    columns |= {
+        field: values
+        for field, values in further_fields(header, rows).items()
+        if field.lower() not in OURS
+    }
     if "red" in (rows.dtype.names or ()):
         columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
         for i, color in enumerate(COLORS):

@@ -7,7 +7,7 @@ walked by their claimed length.  Layout: ASPRS LAS Specification 1.4 R15.
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ RECORD = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
 COLOR = {2: 20, 3: 28, 5: 28, 7: 30, 8: 30, 10: 30}
 EXTRA_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 COMPRESSED = 0x80
+UNDOCUMENTED = "ExtraBytes"
+"""What laspy calls bytes of a record that no field is documented for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +31,9 @@ class LasHeader:
     """What is needed to read the points.
 
     ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
-    ``extra`` name → (byte in the record, NumPy type); ``laszip`` is the compressor's record, None
-    for uncompressed points.
+    ``extra`` name → (byte in the record, NumPy type), ``further`` the same of all extra bytes, by
+    their own names: parts of tuples as ``name[0]``, undocumented ones as ``ExtraBytes[0]``.
+    ``laszip`` is the compressor's record, None for uncompressed points.
     """
 
     version: tuple[int, int]
@@ -44,6 +47,7 @@ class LasHeader:
     hi: NDArray[np.float64]
     extra: dict[str, tuple[int, str]]
     laszip: bytes | None
+    further: dict[str, tuple[int, str]] = field(default_factory=dict)
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -135,7 +139,7 @@ def _with_records(
     name: str, header: LasHeader, between: bytes, size: int, raw_format: int
 ) -> LasHeader:
     """Add extra fields and the compressor's record; check the points fit the file."""
-    extra: dict[str, tuple[int, str]] = {}
+    further: dict[str, tuple[int, str]] = {}
     laszip: bytes | None = None
     at = 0
     while at + 54 <= len(between):
@@ -146,7 +150,7 @@ def _with_records(
         if len(data) == length and (user, number) == (b"laszip encoded", 22204):
             laszip = data
         elif (user, number) == (b"LASF_Spec", 4):
-            extra = _extra_fields(data, RECORD[header.point_format], header.record)
+            further = _extra_fields(data, RECORD[header.point_format], header.record)
     if raw_format & COMPRESSED and laszip is None:
         raise BadInputError(f"{name}: expected the record of the LAZ compressor, got none")
     needed = header.count * header.record
@@ -155,20 +159,29 @@ def _with_records(
             f"{name}: expected {header.count} points of {header.record} bytes from byte "
             f"{header.offset}, got {size - header.offset} bytes; the file is cut off"
         )
-    return replace(header, extra=extra, laszip=laszip)
+    extra = {name.lower(): place for name, place in further.items() if "[" not in name}
+    documented = RECORD[header.point_format]
+    for place, kind in further.values():
+        documented = max(documented, place + np.dtype(kind).itemsize)
+    for byte in range(header.record - documented):
+        further[f"{UNDOCUMENTED}[{byte}]"] = (documented + byte, "u1")
+    return replace(header, extra=extra, laszip=laszip, further=further)
 
 
 def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str]]:
-    """Extra bytes by name (LAS 1.4, table 25); undocumented bytes and tuples are passed over."""
+    """Extra bytes by name (LAS 1.4, table 25)."""
     fields: dict[str, tuple[int, str]] = {}
     for start in range(0, len(data) - 191, 192):
         kind, options = data[start + 2], data[start + 3]
-        name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1").lower()
+        name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
         scalar = EXTRA_TYPES[(kind - 1) % 10] if 1 <= kind <= 30 else ""
         width = np.dtype(scalar).itemsize * ((kind - 1) // 10 + 1) if scalar else options
         if at + width > record:
             break
-        if 1 <= kind <= 10:
-            fields[name] = (at, scalar)
+        size = np.dtype(scalar).itemsize if scalar else 1
+        parts = width // size
+        for part in range(parts):
+            label = name if kind <= 10 and scalar else f"{name}[{part}]"
+            fields[label] = (at + part * size, scalar or "u1")
         at += width
     return fields

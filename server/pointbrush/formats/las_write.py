@@ -2,26 +2,149 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import BinaryIO
+from itertools import count
+from typing import Any, BinaryIO
 
 import laspy
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
+from pointbrush.formats.las_fields import COLORS, split_records, wide
+from pointbrush.formats.las_header import UNDOCUMENTED
 from pointbrush.formats.table import Columns, Table
 
 # Steps that sources use; coordinates on one of these grids are written exactly.
 GRIDS = (1e-2, 1e-3, 1e-4)
 EXTRA = ("label", "category", "instance")
+READ_AS_OURS = ("label", "instance")
+"""Extra dimensions that an import reads as what they are called."""
 
 
-def write_las(out: BinaryIO, table: Table, *, compress: bool) -> None:
+def is_las(header: bytes) -> bool:
+    """Whether a source's header, as readers keep it, is of LAS."""
+    return split_records(header)[0][:4] == b"LASF"
+
+
+def write_las_like(out: BinaryIO, table: Table, source: bytes, *, compress: bool) -> None:
+    """Write points as their source had them: version, point format, scale, offset, VLRs and EVLRs,
+    and all its fields; ``label``, ``category`` and ``instance`` are extra dimensions.
+
+    ``source`` is what ``read_records`` gives.  A field of the source that is called as one of ours
+    keeps its name, and ours is called ``pointbrush_…``; but for ``label`` and ``instance``, which
+    the import reads as ours.
+    """
+    start, after = split_records(source)
+    header = laspy.LasHeader.read_from(io.BytesIO(start))
+    evlrs = _evlrs(header, after)
+    header.vlrs[:] = [vlr for vlr in header.vlrs if not _is_compressor(vlr)]
+    if header.version.minor == 0:
+        header.version = "1.2"
+    undocumented = _register_undocumented(header)
+    types, _ = table.opened()
+    theirs = set(header.point_format.dimension_names)
+    ours = {
+        name: f"pointbrush_{name}" if name in theirs and name not in READ_AS_OURS else name
+        for name in EXTRA
+        if name in types
+    }
+    fresh = [name for name in ours.values() if name not in theirs]
+    header.add_extra_dims([laspy.ExtraBytesParams(name, np.uint16) for name in fresh])
+    with laspy.open(out, "w", header=header, do_compress=compress, closefd=False) as writer:
+        for columns in table.blocks():
+            writer.write_points(_like(columns, header, ours, undocumented))
+        if evlrs:
+            writer.write_evlrs(evlrs)
+
+
+def _evlrs(header: laspy.LasHeader, after: bytes) -> laspy.vlrs.vlrlist.VLRList | None:
+    if not after or header.version.minor < 4:
+        return None
+    found = laspy.vlrs.vlrlist.VLRList.read_from(
+        io.BytesIO(after), header.number_of_evlrs, extended=True
+    )
+    found[:] = [vlr for vlr in found if not _is_compressor(vlr)]
+    return found
+
+
+def _is_compressor(vlr: laspy.VLR) -> bool:
+    """Whether a record is about how the points were packed, which is made anew."""
+    return str(vlr.user_id).strip("\0") in ("laszip encoded", "copc")
+
+
+def _register_undocumented(header: laspy.LasHeader) -> list[str]:
+    """Give bytes that no field is documented for names, so that ours can follow them."""
+    dimensions = header.point_format.dimensions
+    found = next((d for d in dimensions if d.name == UNDOCUMENTED), None)
+    if found is None:
+        return []
+    dimensions.remove(found)
+    names = [f"extra_byte_{number}" for number in range(found.num_elements)]
+    header.add_extra_dims([laspy.ExtraBytesParams(name, np.uint8) for name in names])
+    return names
+
+
+def _like(
+    columns: Columns, header: laspy.LasHeader, ours: dict[str, str], undocumented: list[str]
+) -> laspy.ScaleAwarePointRecord:
+    rows = laspy.ScaleAwarePointRecord.zeros(len(columns["x"]), header=header)
+    for axis, scale, offset in zip("xyz", header.scales, header.offsets, strict=True):
+        whole = np.rint((np.asarray(columns[axis], np.float64) - offset) / scale)
+        rows[axis.upper()] = whole.astype(np.int32)
+    if "intensity" in columns:
+        rows["intensity"] = columns["intensity"].astype(np.uint16)
+    names = set(header.point_format.dimension_names)
+    for color in COLORS:
+        if color in names and color in columns:
+            rows[color] = columns.get(wide(color), columns[color].astype(np.uint16) * 257)
+    for name in names - set(ours.values()) - {"X", "Y", "Z", "intensity", *COLORS}:
+        kept = _source_column(columns, name)
+        if kept is not None:
+            rows[name] = kept
+            continue
+        parts = list(_parts(columns, name))
+        if parts:
+            rows[name] = np.stack(parts, axis=1)
+    for number, name in enumerate(undocumented):
+        byte = _source_column(columns, f"{UNDOCUMENTED}[{number}]")
+        if byte is not None:
+            rows[name] = byte
+    for name, place in ours.items():
+        kind = rows[place].dtype
+        if columns[name].max(initial=0) > np.iinfo(kind).max:
+            raise BadInputError(
+                f"{place}: expected numbers that fit {kind} as in the source, got "
+                f"{columns[name].max()}"
+            )
+        rows[place] = columns[name]
+    return rows
+
+
+def _parts(columns: Columns, name: str) -> Iterator[NDArray[Any]]:
+    """The columns of a field of several numbers."""
+    for part in count():
+        column = _source_column(columns, f"{name}[{part}]")
+        if column is None:
+            return
+        yield column
+
+
+def _source_column(columns: Columns, name: str) -> NDArray[Any] | None:
+    """A field of the source, which is called ``source_…`` where one of ours has its name."""
+    plain = "_".join(name.split())
+    found = columns.get(f"source_{plain}")
+    return columns.get(plain) if found is None and plain not in EXTRA else found
+
+
+def write_las(out: BinaryIO, table: Table, classes: NDArray[np.uint16], *, compress: bool) -> None:
     """Write columns x y z [red green blue] [intensity] label category instance.
 
-    Category goes into the classification too where it fits (0..255); label, category and
-    instance are extra dimensions.  Intensity is 16 bits in LAS: fractions 0..1 are scaled to
-    65535.  ``out`` seeks; the table is read three times.
+    ``classes`` are the ASPRS numbers of labels, by id: they go into the classification where they
+    fit (0..255); label, category and instance are extra dimensions.  Intensity is 16 bits in LAS:
+    fractions 0..1 are scaled to 65535.  ``out`` seeks; the table is read three times.
     """
     types, _ = table.opened()
     header = laspy.LasHeader(version="1.4", point_format=7 if "red" in types else 6)
@@ -31,11 +154,14 @@ def write_las(out: BinaryIO, table: Table, *, compress: bool) -> None:
     header.add_extra_dims([laspy.ExtraBytesParams(name, np.uint16) for name in present])
     with laspy.open(out, "w", header=header, do_compress=compress, closefd=False) as writer:
         for columns in table.blocks():
-            writer.write_points(_record(columns, header, extent.intensity))
+            writer.write_points(_record(columns, header, extent.intensity, classes))
 
 
 def _record(
-    columns: Columns, header: laspy.LasHeader, intensity: float
+    columns: Columns,
+    header: laspy.LasHeader,
+    intensity: float,
+    classes: NDArray[np.uint16],
 ) -> laspy.ScaleAwarePointRecord:
     rows = laspy.ScaleAwarePointRecord.zeros(len(columns["x"]), header=header)
     rows.x, rows.y, rows.z = (np.asarray(columns[axis], np.float64) for axis in "xyz")
@@ -49,8 +175,8 @@ def _record(
     for name in EXTRA:
         if name in columns:
             rows[name] = columns[name]
-    if "category" in columns:
-        category = columns["category"]
+    if "label" in columns:
+        category = classes[columns["label"]]
         rows.classification = np.where(category < 256, category, 0).astype(np.uint8)
     return rows
 

@@ -10,36 +10,61 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.datasets import SEMANTIC_KITTI, Dataset
+
 NAME = "palette.json"
 MAX_BYTES = 16 << 20
 # A frame of SemanticKITTI lies three folders below the palette: sequences/00/velodyne.
 LEVELS = 4
-# Classes and colours of the SemanticKITTI benchmark (semantic-kitti.yaml); moving ones apart.
-SEMANTIC_KITTI = {
-    **{1: ("outlier", "#ff0000"), 10: ("car", "#6496f5"), 11: ("bicycle", "#64e6f5")},
-    **{13: ("bus", "#6450fa"), 15: ("motorcycle", "#1e3c96"), 16: ("on-rails", "#0000ff")},
-    **{18: ("truck", "#501eb4"), 20: ("other-vehicle", "#0000ff"), 30: ("person", "#ff1e1e")},
-    **{31: ("bicyclist", "#ff28c8"), 32: ("motorcyclist", "#961e5a"), 40: ("road", "#ff00ff")},
-    **{44: ("parking", "#ff96ff"), 48: ("sidewalk", "#4b004b"), 49: ("other-ground", "#af004b")},
-    **{50: ("building", "#ffc800"), 51: ("fence", "#ff7832"), 52: ("other-structure", "#ff9600")},
-    **{60: ("lane-marking", "#96ffaa"), 70: ("vegetation", "#00af00"), 71: ("trunk", "#873c00")},
-    **{72: ("terrain", "#96f050"), 80: ("pole", "#fff096"), 81: ("traffic-sign", "#ff0000")},
-    **{99: ("other-object", "#32ffff"), 252: ("moving-car", "#6496f5")},
-    **{253: ("moving-bicyclist", "#ff28c8"), 254: ("moving-person", "#ff1e1e")},
-    **{255: ("moving-motorcyclist", "#961e5a"), 256: ("moving-on-rails", "#0000ff")},
-    **{257: ("moving-bus", "#6450fa"), 258: ("moving-truck", "#501eb4")},
-    259: ("moving-other-vehicle", "#0000ff"),
-}
 
 
 @dataclass(frozen=True, slots=True)
 class SourceLabel:
-    """A label as its files name it; ``color`` is ``#rrggbb``."""
+    """A label as its files name it; ``color`` is ``#rrggbb``.
+
+    ``packed`` is the label's number in a SemanticKITTI export, class and instance, if it has one.
+    """
 
     id: int
     name: str
     category: str
     color: str
+    packed: int | None = None
+
+
+def source_dataset(paths: Sequence[Path]) -> Dataset | None:
+    """The dataset whose layout the files have, and whose numbers their labels are; or None."""
+    if any(own_palette(path) is not None for path in paths):
+        return None
+    return SEMANTIC_KITTI if any(_is_semantic_kitti(path) for path in paths) else None
+
+
+def labels_of_packed(
+    name: str, packed: NDArray[np.uint32], palette: Sequence[SourceLabel]
+) -> NDArray[np.uint16]:
+    """Ids of our labels by the numbers (n,) that a SemanticKITTI export of ours has for them.
+
+    Points that have a class alone may have an instance of their source.  Exports of before had the
+    label's id in the upper 16 bits.  Raises BadInputError for a number of no label.
+    """
+    if all(label.packed is None for label in palette):
+        return (packed >> 16).astype(np.uint16)
+    by_number = {label.packed: label.id for label in palette} | {0: 0}
+    numbers, place = np.unique(packed, return_inverse=True)
+    ids = []
+    for number in numbers.tolist():
+        found = by_number.get(number, by_number.get(number & 0xFFFF))
+        if found is None:
+            raise BadInputError(
+                f"{name}: expected the classes and instances of {NAME}, got class "
+                f"{number & 0xFFFF} and instance {number >> 16}"
+            )
+        ids.append(found)
+    return np.array(ids, np.uint16)[place]
 
 
 def source_palette(paths: Sequence[Path]) -> list[SourceLabel]:
@@ -53,20 +78,16 @@ def source_palette(paths: Sequence[Path]) -> list[SourceLabel]:
         found = None if text is None else _parse(text)
         if found is not None:
             return found
-    if any(_is_semantic_kitti(path) for path in paths):
-        return [SourceLabel(i, name, name, color) for i, (name, color) in SEMANTIC_KITTI.items()]
-    return []
+    dataset = source_dataset(paths)
+    if dataset is None:
+        return []
+    return [SourceLabel(i, c.name, c.name, c.color) for i, c in dataset.classes.items()]
 
 
 def own_palette(file: Path) -> list[SourceLabel] | None:
     """The labels of the palette of ours that lies with a file; None where there is none."""
     text = _beside(file)
     return None if text is None else _parse(text)
-
-
-def has_palette(file: Path) -> bool:
-    """Whether a palette of ours lies with a file, so that label ids in it are ours."""
-    return own_palette(file) is not None
 
 
 def _beside(path: Path) -> bytes | None:
@@ -97,7 +118,7 @@ def _parse(text: bytes) -> list[SourceLabel] | None:
     try:
         entries = json.loads(text)["labels"]
         labels = [_label(entry) for entry in entries]
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return labels if len({label.id for label in labels}) == len(labels) else None
 
@@ -109,7 +130,13 @@ def _label(entry: dict[str, Any]) -> SourceLabel:
         raise ValueError(entry)
     if not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
         raise ValueError(entry)
-    return SourceLabel(number, name, category, color)
+    packed = entry.get("datasets", {}).get(SEMANTIC_KITTI.name)
+    if packed is not None:
+        kind, instance = packed
+        if not (0 <= kind <= 65535 and 0 <= instance <= 65535):
+            raise ValueError(entry)
+        packed = kind | instance << 16
+    return SourceLabel(number, name, category, color, packed)
 
 
 def _is_semantic_kitti(path: Path) -> bool:

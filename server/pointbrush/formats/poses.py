@@ -108,13 +108,14 @@ def _timed(
         nearest = np.abs(table[:, :1] - np.asarray(times)).argmin(axis=0)
         apart = np.abs(table[nearest, 0] - np.asarray(times))
         if (apart <= MOST_APART).all():
-            return [_of_quaternion(rows[i][0], table[i, 1:]) for i in nearest.tolist()]
+            return [of_quaternion(rows[i][0], table[i, 1:]) for i in nearest.tolist()]
     fitting = lines_of(name, "poses", len(rows), names)
     numbers = [(rows[i][0], _floats(*rows[i])) for i in fitting]
-    return [_of_quaternion(where, row[-7:]) for where, row in numbers]
+    return [of_quaternion(where, row[-7:]) for where, row in numbers]
 
 
-def _of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
+def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
+    """The pose of a row x y z qx qy qz qw; raises BadInputError naming ``where``."""
     if not row[3:].any():
         raise BadInputError(f"{where}: expected a quaternion, got zeros")
     pose = np.eye(4)
@@ -131,11 +132,6 @@ def _floats(where: str, words: list[str]) -> NDArray[np.float64]:
     if not np.isfinite(values).all():
         raise BadInputError(f"{where}: expected numbers, got other words")
     return values
-
-
-def velodyne_to_camera(folder: Path) -> Pose | None:
-    """``T_cam_velo`` of a ``calib.txt`` in KITTI's form; None where it does not say."""
-    return _velodyne_to_camera(folder / "calib.txt")
 
 
 def _velodyne_to_camera(path: Path) -> Pose | None:

@@ -18,12 +18,14 @@ from pointbrush.formats import mcap, rosbag1, rosbag2
 from pointbrush.formats.bag import Bag
 from pointbrush.formats.depth import read_depth
 from pointbrush.formats.e57 import read_e57
+from pointbrush.formats.feather import read_feather
 from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes
 from pointbrush.formats.las import read_las
 from pointbrush.formats.npy import read_npy, read_npz
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pcd import read_pcd
 from pointbrush.formats.ply import read_ply
+from pointbrush.formats.ptx import read_ptx
 from pointbrush.formats.text import read_text
 from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
@@ -61,6 +63,8 @@ BUILT_IN = (
     Format("rosbag1", (".bag",), rosbag1.read_rosbag1, "ROS 1 bag", (b"#ROSBAG",), bag=rosbag1.BAG),
     Format("rosbag2", (".db3",), rosbag2.read_rosbag2, "ROS 2 bag", bag=rosbag2.BAG),
     Format("mcap", (".mcap",), mcap.read_mcap, "MCAP", (b"\x89MCAP0",), bag=mcap.BAG),
+    Format("ptx", (".ptx",), read_ptx, "PTX"),
+    Format("feather", (".feather",), read_feather, "feather tables (Argoverse 2)", (b"ARROW1",)),
     Format("npy", (".npy",), read_npy, "NumPy array", (b"\x93NUMPY",)),
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records", headless=True),

@@ -16,6 +16,8 @@ from pointbrush.errors import BadInputError
 TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
 EARLIEST, LATEST = 631_152_000, 4_102_444_800
+NANOSECONDS = (18, 19)
+"""Digits of a name that is nothing else than a time."""
 _DATE = re.compile(r"(?<!\d)((?:19|20)\d{6})[T_\- ]?(\d{6})(?:[._](\d{1,9}))?(?!\d)")
 _CLOCK = re.compile(
     r"(?<!\d)((?:19|20)\d\d)-(\d\d)-(\d\d)[T _]+(\d\d)[:_-](\d\d)[:_-](\d\d)"
@@ -71,6 +73,8 @@ def time_in_name(name: str) -> float | None:
         except ValueError:
             return None
         return moment.timestamp() + float(f"0.{match.group(7) or 0}")
+    if len(name) in NANOSECONDS and name.isascii() and name.isdigit():
+        return int(name) / 1e9  # of a clock of any beginning
     if match := _EPOCH.search(name):
         whole, fraction, long = match.groups()
         seconds = (

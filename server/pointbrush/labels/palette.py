@@ -17,8 +17,11 @@ from pointbrush.labels.types import Label
 HIGHEST = 65_534
 """The greatest label id; 65535 means *deleted* on the wire."""
 NAME_LIMIT = 200
+MOST_INSTANCE = 65_535
+"""The greatest number of an instance: SemanticKITTI keeps it in 16 bits."""
 FIELDS: dict[str, type] = {
     "name": str, "category": str, "color": str, "locked": bool, "visible": bool,
+    "instance": int,
 }  # fmt: skip
 _COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 _GOLDEN = 0.618033988749895
@@ -39,6 +42,10 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
             raise BadInputError(
                 f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
             )
+    if not 0 <= given.get("instance", 0) <= MOST_INSTANCE:
+        raise BadInputError(
+            f"label instance: expected 0 to {MOST_INSTANCE}, got {given['instance']}"
+        )
     if "name" in given and not given["name"].strip():
         raise BadInputError("label name: expected some text, got none")
     if "color" in given and not _COLOR.fullmatch(given["color"]):
@@ -74,7 +81,8 @@ def require(palette: Mapping[int, Label], label_id: int) -> Label:
 
 def fields_of(label: Label) -> dict[str, Any]:
     """All fields of a label that exists, as the journal keeps them."""
-    return {"exists": True, **{name: getattr(label, name) for name in FIELDS}}
+    fields = {name: getattr(label, name) for name in FIELDS}
+    return {"exists": True, **{k: value for k, value in fields.items() if value is not None}}
 
 
 def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[int, Label | None]:

@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0006"
+HEAD = "0007"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -138,6 +138,7 @@ labels = Table(
     Column("color", String(7), nullable=False),
     Column("locked", Boolean, nullable=False),
     Column("visible", Boolean, nullable=False),
+    Column("instance", Integer, nullable=True),
 )
 
 tracks = Table(
@@ -194,6 +195,15 @@ categories = Table(
     Column("number", Integer, primary_key=True, autoincrement=False),
     Column("name", String(256), nullable=False, unique=True),
     Column("color", String(7), nullable=False),
+)
+
+dataset_numbers = Table(
+    "dataset_numbers",
+    metadata,
+    Column("dataset", String(64), primary_key=True),
+    Column("category", Integer, primary_key=True, autoincrement=False),
+    Column("number", Integer, nullable=False),
+    UniqueConstraint("dataset", "number"),
 )
 
 sign_ins = Table(

@@ -93,7 +93,15 @@ class SequenceState:
         self.highest_label = connection.execute(highest).scalar_one()
         rows = connection.execute(select(labels).where(labels.c.sequence == self.number))
         self.set_palette(
-            Label(row.id, row.name, row.category, row.color, bool(row.locked), bool(row.visible))
+            Label(
+                row.id,
+                row.name,
+                row.category,
+                row.color,
+                bool(row.locked),
+                bool(row.visible),
+                row.instance,
+            )
             for row in rows
         )
 

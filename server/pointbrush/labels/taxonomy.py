@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-from sqlalchemy import insert, select, update
+from sqlalchemy import delete, insert, select, update
 from sqlalchemy.engine import Connection
 from sqlalchemy.exc import IntegrityError
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
 from pointbrush.labels.database import Database
-from pointbrush.labels.schema import categories
+from pointbrush.labels.schema import categories, dataset_numbers
 
 GREATEST = 65535
 """Greatest number of a category: SemanticKITTI keeps it in 16 bits."""
 LONGEST = 256
 """Characters of a name."""
+_DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
 TRIES = 3
 """Times that numbers are given out, should another server give the same ones out meanwhile."""
 
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or ""."""
+    """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
+
+    ``datasets`` are its numbers in the datasets it is known from, by their names.
+    """
 
     number: int
     name: str
     color: str = ""
+    datasets: Mapping[str, int] = field(default_factory=dict)
 
 
 class Taxonomy:
@@ -74,11 +80,46 @@ class Taxonomy:
                     raise
         return _next(fresh, known)
 
+    def known_as(self, dataset: str) -> dict[str, int]:
+        """Return the numbers that categories have in a dataset, by name."""
+        found = {entry.name: entry.datasets.get(dataset) for entry in self.entries()}
+        return {name: number for name, number in found.items() if number is not None}
+
+    def learn(self, dataset: str, numbers: Mapping[str, int], *, strict: bool = True) -> None:
+        """Keep the number that each named category has in a dataset; a known one stays.
+
+        New categories get numbers of the workspace, those of the dataset where they are free.
+        Raises ConflictError for a number of the dataset that another category has; or, not
+        ``strict``, leaves that out.
+        """
+        if not strict:
+            held = set(self.known_as(dataset).values())
+            numbers = {name: number for name, number in numbers.items() if number not in held}
+        known = {entry.name: entry for entry in self.entries()}
+        taken = {entry.number for entry in known.values()}
+        fresh = [name for name in numbers if name not in known]
+        free = [
+            Category(number, name)
+            for name, number in numbers.items()
+            if name in fresh and 1 <= number <= GREATEST and number not in taken
+        ]
+        if free:
+            self.put(free)
+        self.numbers(fresh)
+        self.put(
+            [
+                replace(entry, datasets={**entry.datasets, dataset: numbers[entry.name]})
+                for entry in self.entries()
+                if entry.name in numbers and dataset not in entry.datasets
+            ]
+        )
+
     def put(self, wanted: Sequence[Category]) -> list[Category]:
         """Add categories, and give those of known numbers their names and colours.
 
-        Raises BadInputError for a number or name out of range or given twice, ConflictError for a
-        name that has another number: numbers never change.
+        Numbers in datasets are added, or changed.  Raises BadInputError for a number or name out
+        of range or given twice, ConflictError for a name that has another number: numbers never
+        change; or for a number of a dataset that another category has.
         """
         _check(wanted)
         with self._database.write() as connection:
@@ -94,13 +135,41 @@ class Taxonomy:
                         f"got {each.number}"
                     )
             _write(connection, before, wanted)
+            _write_datasets(connection, wanted)
             return _entries(connection)
 
 
 def _entries(connection: Connection) -> list[Category]:
     columns = categories.c
     query = select(columns.number, columns.name, columns.color).order_by(columns.number)
-    return [Category(int(n), str(name), str(color)) for n, name, color in connection.execute(query)]
+    datasets: dict[int, dict[str, int]] = {}
+    known = dataset_numbers.c
+    for dataset, category, number in connection.execute(
+        select(known.dataset, known.category, known.number).order_by(known.dataset)
+    ):
+        datasets.setdefault(int(category), {})[str(dataset)] = int(number)
+    return [
+        Category(int(n), str(name), str(color), datasets.get(int(n), {}))
+        for n, name, color in connection.execute(query)
+    ]
+
+
+def _write_datasets(connection: Connection, wanted: Sequence[Category]) -> None:
+    columns = dataset_numbers.c
+    for each in wanted:
+        for dataset, number in each.datasets.items():
+            here = columns.dataset == dataset
+            holder = connection.execute(
+                select(columns.category).where(here, columns.number == number)
+            ).scalar()
+            if holder not in (None, each.number):
+                raise ConflictError(
+                    f"{dataset}: expected number {number} to be that of one category, category "
+                    f"{holder} has it, got '{each.name}'"
+                )
+            connection.execute(delete(dataset_numbers).where(here, columns.category == each.number))
+            row = {"dataset": dataset, "category": each.number, "number": number}
+            connection.execute(insert(dataset_numbers), row)
 
 
 def _next(fresh: Sequence[str], known: dict[str, int]) -> dict[str, int]:
@@ -127,6 +196,12 @@ def _check(wanted: Sequence[Category]) -> None:
                 f"name: expected 1 to {LONGEST} characters, got {len(each.name)} for number "
                 f"{each.number}"
             )
+        for dataset, number in each.datasets.items():
+            if not _DATASET.fullmatch(dataset) or not 0 <= number <= GREATEST:
+                raise BadInputError(
+                    f"datasets: expected names of letters, digits and '-' with numbers 0 to "
+                    f"{GREATEST}, got {dataset[:40]!r}: {number}"
+                )
     if len(set(numbers)) != len(numbers) or len(set(names)) != len(names):
         raise BadInputError("categories: expected each number and each name once")
 

@@ -27,7 +27,11 @@ class GapError(ConflictError):
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb"."""
+    """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb".
+
+    ``instance`` 0..65535 is the number of an instance where it came from, 0 for a class without
+    instances; None: it came from nowhere.
+    """
 
     id: int
     name: str
@@ -35,6 +39,7 @@ class Label:
     color: str = "#808080"
     locked: bool = False
     visible: bool = True
+    instance: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

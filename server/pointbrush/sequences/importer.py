@@ -143,7 +143,11 @@ def join(parts: list[PointFrame]) -> PointFrame:
             raise BadInputError(f"expected {name} in every part of the frame, or in none")
         columns[name] = None if missing else np.concatenate(given)
     return replace(
-        parts[0], **columns, other=_join_other(parts), dropped=sum(part.dropped for part in parts)
+        parts[0],
+        **columns,
+        other=_join_other(parts),
+        rows=None,
+        dropped=sum(part.dropped for part in parts),
     )
 
 
@@ -164,8 +168,9 @@ def split(frame: PointFrame) -> Iterator[PointFrame]:
             for field in fields(frame)
             if field.name in ("xyz", *POINT_FIELDS) and getattr(frame, field.name) is not None
         }
-        # An octree keeps no further fields.
-        yield replace(frame, **columns, other={}, dropped=frame.dropped if start == 0 else 0)
+        other = {name: v[start : start + _PART_POINTS] for name, v in frame.other.items()}
+        dropped = frame.dropped if start == 0 else 0
+        yield replace(frame, **columns, other=other, rows=None, dropped=dropped)
 
 
 def _store_all(
@@ -184,6 +189,7 @@ def _store_all(
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
     if len(frame) > LARGE_POINTS:
+        write_other(folder, index, replace(frame, other={}, header=None))
         return _store_large(split(frame), index, grid, folder, len(frame), _silent)
     encoded = encode_frame(frame, grid)
     stem = folder / FRAMES / f"{index:06d}"
@@ -192,8 +198,7 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     write_file(wire, encoded.wire)
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
-    if frame.other:
-        write_other(folder, index, frame.other)
+    write_other(folder, index, frame)
     return record(frame, encoded.arrays, encoded.error, named, dropped=frame.dropped, large=False)
 
 
@@ -206,14 +211,16 @@ def _store_large(
     progress: Progress,
 ) -> Record:
     first: list[PointFrame] = []
-    dropped = 0
+    dropped = count = 0
 
     def watched() -> Iterator[PointFrame]:
-        nonlocal dropped
+        nonlocal dropped, count
         for part in parts:
-            first[:] = first or [part]
+            first[:] = first or [replace(part, other={})]
             dropped += part.dropped
-            yield part
+            write_other(folder, index, replace(part, rows=None), count)
+            count += len(part)
+            yield replace(part, other={}, header=None)
 
     path = folder / FRAMES / f"{index:06d}"
     error = LargeFrame(path, progress).write(watched(), grid, total)

@@ -10,13 +10,14 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.sequences.check import read_checksums
 from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles, open_frame_files
 from pointbrush.sequences.manifest import read_manifest
-from pointbrush.sequences.other import read_other
+from pointbrush.sequences.other import read_other, read_rows, read_source_header
 from pointbrush.sequences.stored_frame import StoredFrame
 
 log = logging.getLogger(__name__)
@@ -61,7 +62,23 @@ class Sequence:
 
         Raises NotFoundError, DamagedError.
         """
-        return read_other(self.path, index, self[index].count)
+        count = self[index].count
+        return self.other_of(index, 0, count)
+
+    def other_of(self, index: int, first: int, stop: int) -> dict[str, NDArray[Any]]:
+        """The same of the points ``first`` to before ``stop`` of the source."""
+        return read_other(self.path, index, first, stop, self[index].count)
+
+    def source_header(self, index: int) -> bytes | None:
+        """The header of a frame's source as its format keeps it, or None."""
+        return read_source_header(self.path, index)
+
+    def source_rows(self, index: int) -> NDArray[np.int64] | None:
+        """Which row of the source each point of a frame (N,) was; None: as the points, or unknown.
+
+        Raises DamagedError.
+        """
+        return read_rows(self.path, index, self[index].count)
 
     def _files(self, index: int) -> CopiedFiles | MappedFiles:
         points = self.manifest.points[index]

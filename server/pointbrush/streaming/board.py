@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable
-from dataclasses import asdict
 from typing import Any
 
 from pointbrush.labels import Cell, Commit, Label, LabelStore
@@ -86,7 +85,7 @@ class Board:
             message = messages.Labels(
                 sequence=self._sequence,
                 revision=revision,
-                labels=[messages.Label(**asdict(label)) for label in self.palette],
+                labels=[message_of(label) for label in self.palette],
                 counts=self.counts(),
                 undo=undo and undo.summary,
                 redo=redo and redo.summary,
@@ -137,3 +136,8 @@ class Board:
 def by_cell(tracks: Iterable[dict[str, Any]]) -> dict[Place, dict[str, Any]]:
     """Tracks by frame and label."""
     return {(int(track["frame"]), int(track["label"])): track for track in tracks}
+
+
+def message_of(label: Label) -> messages.Label:
+    """A label as viewers need it."""
+    return messages.Label(**{name: getattr(label, name) for name in messages.Label.model_fields})

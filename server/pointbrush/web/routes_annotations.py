@@ -13,7 +13,8 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.annotation import LABEL_FORMATS, ClassName, parse_map
+from pointbrush.formats.annotation import LABEL_FORMATS, parse_map
+from pointbrush.formats.datasets import ClassName
 from pointbrush.jobs import Job
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.status import MalformedError

@@ -17,12 +17,19 @@ NAME = r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
 """No control characters, and no space in front."""
 
 
+DatasetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
+DatasetNumber = Annotated[int, Field(ge=0, le=65535)]
+
+
 class CategoryBody(Body):
-    """A class; its number never changes."""
+    """A class; its number never changes.  ``datasets`` are its numbers in those by name."""
 
     number: Annotated[int, Field(ge=1, le=65535)]
     name: Annotated[str, Field(min_length=1, max_length=256, pattern=NAME)]
     color: Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6})?$")] = ""
+    datasets: Annotated[
+        dict[DatasetName, DatasetNumber], Field(max_length=64, default_factory=dict)
+    ]
 
 
 class TaxonomyBody(Body):
@@ -37,6 +44,7 @@ class CategoryOut(BaseModel):
     number: int
     name: str
     color: str
+    datasets: dict[str, int]
 
 
 class TaxonomyOut(BaseModel):
@@ -49,7 +57,12 @@ class TaxonomyOut(BaseModel):
         """From the workspace's."""
         return cls(
             categories=[
-                CategoryOut(number=each.number, name=each.name, color=each.color)
+                CategoryOut(
+                    number=each.number,
+                    name=each.name,
+                    color=each.color,
+                    datasets=dict(each.datasets),
+                )
                 for each in entries
             ]
         )
@@ -64,5 +77,7 @@ def get_taxonomy(workspace: Ws) -> TaxonomyOut:
 @router.put("/taxonomy", responses=responses(409, 413))
 def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
     """Add classes, or change their names and colours; those left out stay."""
-    wanted = [Category(each.number, each.name, each.color) for each in body.categories]
+    wanted = [
+        Category(each.number, each.name, each.color, each.datasets) for each in body.categories
+    ]
     return TaxonomyOut.of(workspace.put_categories(wanted))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +14,20 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits, ReadOptions
 from pointbrush.formats.annotation import (
-    ClassName,
     LabelFiles,
     PointLabels,
     find_label_files,
     frames_of,
 )
 from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
+from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.work.importing import IMPORTED
+from pointbrush.work.importing import IMPORTED, learn_own
 from pointbrush.worker import Channel
 
 Key = tuple[int, int]
@@ -88,14 +88,16 @@ class ReadLabelsWork:
         if files.format in BOX_READERS:
             self._boxes(channel, files, recording)
             return
-        channel.item(LabelFiles(files.format, (), dict(files.names), dict(files.own)))
+        channel.item(
+            LabelFiles(files.format, (), dict(files.names), dict(files.own), files.dataset)
+        )
         options = ReadOptions(limits=self.limits)
         frames = frames_of(files.paths, len(recording))
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
             if frame is None:
                 channel.item(Unmatched(path.name))
             else:
-                labels = files.read(path, options)
+                labels = _of_points(files.read(path, options), recording, frame)
                 channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
 
@@ -120,6 +122,23 @@ class ReadLabelsWork:
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+
+def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
+    """Labels of a frame's points, where they are of all rows of its source, invalid ones too."""
+    manifest = recording.manifest
+    dropped = manifest.dropped[frame]
+    if not dropped or len(labels.category) != manifest.points[frame] + dropped:
+        return labels
+    rows = recording.source_rows(frame)
+    if rows is None:
+        return labels
+    instance = labels.instance
+    return replace(
+        labels,
+        category=labels.category[rows],
+        instance=None if instance is None else instance[rows],
+    )
 
 
 def _source_points(recording: Recording, frame: int) -> NDArray[np.float64]:
@@ -196,6 +215,9 @@ class LabelImports:
             report = _report(recording, found, unmatched, chosen)
             if request.dry_run or not report["labelled"]:
                 return report | {"edit": None}
+            if called[0].dataset:
+                self._store.taxonomy.learn(called[0].dataset, chosen.classes)
+            learn_own(self._store, called[0].own.values())
             commit = self._store.apply(
                 recording.manifest.id,
                 edit_id=edit,
@@ -223,11 +245,13 @@ class LabelImports:
 
 @dataclass(frozen=True, eq=False)
 class _Chosen:
-    """The palette label of each key, those that are new, and class numbers without a name."""
+    """The palette label of each key, those that are new, class numbers without a name, and the
+    number of each category."""
 
     ids: Mapping[Key, int]
     fresh: list[Label]
     unnamed: list[int]
+    classes: Mapping[str, int]
 
     @classmethod
     def of(
@@ -239,6 +263,7 @@ class _Chosen:
         ids: dict[Key, int] = {}
         fresh: list[Label] = []
         unnamed: set[int] = set()
+        classes: dict[str, int] = {}
         for key in sorted({key for frame in found for key in frame.keys}):
             name, category, color, wanted = _called(key, files)
             if key[0] not in files.names and key[0] not in files.own:
@@ -248,9 +273,14 @@ class _Chosen:
                 known = wanted if wanted and wanted not in taken else _free(taken)
                 taken.add(known)
                 by_name[name, category] = known
-                fresh.append(Label(known, name, category, color or default_color(known)))
+                made = Label(known, name, category, color or default_color(known))
+                packed = files.own[key[0]].packed if key[0] in files.own else None
+                if packed is not None:
+                    made = replace(made, instance=packed >> 16)
+                fresh.append(replace(made, instance=key[1]) if files.dataset else made)
             ids[key] = known
-        return cls(ids, fresh, sorted(unnamed))
+            classes[category or name] = key[0]
+        return cls(ids, fresh, sorted(unnamed), classes)
 
 
 def _called(key: Key, files: LabelFiles) -> tuple[str, str, str, int]:

@@ -98,6 +98,9 @@ def labeled_frames(
             read=read,
             tracks=tracks.get(index, []),
             up=up,
+            header=recording.source_header(index),
+            rows=recording.source_rows(index),
+            dropped=recording.manifest.dropped[index],
         )
 
 
@@ -117,7 +120,7 @@ def _blocks(
 ) -> Iterator[LabeledFrame]:
     """A frame with its annotation in blocks of source order."""
     stored = recording[index]
-    other = recording.other(index)
+    header, rows = recording.source_header(index), recording.source_rows(index)
 
     def read(first: int, stop: int) -> Columns:
         columns = stored.read_source(first, stop, EXPORTED)
@@ -135,7 +138,10 @@ def _blocks(
             deleted=columns["deleted"],
             tracks=tracks,
             up=up,
-            other={name: values[part] for name, values in other.items()},
+            other=recording.other_of(index, part.start, part.stop),
+            header=header,
+            rows=None if rows is None else rows[part],
+            dropped=recording.manifest.dropped[index],
         )
 
 

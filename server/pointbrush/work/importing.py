@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
 from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
-from pointbrush.formats.palette import SourceLabel
+from pointbrush.formats.palette import SourceLabel, source_dataset
 from pointbrush.formats.reports import reported
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
@@ -155,6 +156,13 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         return
     sources = [Path(source) for source in recording.manifest.source.split(", ")]
     named = {label.id: label for label in source_palette(sources)}
+    dataset = source_dataset(sources)
+    labels = [label_of(label_id, named.get(label_id)) for label_id in sorted(found)]
+    if dataset is not None:
+        # Classes, whose points have the instance that came with them.
+        labels = [replace(label, instance=0) for label in labels]
+        store.taxonomy.learn(dataset.name, {each.category or each.name: each.id for each in labels})
+    learn_own(store, [named[label_id] for label_id in found if label_id in named])
     store.apply(
         sequence,
         edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
@@ -165,9 +173,20 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
             for index, numbers, label in _source_labels(recording)
         ),
         summary=f"labels that came with the files, {len(frames)} frames",
-        labels=[label_of(label_id, named.get(label_id)) for label_id in sorted(found)],
+        labels=labels,
         identity=recording.identity,
     )
+
+
+def learn_own(store: LabelStore, labels: Iterable[SourceLabel]) -> None:
+    """Keep the numbers that categories have in an export of ours, where nothing speaks against."""
+    numbers = {
+        label.category or label.name: label.packed & 0xFFFF
+        for label in labels
+        if label.packed is not None
+    }
+    if numbers:
+        store.taxonomy.learn(SEMANTIC_KITTI.name, numbers, strict=False)
 
 
 def _source_labels(
@@ -186,9 +205,11 @@ def _source_labels(
 
 def label_of(label_id: int, given: SourceLabel | None) -> Label:
     """A palette entry for a label that came with the files."""
-    name = given.name if given else f"label {label_id}"
-    color = given.color if given else None
-    return Label(label_id, name, given.category if given else "", color or default_color(label_id))
+    if given is None:
+        return Label(label_id, f"label {label_id}", "", default_color(label_id))
+    instance = None if given.packed is None else given.packed >> 16
+    color = given.color or default_color(label_id)
+    return Label(label_id, given.name, given.category, color, instance=instance)
 
 
 def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:

@@ -13,10 +13,13 @@ const FORMATS: readonly (readonly [format: string, name: string, what: string])[
   ['npz', 'NPZ', 'numpy arrays'],
   ['semantickitti', 'SemanticKITTI', '.bin and .label'],
   ['pcd', 'PCD', 'points and labels'],
-  ['las', 'LAS', 'classification and instance'],
+  ['las', 'LAS', 'points, labels, own fields'],
+  ['laz', 'LAZ', 'the same, compressed'],
   ['csv', 'CSV', 'one row per point'],
   ['labels-only', 'Labels only', 'no points'],
   ['cut', 'Cut', 'a file per label'],
+  ['pointcept', 'Pointcept', 'scenes for training'],
+  ['openpcdet', 'OpenPCDet', 'points and boxes'],
   ['boxes', 'Boxes', 'oriented boxes per frame'],
 ];
 

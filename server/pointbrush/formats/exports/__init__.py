@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
-from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti
+from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti, training
 from pointbrush.formats.exports.labeled import (
     BlockedFrame,
     ExportFrame,
@@ -48,6 +48,8 @@ _ALL = (
     Export("semantickitti", "SemanticKITTI", semantickitti.write_semantickitti),
     Export("labels-only", "Labels without points", labels_only.write_labels_only),
     Export("cut", "One PLY per label", cut.write_cuts),
+    Export("pointcept", "Pointcept's scenes with splits", training.write_pointcept),
+    Export("openpcdet", "OpenPCDet's custom dataset", training.write_openpcdet),
     Export("boxes", "Oriented boxes, JSON and KITTI tracking", boxes.write_boxes),
 )
 EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}
@@ -60,6 +62,7 @@ def export(
     out: Path | BinaryIO,
     gaps: list[str] | None = None,
     numbers: Mapping[str, int] | None = None,
+    datasets: Mapping[str, Mapping[str, int]] | None = None,
 ) -> None:
     """Write frames and palette to a new folder, a .zip, a single file, or a stream (as zip).
 
@@ -69,7 +72,8 @@ def export(
 
     A damaged frame raises DamagedError, unless there is a list of ``gaps``, for a stream that has
     begun: what is missing is told there, by ``frames`` too, and written as ``gaps.json``.
-    ``numbers`` are the categories' numbers by name; without them they are counted.
+    ``numbers`` are the categories' numbers by name; without them they are counted.  ``datasets``
+    are the numbers that they have in each dataset.
     """
     if format not in EXPORTS:
         raise BadInputError(f"format: expected one of {', '.join(EXPORTS)}, got {format!r}")
@@ -82,7 +86,7 @@ def export(
         context = folder_output(out)
     with context as output:
         try:
-            entry.write(frames, Palette(palette, numbers), output)
+            entry.write(frames, Palette(palette, numbers, datasets), output)
         except DamagedError as error:
             if gaps is None:
                 raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
@@ -36,6 +37,10 @@ class PaletteEntry(Protocol):
     def color(self) -> str:
         """``#rrggbb``."""
 
+    @property
+    def instance(self) -> int | None:
+        """Its number where it came from, 0 for a class without instances; None: nowhere."""
+
 
 def stem_of(index: int) -> str:
     """File name of a frame, without ending."""
@@ -53,7 +58,9 @@ class LabeledFrame:
 
     ``label`` (N,) uint16, 0 = unlabeled; ``provenance`` (N,) uint8; ``deleted`` (N,) bool;
     ``tracks`` the frame's track states as the tracks call lists them; ``up`` (3,) points away
-    from the floor in source coordinates; ``other`` further fields of the source (N,).
+    from the floor in source coordinates; ``other`` further fields of the source (N,), ``header``
+    its header.  ``rows`` (N,) of the source that the points were, or None: all; ``dropped`` the
+    number of others.
     Raises BadInputError when lengths differ.
     """
 
@@ -65,6 +72,9 @@ class LabeledFrame:
     tracks: Sequence[Mapping[str, Any]] = field(default_factory=list)
     up: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     other: Mapping[str, Array] = field(default_factory=dict)
+    header: bytes | None = None
+    rows: NDArray[np.int64] | None = None
+    dropped: int = 0
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -107,7 +117,8 @@ class LabeledFrame:
 class BlockedFrame:
     """A frame too large for memory: ``read`` gives its blocks, anew at each call.
 
-    ``count`` points, ``kept`` of them not deleted; ``sizes`` as ``sizes_of``.
+    ``count`` points, ``kept`` of them not deleted; ``sizes`` as ``sizes_of``; the rest as of a
+    LabeledFrame.
     """
 
     index: int
@@ -117,6 +128,9 @@ class BlockedFrame:
     read: Callable[[], Iterator[LabeledFrame]]
     tracks: Sequence[Mapping[str, Any]]
     up: NDArray[np.float64]
+    header: bytes | None = None
+    rows: NDArray[np.int64] | None = None
+    dropped: int = 0
 
     @property
     def stem(self) -> str:
@@ -132,6 +146,28 @@ ExportFrame = LabeledFrame | BlockedFrame
 """A frame on its way to files, whole or in blocks of consecutive source points."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DatasetNumbers:
+    """By label id, (65536,): a dataset's number of its ``category`` and of the ``instance``.
+
+    ``plain``: a class without instances, whose points may each have the instance of their source.
+    """
+
+    category: NDArray[np.uint16]
+    instance: NDArray[np.uint16]
+    plain: NDArray[np.bool_]
+
+
+def _instance_of(entry: PaletteEntry, others: Collection[int]) -> int:
+    if entry.instance is not None:
+        return entry.instance
+    return entry.id if entry.id not in others else _greatest_free(others)
+
+
+def _greatest_free(taken: Collection[int]) -> int:
+    return next(number for number in range(65535, 0, -1) if number not in taken)
+
+
 class Palette:
     """The labels with category numbers and instances within each.
 
@@ -140,8 +176,13 @@ class Palette:
     """
 
     def __init__(
-        self, entries: Sequence[PaletteEntry], numbers: Mapping[str, int] | None = None
+        self,
+        entries: Sequence[PaletteEntry],
+        numbers: Mapping[str, int] | None = None,
+        datasets: Mapping[str, Mapping[str, int]] | None = None,
     ) -> None:
+        """``datasets`` are the numbers that categories have in each dataset, by name."""
+        self._datasets = datasets or {}
         self.entries = sorted(entries, key=lambda entry: entry.id)
         self.categories: dict[str, int] = {}
         self._category = np.zeros(1 << 16, np.uint16)
@@ -163,8 +204,38 @@ class Palette:
         """The number of each label within its category, from 1; 0 for 0."""
         return self._instance[label]
 
+    def of_dataset(self, dataset: str) -> DatasetNumbers:
+        """Each label's class and instance in a dataset's files.
+
+        A category that the dataset does not know has its own number, or where another one has
+        that there, the greatest that is free.  A label that came from nowhere has its id as
+        instance, or where another one of its class has that, the greatest that is free.
+        """
+        known = self._datasets.get(dataset, {})
+        mine = {name: known[name] for name in self.categories if name in known}
+        taken = set(mine.values()) | {0}
+        for name, number in self.categories.items():
+            if name not in mine:
+                mine[name] = number if number not in taken else _greatest_free(taken)
+                taken.add(mine[name])
+        category, instance = np.zeros((2, 1 << 16), np.uint16)
+        used: dict[str, set[int]] = {}
+        for entry in self.entries:
+            if entry.instance is not None:
+                used.setdefault(category_of(entry), set()).add(entry.instance)
+        for entry in self.entries:
+            name = category_of(entry)
+            category[entry.id] = mine[name]
+            others = used.setdefault(name, set())
+            instance[entry.id] = _instance_of(entry, others)
+            others.add(int(instance[entry.id]))
+        plain = np.zeros(1 << 16, np.bool_)
+        plain[[entry.id for entry in self.entries if entry.instance == 0]] = True
+        return DatasetNumbers(category, instance, plain)
+
     def document(self) -> dict[str, Any]:
         """The palette as it lies beside exports."""
+        known = {name: self.of_dataset(name) for name in {*self._datasets, SEMANTIC_KITTI.name}}
         labels = [
             {
                 "id": entry.id,
@@ -173,6 +244,10 @@ class Palette:
                 "category_id": int(self._category[entry.id]),
                 "instance": int(self._instance[entry.id]),
                 "color": entry.color,
+                "datasets": {
+                    name: [int(numbers.category[entry.id]), int(numbers.instance[entry.id])]
+                    for name, numbers in known.items()
+                },
             }
             for entry in self.entries
         ]

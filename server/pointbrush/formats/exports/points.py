@@ -10,10 +10,11 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.formats.datasets import LAS
 from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, point_table
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.spools import Spools
-from pointbrush.formats.las_write import write_las
+from pointbrush.formats.las_write import is_las, write_las, write_las_like
 from pointbrush.formats.npy import write_npz
 from pointbrush.formats.pcd import write_pcd
 from pointbrush.formats.ply_write import write_ply
@@ -37,12 +38,10 @@ def _write(
     frames: Iterable[ExportFrame],
     palette: Palette,
     output: Output,
-    *,
-    other: bool = True,
 ) -> None:
     for frame in frames:
         with output.file(f"{frame.stem}{ending}") as file:
-            write(file, point_table(frame, palette, other=other))
+            write(file, point_table(frame, palette, other=True))
     write_palette(palette, output)
 
 
@@ -65,8 +64,26 @@ def _packed(columns: Columns) -> Columns:
 write_plys = partial(_write, ".ply", write_ply)
 write_pcds = partial(_write, ".pcd", _write_pcd)
 write_csvs = partial(_write, ".csv", write_csv)
-write_lass = partial(_write, ".las", partial(write_las, compress=False), other=False)
-write_lazs = partial(_write, ".laz", partial(write_las, compress=True), other=False)
+
+
+def _write_las(
+    compress: bool, frames: Iterable[ExportFrame], palette: Palette, output: Output
+) -> None:
+    """LAS or LAZ; what came from one keeps header, records and fields."""
+    classes = palette.of_dataset(LAS.name).category
+    for frame in frames:
+        with output.file(f"{frame.stem}{'.laz' if compress else '.las'}") as file:
+            kept = frame.header is not None and is_las(frame.header)
+            table = point_table(frame, palette, other=kept)
+            if kept and frame.header is not None:
+                write_las_like(file, table, frame.header, compress=compress)
+            else:
+                write_las(file, table, classes, compress=compress)
+    write_palette(palette, output)
+
+
+write_lass = partial(_write_las, False)
+write_lazs = partial(_write_las, True)
 
 
 def write_npzs(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:

@@ -1,7 +1,8 @@
 """SemanticKITTI (Behley et al. 2019): velodyne ``.bin``, ``.label``, poses and times.
 
-A ``.label`` entry is a uint32: the category number in the lower 16 bits, the label id in the
-upper 16.  ``.bin`` and ``.label`` have the same points; deleted ones are in neither.
+A ``.label`` entry is a uint32: the class in the lower 16 bits, by SemanticKITTI's own number where
+the category has one, and the instance in the upper 16.  Points that came with a class and kept it
+keep their instance too.  ``.bin`` and ``.label`` have the same points; deleted ones are in neither.
 
 ``.bin`` holds float32: coordinates far from the origin (UTM) would lose centimetres, so that they
 are written relative to a shift, which the poses undo.
@@ -14,11 +15,19 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette
+from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.exports.labeled import (
+    DatasetNumbers,
+    ExportFrame,
+    LabeledFrame,
+    Palette,
+)
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.kitti import pack_label
 
+IMPORTED = 3
+"""Provenance of a point whose label came in with it."""
 ROOT = "sequences/00"
 # Beyond this distance the step of a float32 exceeds a millimetre.
 FAR = 8192.0
@@ -29,6 +38,7 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
     poses: list[NDArray[np.float64] | None] = []
     times: list[float | None] = []
     shift: NDArray[np.float64] | None = None
+    numbers = palette.of_dataset(SEMANTIC_KITTI.name)
     for frame in frames:
         if shift is None and frame.kept:
             shift = _shift(frame)
@@ -37,9 +47,8 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
             output.file(f"{ROOT}/labels/{frame.stem}.label") as labels,
         ):
             for block in frame.blocks():
-                label = block.label[block.keep]
                 points.write(_records(block, shift).tobytes())
-                labels.write(pack_label(palette.category(label), label).tobytes())
+                labels.write(_packed(block, numbers).tobytes())
         poses.append(_shifted(block.points.pose, shift))
         times.append(block.points.timestamp)
     _write_lines(
@@ -51,6 +60,17 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
         with output.file(f"{ROOT}/calib.txt") as file:
             file.write(b"Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
     write_palette(palette, output)
+
+
+def _packed(block: LabeledFrame, numbers: DatasetNumbers) -> NDArray[np.uint32]:
+    """Class and instance (N,) of the points kept."""
+    keep = block.keep
+    label = block.label[keep]
+    instance = numbers.instance[label]
+    if block.points.instance is not None:
+        came = numbers.plain[label] & (block.provenance[keep] == IMPORTED)
+        instance = np.where(came, block.points.instance[keep], instance).astype(np.uint16)
+    return pack_label(numbers.category[label], instance)
 
 
 def _records(block: LabeledFrame, shift: NDArray[np.float64] | None) -> NDArray[np.float32]:

@@ -1,0 +1,77 @@
+"""Feather tables of points, as Argoverse 2 has them: x, y, z, intensity, laser_number…"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.options import Limits, ReadOptions, require_count
+from pointbrush.formats.poses import Poses, of_quaternion
+
+POSES = "city_SE3_egovehicle.feather"
+PLACE = ("tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw")
+
+
+def read_feather(path: Path, options: ReadOptions) -> Any:
+    """One file as one frame; coordinates of half precision become float32.
+
+    Raises BadInputError for a file that is no table of numbers, TooLargeError.
+    """
+    columns = read_table(path, options.limits)
+    half = {name: v.astype(np.float32) for name, v in columns.items() if v.dtype == np.float16}
+    yield frame_from_columns(path.name, columns | half, options)
+
+
+def read_table(path: Path, limits: Limits) -> dict[str, NDArray[Any]]:
+    """Return the columns of numbers; raises NotFoundError, BadInputError, TooLargeError."""
+    import pyarrow as pa
+    from pyarrow import feather
+
+    if not path.is_file():
+        raise NotFoundError(f"{path}: expected a file, it does not exist")
+    try:
+        with pa.memory_map(str(path)) as source:
+            # The header tells how many rows there are before any is unpacked.
+            reader = pa.ipc.open_file(source)
+            rows = sum(reader.get_batch(i).num_rows for i in range(reader.num_record_batches))
+        require_count(path.name, rows, limits)
+        table = feather.read_table(path, memory_map=False)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        if isinstance(error, BadInputError):
+            raise
+        reason = str(error).split("\n")[0][:120]
+        raise BadInputError(f"{path.name}: expected a feather table, {reason}") from None
+    return {
+        name: column.to_numpy()
+        for name, column in zip(table.column_names, table.columns, strict=True)
+        if pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
+    }
+
+
+def argoverse_poses(log: Path, names: Sequence[str], limits: Limits) -> Poses | None:
+    """Poses of the vehicle at the frames ``names`` of an Argoverse 2 log, by their times.
+
+    Raises BadInputError for a table without poses, or one that lacks a frame's.
+    """
+    path = log / POSES
+    if not path.is_file():
+        return None
+    table = read_table(path, limits)
+    absent = [name for name in ("timestamp_ns", *PLACE) if name not in table]
+    if absent:
+        raise BadInputError(f"{path.name}: expected columns timestamp_ns, {', '.join(PLACE)}")
+    rows = {int(time): row for row, time in enumerate(table["timestamp_ns"].tolist())}
+    matrices = []
+    for name in names:
+        row = rows.get(int(Path(name).stem)) if Path(name).stem.isdigit() else None
+        if row is None:
+            raise BadInputError(f"{path.name}: expected a pose at the time of {name}, got none")
+        place = np.array([float(table[column][row]) for column in PLACE])
+        matrices.append(of_quaternion(f"{path.name} row {row}", place))
+    return Poses(matrices, POSES)

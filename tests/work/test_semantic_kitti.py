@@ -1,0 +1,114 @@
+"""SemanticKITTI in, some points painted, out: nothing else differs, bit for bit."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pointbrush.labels import Category
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+
+POINTS = 500
+
+
+def drive(folder: Path, frames: int = 2) -> Path:
+    """Scans with roads, cars 3 and 7, a moving person and points that nobody labelled."""
+    rng = np.random.default_rng(0)
+    for name in ("velodyne", "labels"):
+        (folder / "sequences" / "04" / name).mkdir(parents=True)
+    for i in range(frames):
+        scan = rng.uniform(-20, 20, (POINTS, 4)).astype("<f4")
+        scan[:, 3] = rng.uniform(0, 1, POINTS)
+        kind = rng.choice([0, 40, 10, 254, 99], POINTS).astype("<u4")
+        instance = np.where(np.isin(kind, (10, 254)), rng.choice([3, 7], POINTS), 0).astype("<u4")
+        (folder / "sequences/04/velodyne" / f"{i:06d}.bin").write_bytes(scan.tobytes())
+        (folder / "sequences/04/labels" / f"{i:06d}.label").write_bytes(
+            (kind | instance << 16).tobytes()
+        )
+    return folder / "sequences" / "04"
+
+
+def packed(folder: Path, frame: int) -> np.ndarray:
+    path = next(folder.rglob(f"{frame:06d}.label"))
+    return np.frombuffer(path.read_bytes(), "<u4")
+
+
+def opened(tmp_path: Path, name: str = "w") -> Workspace:
+    return Workspace(Settings.load({"workspace": tmp_path / name}, {}))
+
+
+def import_path(workspace: Workspace, path: Path) -> str:
+    job = workspace.runner.wait(workspace.import_paths([path]).id, 60)
+    assert job.state == "done", job.error
+    assert job.result is not None
+    return str(job.result["sequence"])
+
+
+@pytest.mark.parametrize("way", ["with the scans", "as labels"])
+def test_files_differ_in_the_points_that_were_painted_alone(tmp_path: Path, way: str) -> None:
+    source = drive(tmp_path / "kitti")
+    labels = source / "labels"
+    if way == "as labels":
+        labels = labels.rename(tmp_path / "labels")
+    with closing(opened(tmp_path)) as workspace:
+        sequence = import_path(workspace, source)
+        if way == "as labels":
+            job = workspace.runner.wait(workspace.import_labels(sequence, labels, "ann").id, 60)
+            assert job.state == "done", job.error
+        car = workspace.create_label(sequence, "ann", name="my car", category="car")
+        workspace.export(sequence, "semantickitti", tmp_path / "before")
+        painted = np.arange(20, 60)
+        array = workspace.annotation(sequence, 1)[0].copy()
+        array[painted] = car.id
+        workspace.put_annotation(sequence, 1, array, author="ann")
+        workspace.export(sequence, "semantickitti", tmp_path / "after")
+    for frame in range(2):
+        np.testing.assert_array_equal(packed(tmp_path / "before", frame), packed(labels, frame))
+    np.testing.assert_array_equal(packed(tmp_path / "after", 0), packed(labels, 0))
+    differs = np.flatnonzero(packed(tmp_path / "after", 1) != packed(labels, 1))
+    assert set(differs.tolist()) == set(painted.tolist())
+    new = packed(tmp_path / "after", 1)[painted]
+    assert set((new & 0xFFFF).tolist()) == {10}
+    (instance,) = set((new >> 16).tolist())
+    assert instance not in (0, 3, 7)
+    with closing(opened(tmp_path, "again")) as workspace:
+        sequence = import_path(workspace, tmp_path / "after")
+        names = {label.id: label for label in workspace.palette(sequence)}
+        found = workspace.annotation(sequence, 1)[0]
+        assert {names[n].name for n in np.unique(found[painted]).tolist()} == {"my car"}
+        workspace.export(sequence, "semantickitti", tmp_path / "twice")
+    if way == "as labels":
+        np.testing.assert_array_equal(packed(tmp_path / "twice", 1), packed(tmp_path / "after", 1))
+
+
+def test_categories_keep_their_number_in_a_dataset_and_in_the_workspace(tmp_path: Path) -> None:
+    source = drive(tmp_path / "kitti", 1)
+    with closing(opened(tmp_path)) as workspace:
+        workspace.put_categories([Category(10, "juggler")])
+        sequence = import_path(workspace, source)
+        known = {entry.name: entry for entry in workspace.categories()}
+        assert known["car"].datasets == {"semantickitti": 10}
+        assert (known["road"].number, known["road"].datasets["semantickitti"]) == (40, 40)
+        assert known["car"].number != 10
+        workspace.create_label(sequence, "ann", name="Ada", category="juggler")
+        workspace.export(sequence, "npz", tmp_path / "npz")
+    arrays = np.load(tmp_path / "npz" / "000000.npz")
+    assert known["car"].number in arrays["category"]
+
+
+def test_a_category_of_another_place_does_not_take_a_number_of_the_dataset(tmp_path: Path) -> None:
+    source = drive(tmp_path / "kitti", 1)
+    with closing(opened(tmp_path)) as workspace:
+        workspace.put_categories([Category(10, "juggler")])
+        sequence = import_path(workspace, source)
+        juggler = workspace.create_label(sequence, "ann", name="Ada", category="juggler")
+        array = workspace.annotation(sequence, 0)[0].copy()
+        array[:5] = juggler.id
+        workspace.put_annotation(sequence, 0, array, author="ann")
+        workspace.export(sequence, "semantickitti", tmp_path / "out")
+    (kind,) = set((packed(tmp_path / "out", 0)[:5] & 0xFFFF).tolist())
+    assert kind not in set((packed(source / "labels", 0) & 0xFFFF).tolist())
