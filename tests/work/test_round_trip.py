@@ -102,9 +102,10 @@ def test_points_colours_labels_palette_and_provenance_are_equal(
             columns = stored.read_source(0, stored.count, ["xyz", "rgb", "intensity"])
             order = np.argsort(stored.source_index)
             close = {"rtol": 0, "atol": EXACT.get(kind, 0.0)}
-            np.testing.assert_allclose(
-                _world(again, index, columns["xyz"][order]), frame.xyz, **close
-            )
+            xyz = _world(again, index, columns["xyz"][order])
+            if kind == "csv":
+                xyz = xyz.astype(frame.xyz.dtype)  # text has no types
+            np.testing.assert_allclose(xyz, frame.xyz, **close)
             np.testing.assert_array_equal(columns["intensity"][order], frame.intensity)
             if kind != "semantickitti":
                 np.testing.assert_array_equal(columns["rgb"][order], frame.rgb)
