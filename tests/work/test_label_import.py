@@ -113,7 +113,14 @@ def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
         job = run(workspace, folder, names=names)
         assert job.state == "done", job.error
         assert labels(workspace, 2)[:4] == ["", name, "", name]
-        assert run(workspace, folder, dry_run=True).result["unknown_classes"] == [17]
+        told = run(workspace, folder, dry_run=True).result
+        assert told["unknown_classes"] == []
+        assert all("vehicle.car" in name for name in told["new_labels"])
+    (tmp_path / "other").mkdir()
+    for k, count in enumerate(COUNTS):
+        np.full(count, 50, np.uint8).tofile(tmp_path / "other" / f"{k}_lidarseg.bin")
+    told = run(workspace, tmp_path / "other", dry_run=True).result
+    assert told["unknown_classes"] == [50]
 
 
 EXPORTED = ["ply", "pcd", "npz", "csv", "las", "semantickitti", "labels-only"]

@@ -26,7 +26,8 @@ LEVELS = 4
 class SourceLabel:
     """A label as its files name it; ``color`` is ``#rrggbb``.
 
-    ``packed`` is the label's number in a SemanticKITTI export, class and instance, if it has one.
+    ``packed`` is the label's number in a SemanticKITTI export, class and instance, if it has one;
+    ``instance`` its number where it came from, None: nowhere.
     """
 
     id: int
@@ -34,6 +35,7 @@ class SourceLabel:
     category: str
     color: str
     packed: int | None = None
+    instance: int | None = None
 
 
 def source_dataset(paths: Sequence[Path]) -> Dataset | None:
@@ -136,7 +138,10 @@ def _label(entry: dict[str, Any]) -> SourceLabel:
         if not (0 <= kind <= 65535 and 0 <= instance <= 65535):
             raise ValueError(entry)
         packed = kind | instance << 16
-    return SourceLabel(number, name, category, color, packed)
+    came = entry.get("source_instance")
+    if came is not None and not (isinstance(came, int) and 0 <= came <= 65535):
+        raise ValueError(entry)
+    return SourceLabel(number, name, category, color, packed, came)
 
 
 def _is_semantic_kitti(path: Path) -> bool:

@@ -274,9 +274,8 @@ class _Chosen:
                 taken.add(known)
                 by_name[name, category] = known
                 made = Label(known, name, category, color or default_color(known))
-                packed = files.own[key[0]].packed if key[0] in files.own else None
-                if packed is not None:
-                    made = replace(made, instance=packed >> 16)
+                if key[0] in files.own:
+                    made = replace(made, instance=files.own[key[0]].instance)
                 fresh.append(replace(made, instance=key[1]) if files.dataset else made)
             ids[key] = known
             classes[category or name] = key[0]

@@ -207,9 +207,8 @@ def label_of(label_id: int, given: SourceLabel | None) -> Label:
     """A palette entry for a label that came with the files."""
     if given is None:
         return Label(label_id, f"label {label_id}", "", default_color(label_id))
-    instance = None if given.packed is None else given.packed >> 16
     color = given.color or default_color(label_id)
-    return Label(label_id, given.name, given.category, color, instance=instance)
+    return Label(label_id, given.name, given.category, color, instance=given.instance)
 
 
 def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:

@@ -244,6 +244,7 @@ class Palette:
                 "category_id": int(self._category[entry.id]),
                 "instance": int(self._instance[entry.id]),
                 "color": entry.color,
+                "source_instance": entry.instance,
                 "datasets": {
                     name: [int(numbers.category[entry.id]), int(numbers.instance[entry.id])]
                     for name, numbers in known.items()
