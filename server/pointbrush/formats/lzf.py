@@ -2,49 +2,58 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
 
 
 def lzf_decompress(name: str, data: bytes, size: int) -> bytes:
-    """Decompress to exactly ``size`` bytes; raises BadInputError for data that does not.
-
-    Each token costs Python one turn of the loop, so that runs are copied as slices: about 0.4 µs
-    a token, 0.2 s for a 640x480 cloud.
-    """
-    out = bytearray()
-    at, end = 0, len(data)
-    try:
-        while at < end:
-            control = data[at]
-            at += 1
-            if control < 32:
-                stop = at + control + 1
-                if stop > end:
-                    raise IndexError
-                out += data[at:stop]
-                at = stop
-                continue
-            length = control >> 5
-            if length == 7:
-                length += data[at]
-                at += 1
-            length += 2
-            distance = ((control & 31) << 8) + data[at] + 1
-            at += 1
-            start = len(out) - distance
-            if start < 0:
-                raise IndexError
-            if distance >= length:
-                out += out[start : start + length]
-            else:
-                # The copy overlaps what it writes: the last bytes repeat.
-                out += (out[start:] * (length // distance + 1))[:length]
-            if len(out) > size:
-                raise IndexError
-    except IndexError:
+    """Decompress to exactly ``size`` bytes; raises BadInputError for data that does not."""
+    out = np.empty(size, np.uint8)
+    made, at = _decompress(np.frombuffer(data, np.uint8), out)
+    if made < 0:
         raise BadInputError(
             f"{name}: expected LZF data of {size} bytes, it is damaged at compressed byte {at}"
-        ) from None
-    if len(out) != size:
-        raise BadInputError(f"{name}: expected {size} bytes of LZF data, got {len(out)}")
-    return bytes(out)
+        )
+    if made != size:
+        raise BadInputError(f"{name}: expected {size} bytes of LZF data, got {made}")
+    return out.tobytes()
+
+
+@compiled
+def _decompress(data: NDArray[np.uint8], out: NDArray[np.uint8]) -> tuple[int, int]:
+    """Bytes written, -1 for damaged data, and the compressed bytes read; never beyond ``out``."""
+    at = made = 0
+    end, size = len(data), len(out)
+    while at < end:
+        control = np.int64(data[at])
+        at += 1
+        if control < 32:
+            length = control + 1
+            if at + length > end or made + length > size:
+                return -1, at
+            for _ in range(length):
+                out[made] = data[at]
+                made += 1
+                at += 1
+            continue
+        length = control >> 5
+        if length == 7:
+            if at >= end:
+                return -1, at
+            length += np.int64(data[at])
+            at += 1
+        length += 2
+        if at >= end:
+            return -1, at
+        start = made - ((control & 31) << 8) - np.int64(data[at]) - 1
+        at += 1
+        if start < 0 or made + length > size:
+            return -1, at
+        # Byte by byte: the copy may overlap what it writes, so that the last bytes repeat.
+        for step in range(length):
+            out[made] = out[start + step]
+            made += 1
+    return made, at
