@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import read
+from pointbrush.formats import read, text
 from pointbrush.formats.table import Table
 from pointbrush.formats.text import write_csv
 
@@ -98,3 +99,35 @@ def test_csv_reads_back_bit_for_bit(tmp_path_factory, xyz):
     (frame,) = read(path)
     assert np.array_equal(frame.xyz.astype(xyz.dtype), xyz)
     assert frame.label.tolist() == list(range(len(xyz)))
+
+
+@pytest.mark.parametrize(
+    ("separator", "header", "comma"),
+    [(",", "", False), (",", "x,y,z,ring,label\n", False), (";", "", True), ("\t", "", False)],
+)
+def test_long_tables_are_read_as_short_ones(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, separator: str, header: str, comma: bool
+) -> None:
+    rng = np.random.default_rng(0)
+    table = np.column_stack([rng.normal(0, 9, (9000, 3)), rng.integers(0, 9, (9000, 2))])
+    body = "\n".join(separator.join(str(float(v)) for v in row) for row in table)
+    (tmp_path / "a.csv").write_text(header + (body.replace(".", ",") if comma else body) + "\n")
+    (fast,) = read(tmp_path / "a.csv")
+    monkeypatch.setattr(text, "LONG", 1 << 60)
+    (slow,) = read(tmp_path / "a.csv")
+    np.testing.assert_array_equal(fast.xyz, table[:, :3])
+    np.testing.assert_array_equal(fast.xyz, slow.xyz)
+    for name in ("intensity", "label"):
+        one, other = getattr(fast, name), getattr(slow, name)
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_array_equal(one, other)
+    assert set(fast.other) == set(slow.other)
+
+
+def test_what_is_wrong_in_a_long_table_is_said_by_its_line(tmp_path: Path) -> None:
+    rows = ["1.5,2.5,3.5,4.5"] * 30_000
+    rows[20_000] = "1.5,2.5,oops,4.5"
+    (tmp_path / "a.csv").write_text("\n".join(rows))
+    with pytest.raises(BadInputError, match="line 20001"):
+        list(read(tmp_path / "a.csv"))
