@@ -23,7 +23,7 @@ from pointbrush.errors import (
 from pointbrush.formats import EXPORTS, category_names, export
 from pointbrush.formats import Limits as ReadLimits
 from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.datasets import DATASETS, ClassName
+from pointbrush.formats.datasets import DATASETS, ClassName, Dataset
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import (
     Category,
@@ -39,7 +39,7 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
-from pointbrush.work import accepting, checking, exporting, flooring, layers, place
+from pointbrush.work import accepting, checking, exporting, flooring, layers, palettes, place
 from pointbrush.work.annotating import LabelImports, LabelRequest
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
@@ -62,6 +62,7 @@ from pointbrush.work.objects import (
     ObjectStroke,
     StaleCandidateError,
 )
+from pointbrush.work.palettes import NamedLabel
 from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
 from pointbrush.work.runs import Runs, TrackRequest
@@ -73,6 +74,7 @@ __all__ = [
     "Deleted",
     "Event",
     "Listed",
+    "NamedLabel",
     "Prepared",
     "Preview",
     "Provisional",
@@ -385,6 +387,16 @@ class Workspace:
         """
         self.recording(sequence)
         return self.store.create_label(sequence, author, **fields)[0]
+
+    def add_labels(self, sequence: str, labels: Sequence[NamedLabel], author: str) -> list[str]:
+        """Add those of ``labels`` that are not there, as one edit; returns their names."""
+        self.recording(sequence)
+        return palettes.add_labels(self.store, sequence, labels, author)
+
+    def add_template(self, sequence: str, dataset: Dataset, author: str) -> list[str]:
+        """Add a label for each class of a dataset; returns the names of new ones."""
+        self.recording(sequence)
+        return palettes.add_template(self.store, sequence, dataset, author)
 
     def update_label(self, sequence: str, author: str, label_id: int, **fields: Any) -> Label:
         """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``."""

@@ -30,6 +30,7 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/export",
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
+    "POST /api/v1/sequences/{seq}/palette",
 )
 """Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""
 

@@ -55,3 +55,28 @@ def test_exports_of_two_recordings_agree(served: Served) -> None:
     assert put.json() == listed
     moved = {"categories": [{"number": 41, "name": "road"}]}
     assert httpx.put(url, json=moved, headers=served.headers).status_code == 409
+
+
+def test_palettes_of_templates_and_files_are_added_in_one_edit(served: Served) -> None:
+    def post(sequence: str, body: dict[str, object]) -> httpx.Response:
+        url = f"{served.url}/api/v1/sequences/{sequence}/palette"
+        return httpx.post(url, json=body, headers=served.headers)
+
+    templates = httpx.get(f"{served.url}/api/v1/templates", headers=served.headers).json()
+    assert set(templates) == {"semantickitti", "nuscenes", "las", "scannet"}
+    answer = post("one", {"template": "scannet"})
+    assert answer.status_code == 200, answer.text
+    assert len(answer.json()["added"]) == 20
+    assert post("one", {"template": "scannet"}).json()["added"] == []
+    taxonomy = httpx.get(f"{served.url}/api/v1/taxonomy", headers=served.headers).json()
+    bathtub = next(c for c in taxonomy["categories"] if c["name"] == "bathtub")
+    assert bathtub["datasets"] == {"scannet": 36}
+    url = f"{served.url}/api/v1/sequences/one/palette"
+    palette = httpx.get(url, headers=served.headers).json()
+    assert len(post("two", palette).json()["added"]) == len(palette["labels"])
+    undo = f"{served.url}/api/v1/sequences/two/undo"
+    httpx.post(undo, headers=served.headers).raise_for_status()
+    url = url.replace("/one/", "/two/")
+    assert httpx.get(url, headers=served.headers).json()["labels"] == []
+    for body in ({}, {"template": "none"}, {"template": "las", "labels": [{"name": "a"}]}):
+        assert post("one", body).status_code in (404, 422)

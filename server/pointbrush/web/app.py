@@ -26,6 +26,7 @@ from pointbrush.web import (
     routes_labels,
     routes_meta,
     routes_objects,
+    routes_palette,
     routes_sequences,
     routes_taxonomy,
     routes_tracking,
@@ -42,8 +43,9 @@ from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_imports, routes_frames, routes_labels, routes_taxonomy,
-    routes_edits, routes_objects, routes_annotations, routes_tracking, routes_export, routes_jobs,
+    routes_meta, routes_sequences, routes_imports, routes_frames, routes_labels, routes_palette,
+    routes_taxonomy, routes_edits, routes_objects, routes_annotations, routes_tracking,
+    routes_export, routes_jobs,
 )  # fmt: skip
 
 
