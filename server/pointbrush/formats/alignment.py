@@ -1,4 +1,4 @@
-"""Whether consecutive frames fit one another better with the poses given for them, or without."""
+"""Compare how consecutive frames fit one another with the poses given for them, and without."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class AlignmentOptions:
-    """How the fit of two frames is measured."""
+    """Numbers of the measure of how two frames fit."""
 
     most_points: int = 20_000
     """Points of a frame that make its surface; more are thinned."""
@@ -44,7 +44,7 @@ class AlignmentOptions:
 def agree_better_without(
     frames: Sequence[PointFrame], options: AlignmentOptions | None = None
 ) -> bool | None:
-    """Whether frames that follow one another agree better without their poses than with them.
+    """Return whether frames agree better without their poses than with them, one to the next.
 
     The measure is the mean distance, cut off, from points to the tangent planes of the frame
     before.  None where the poses hardly move the points, or there is too little to tell.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field, ValidationError
+from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
@@ -16,10 +16,9 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.annotation import LABEL_FORMATS, parse_map
 from pointbrush.formats.datasets import ClassName
 from pointbrush.jobs import Job
-from pointbrush.streaming.encoding import describe
-from pointbrush.streaming.status import MalformedError
 from pointbrush.web.auth import Caller, Gate
 from pointbrush.web.context import SequenceId, Ws, one_of
+from pointbrush.web.files_or_json import described, parse_json
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 from pointbrush.web.schemas_work import JobOut
@@ -43,29 +42,13 @@ class LabelImportBody(Body):
     no_ground: bool = False
 
 
-IMPORT_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "application/json": {"schema": LabelImportBody.model_json_schema()},
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["files"],
-                    "properties": {
-                        "files": {
-                            "type": "array",
-                            "minItems": 1,
-                            "items": {"type": "string", "format": "binary"},
-                        },
-                        "format": {"type": "string", "enum": list(LABEL_FORMATS)},
-                        "no_ground": {"type": "string", "enum": ["true", "false"]},
-                    },
-                }
-            },
-        },
-    }
-}
+IMPORT_BODY = described(
+    LabelImportBody,
+    {
+        "format": {"type": "string", "enum": list(LABEL_FORMATS)},
+        "no_ground": {"type": "string", "enum": ["true", "false"]},
+    },
+)
 
 
 @router.post(
@@ -90,7 +73,7 @@ async def import_labels(
     elif kind not in ("", "application/json"):
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
-        body = _parse(await request.body())
+        body = parse_json(LabelImportBody, await request.body())
         gate: Gate = request.app.state.gate
         roots = workspace.import_roots(own=gate.is_own(request, who))
         (place,) = await run_in_threadpool(allowed, body.path, roots)
@@ -107,15 +90,6 @@ async def import_labels(
         )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
-
-
-def _parse(body: bytes) -> LabelImportBody:
-    try:
-        return LabelImportBody.model_validate_json(body)
-    except ValidationError as error:
-        found = error.errors()
-        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
-        raise kind(describe(found)) from None
 
 
 def _names(text: str | None) -> dict[int, ClassName]:

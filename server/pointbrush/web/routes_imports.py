@@ -19,9 +19,9 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.streaming.encoding import describe
-from pointbrush.streaming.status import MalformedError
 from pointbrush.web.auth import Caller, Gate
 from pointbrush.web.context import Ws
+from pointbrush.web.files_or_json import described, parse_json
 from pointbrush.web.kept_uploads import KeptUploads, Upload
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
@@ -39,43 +39,23 @@ TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
 """Options of a form that have no pattern of their own, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
 
-IMPORT_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "application/json": {"schema": ImportBody.model_json_schema()},
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["files"],
-                    "properties": {
-                        "files": {
-                            "type": "array",
-                            "minItems": 1,
-                            "items": {"type": "string", "format": "binary"},
-                        },
-                        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
-                        "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
-                        "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
-                        "format": {"type": "string", "enum": format_names()},
-                        "poses": {"type": "string", "enum": ["auto", "none"]},
-                        **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
-                        **{
-                            name: {"type": "string", "enum": [example]}
-                            for name, example in TEXTS.items()
-                        },
-                    },
-                }
-            },
-        },
-    }
-}
+IMPORT_BODY = described(
+    ImportBody,
+    {
+        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
+        "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
+        "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
+        "format": {"type": "string", "enum": format_names()},
+        "poses": {"type": "string", "enum": ["auto", "none"]},
+        **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
+        **{name: {"type": "string", "enum": [example]} for name, example in TEXTS.items()},
+    },
+)
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """An import that a call asks for; ``upload`` where its files were sent, ``cleanup`` to remove
-    when it has ended."""
+    """An import that a call asks for; ``upload`` where its files were sent."""
 
     paths: list[Path]
     options: ImportOptions
@@ -174,7 +154,7 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
         return await _uploaded(request, who.author)
     if kind not in ("", "application/json"):
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
-    body = _parse(await request.body())
+    body = parse_json(ImportBody, await request.body())
     if (body.path is None) == (body.upload is None):
         raise BadInputError(
             "path: expected a path or an upload, got "
@@ -205,15 +185,6 @@ def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
             f"poses: expected 'auto', 'none' or an uploaded file, got {options.poses[:80]!r}"
         )
     return options.model_copy(update={"poses": str(found)})
-
-
-def _parse(body: bytes) -> ImportBody:
-    try:
-        return ImportBody.model_validate_json(body)
-    except ValidationError as error:
-        found = error.errors()
-        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
-        raise kind(describe(found)) from None
 
 
 async def _uploaded(request: Request, owner: str) -> Wanted:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, model_validator
@@ -64,26 +64,10 @@ class ImportBody(ImportOptions):
     upload: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
 
 
-class PreviewOut(BaseModel):
+@dataclass(frozen=True)
+class PreviewOut(Preview):
     """What an import would do; ``upload`` names files that a preview was sent, for an hour."""
 
-    name: str
-    format: str
-    title: str
-    frames: int | None
-    fps: float
-    fps_from: str
-    order: str
-    points: list[dict[str, int]]
-    columns: list[dict[str, str]]
-    topics: list[dict[str, Any]]
-    cameras: list[dict[str, Any]]
-    poses: dict[str, Any] | None
-    units: dict[str, Any]
-    up: str
-    labels: bool
-    corrections: dict[str, Any]
-    warnings: list[str]
     upload: str | None = None
 
     @classmethod
