@@ -11,6 +11,7 @@ from pyarrow import feather
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import LabeledFrame, Limits, export, open_source
+from pointbrush.formats.box_labels import is_box_file, read_boxes
 from pointbrush.frame import PointFrame
 from tests.formats.test_exports import Label
 
@@ -197,3 +198,26 @@ def test_openpcdet_loads_points_boxes_and_splits(tmp_path: Path) -> None:
     assert abs(np.sin(box[6])) < 0.05
     inside = (np.abs(points[:, :3] - box[:3]) <= box[3:6] / 2 + 0.1).all(axis=1)
     assert inside.sum() >= 200
+
+
+def test_tracklets_of_a_raw_recording_are_boxes_on_their_bottom(tmp_path: Path) -> None:
+    poses = "".join(
+        f"<item><tx>{10 + i}</tx><ty>2</ty><tz>-1</tz><rx>0</rx><ry>0</ry><rz>1.5</rz></item>"
+        for i in range(2)
+    )
+    path = tmp_path / "tracklet_labels.xml"
+    path.write_text(
+        "<boost_serialization><tracklets><count>1</count><item><objectType>Car</objectType>"
+        "<h>1.6</h><w>1.8</w><l>4</l><first_frame>3</first_frame>"
+        f"<poses><count>2</count>{poses}</poses></item></tracklets></boost_serialization>"
+    )
+    assert is_box_file(path, "kitti-tracklets")
+    first, second = read_boxes(path, "kitti-tracklets")
+    assert (first.frame, second.frame) == (3, 4)
+    (box,) = second.boxes
+    assert (box.name, box.instance, box.size.tolist()) == ("Car", 1, [4, 1.8, 1.6])
+    assert box.center == pytest.approx([11, 2, -0.2])
+    assert box.rotation[:2, 0] == pytest.approx([np.cos(1.5), np.sin(1.5)])
+    path.write_text("<!DOCTYPE a [<!ENTITY b 'c'>]><tracklets/>")
+    with pytest.raises(BadInputError, match="entities"):
+        read_boxes(path, "kitti-tracklets")
