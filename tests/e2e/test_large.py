@@ -54,6 +54,9 @@ class Silent:
     def progress(self, fraction: float, message: str) -> None:
         """Nobody asked."""
 
+    def item(self, value: object) -> None:
+        """Nobody asked."""
+
 
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
