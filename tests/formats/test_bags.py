@@ -48,14 +48,17 @@ class Writer:
         self.number("I", len(data))
         self.out += data
 
+    def header(self, seconds: float, frame_id: str) -> None:
+        if not self.cdr:
+            self.number("I", 7)
+        self.number("I", int(seconds))
+        self.number("I", round(seconds % 1 * 1e9))
+        self.text(frame_id)
+
 
 def message(value: float, *, cdr: bool, big: bool = False, height: int = 2, width: int = 10):
     writer = Writer(cdr, big)
-    if not cdr:
-        writer.number("I", 7)
-    writer.number("I", 100 + int(value))
-    writer.number("I", 500_000_000)
-    writer.text("lidar")
+    writer.header(100.5 + int(value), "lidar")
     writer.number("I", height)
     writer.number("I", width)
     writer.number("I", len(FIELDS))

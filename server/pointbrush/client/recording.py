@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -177,6 +178,16 @@ class Frame:
         content = self._call("GET", "/points", params={"format": "npz"}).content
         with np.load(io.BytesIO(content), allow_pickle=False) as stored:
             return dict(stored.items())
+
+    def cameras(self) -> list[dict[str, Any]]:
+        """The cameras that took a picture: name, width, height, K, distortion, T_camera_frame."""
+        found: list[dict[str, Any]] = self._call("GET", "/cameras").json()
+        return found
+
+    def image(self, camera: str) -> bytes:
+        """The picture of a camera as it was imported: JPEG, PNG or WebP."""
+        content: bytes = self._call("GET", f"/images/{quote(camera, safe='')}").content
+        return content
 
     def annotation(self, layer: str = "label") -> Annotation:
         """A layer (N,): ``label``, ``provenance`` or ``deleted``, with its ``etag``."""

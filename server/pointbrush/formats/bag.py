@@ -59,13 +59,15 @@ class Clouds:
     """The point clouds of a bag that make a recording.
 
     ``order`` numbers the messages of ``topic`` that are its frames, by stamp; ``stamps`` are theirs
-    in that order, seconds.  ``sensors`` counts the messages of each frame id on the topic.
+    in that order, seconds.  ``sensor`` is their frame id; ``sensors`` counts the
+    messages of each frame id on the topic.
     """
 
     topic: str
     topics: tuple[Topic, ...]
     order: NDArray[np.int64]
     stamps: NDArray[np.float64]
+    sensor: str
     sensors: dict[str, int]
 
 
@@ -100,7 +102,7 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
     taken = np.array([i for i, head in enumerate(heads) if head[1] == sensor], np.int64)
     stamps = np.array([heads[i][0] for i in taken.tolist()], np.float64)
     order = np.argsort(stamps, kind="stable")
-    return Clouds(topic, tuple(topics), taken[order], stamps[order], dict(sensors))
+    return Clouds(topic, tuple(topics), taken[order], stamps[order], sensor, dict(sensors))
 
 
 def read_clouds(bag: Bag, found: Clouds, path: Path, options: ReadOptions) -> Iterator[PointFrame]:

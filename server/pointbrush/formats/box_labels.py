@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.kitti_cameras import camera_from_velodyne, read_calibration
 from pointbrush.formats.options import read_bytes
+from pointbrush.formats.poses import rigid_of
 
 Floats = NDArray[np.float64]
 CALIBRATIONS = ("calib.txt", "calib_velo_to_cam.txt")
-ROWS = {"Tr_velo_cam": 12, "Tr_velo_to_cam": 12, "Tr": 12, "R_rect": 9, "R0_rect": 9}
 IGNORED = {"dontcare"}
 
 
@@ -222,20 +223,11 @@ def _camera_from_velodyne(path: Path) -> Floats:
 
 
 def _calibration(path: Path) -> Floats:
-    found: dict[str, Floats] = {}
-    for line in path.read_text("utf-8", "replace").splitlines():
-        words = line.replace(":", " ").split()
-        if words and len(words) - 1 == ROWS.get(words[0]):
-            found[words[0]] = np.array([float(word) for word in words[1:]])
-    name = next((key for key in ("Tr_velo_cam", "Tr_velo_to_cam", "Tr") if key in found), None)
-    if name is None:
+    found = camera_from_velodyne(read_calibration(path))
+    found = rigid_of(path) if found is None else found
+    if found is None:
         raise BadInputError(f"{path.name}: expected a line 'Tr_velo_cam' of 12 numbers, got none")
-    T_cam_velo, R_rect = np.eye(4), np.eye(4)
-    T_cam_velo[:3] = found[name].reshape(3, 4)
-    for key in ("R_rect", "R0_rect"):
-        if key in found:
-            R_rect[:3, :3] = found[key].reshape(3, 3)
-    return np.asarray(R_rect @ T_cam_velo)
+    return found
 
 
 BOX_READERS: Mapping[str, Callable[[Path], Iterator[FrameBoxes]]] = MappingProxyType({

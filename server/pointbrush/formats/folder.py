@@ -12,10 +12,15 @@ import numpy as np
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.bag import Bag, find_clouds, read_clouds
+from pointbrush.formats.bag_pictures import bag_pictures
 from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.listing import FrameFile, Listing
+from pointbrush.formats.kitti_cameras import kitti_pictures
+from pointbrush.formats.listing import INNER, FrameFile, Listing
+from pointbrush.formats.nuscenes import nuscenes_beside
 from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.pictures import FILE as CAMERAS_FILE
+from pointbrush.formats.pictures import PictureSource, joined, read_cameras_file
 from pointbrush.formats.poses import Poses, find_poses, read_poses
 from pointbrush.formats.registry import Format, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
@@ -206,6 +211,7 @@ def list_files(
         )
         for i in order
     ]
+    pictures = _pictures(entry, [files[i] for i in order], folder, options) if whole else None
     by_time = find_time_file(folder) if times else None
     said = by_time.name if by_time else "the times in the file names" if times else ""
     times = sorted(times) if times else None
@@ -219,6 +225,7 @@ def list_files(
         order=f"by {said}" if said else "by number in the file names",
         rate_from=said if rate else "meta.json" if stated else "",
         poses_from=poses.source if poses else "",
+        pictures=pictures,
     )
 
 
@@ -243,7 +250,31 @@ def _bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions) 
         rate_from="the stamps of the messages" if fps else "",
         topics=found[0].topics,
         topic=found[0].topic,
+        pictures=joined(
+            [
+                (bag_pictures(bag, clouds, path), len(clouds.stamps))
+                for path, clouds in zip(files, found, strict=True)
+            ]
+        ),
     )
+
+
+def _pictures(
+    entry: Format, files: Sequence[Path], folder: Path, options: ReadOptions
+) -> PictureSource | None:
+    """Pictures of cameras beside the frames; those of a layout that do not fit are told of."""
+    names = [path.name for path in files]
+    for place in (folder, folder.parent) if folder.name.lower() in INNER else (folder,):
+        if (place / CAMERAS_FILE).is_file():
+            return read_cameras_file(place / CAMERAS_FILE, names, options.limits)
+    try:
+        if entry.name in ("nuscenes", "bin") and folder.parent.name in ("samples", "sweeps"):
+            return nuscenes_beside(files, folder, options.limits)[1]
+        if entry.name in ("kitti", "bin"):
+            return kitti_pictures(files, folder, options.limits)
+    except BadInputError as error:
+        log.warning("%s: the pictures are not used: %s", folder.name, error)
+    return None
 
 
 def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: ARG001 – a reader
@@ -270,6 +301,10 @@ def _poses(
     try:
         if entry.name == "feather":
             return argoverse_poses(folder.parent.parent, names, options.limits)
+        if entry.name == "nuscenes":
+            found, _ = nuscenes_beside(files, folder, options.limits)
+            if found is not None:
+                return found
         return find_poses(folder, names, times, above=kitti)
     except BadInputError as error:
         if kitti:

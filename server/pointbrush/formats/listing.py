@@ -7,7 +7,11 @@ from dataclasses import dataclass, field
 
 from pointbrush.formats.bag import Topic
 from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.pictures import PictureSource
 from pointbrush.frame import PointFrame
+
+INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")
+"""Folders within a recording, which say nothing about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +27,7 @@ class Listing:
     """The frames of a folder; ``count`` is None where a file holds an unknown number.
 
     ``order`` and ``rate_from`` say in words what the order and ``fps`` come from, ``poses_from``
-    the file of poses; ``topics`` are those of a bag.
+    the file of poses; ``topics`` are those of a bag; ``pictures`` those of cameras, by frame.
     """
 
     format: str
@@ -36,3 +40,4 @@ class Listing:
     poses_from: str = ""
     topics: tuple[Topic, ...] = ()
     topic: str = ""
+    pictures: PictureSource | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,40 +12,12 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns, unpack_rgb
 from pointbrush.formats.options import Extras, ReadOptions, require_count
+from pointbrush.formats.ros_message import Message, cut_off, reader_of
 from pointbrush.frame import PointFrame
 
 TYPES = ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2")
 KINDS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
 MAX_FIELDS = 256
-
-
-@dataclass(slots=True)
-class _Reader:
-    """A cursor over serialised bytes; CDR aligns numbers to their size and ends texts in NUL."""
-
-    data: bytes
-    at: int
-    order: str
-    aligned: bool
-    base: int
-
-    def number(self, kind: str) -> Any:
-        size = struct.calcsize("=" + kind)
-        if self.aligned:
-            self.at += -(self.at - self.base) % size
-        (value,) = struct.unpack_from(self.order + kind, self.data, self.at)
-        self.at += size
-        return value
-
-    def text(self) -> str:
-        return self.bytes(self.number("I")).rstrip(b"\0").decode("utf-8", "replace")
-
-    def bytes(self, length: int) -> bytes:
-        part = self.data[self.at : self.at + length]
-        if len(part) < length:
-            raise struct.error
-        self.at += length
-        return part
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,28 +33,12 @@ class PointCloud2:
     data: bytes
 
 
-class Message(Protocol):
-    """A serialised message."""
-
-    @property
-    def encoding(self) -> str:
-        """Return ``ros1`` or ``cdr``."""
-
-    @property
-    def time(self) -> float:
-        """Return when it was recorded, in seconds."""
-
-    @property
-    def data(self) -> bytes:
-        """Return its bytes."""
-
-
 def head_of_message(name: str, message: Message) -> tuple[float, str]:
     """Stamp in seconds, and frame id; raises BadInputError for a message that is cut off."""
     try:
-        return _head(_reader(name, message))
+        return reader_of(name, message).head()
     except struct.error:
-        raise _cut_off(name, message) from None
+        raise cut_off(name, "PointCloud2", message) from None
 
 
 def frame_of_message(name: str, message: Message, options: ReadOptions) -> PointFrame:
@@ -94,7 +50,7 @@ def frame_of_message(name: str, message: Message, options: ReadOptions) -> Point
     try:
         cloud = _parse(name, message)
     except struct.error:
-        raise _cut_off(name, message) from None
+        raise cut_off(name, "PointCloud2", message) from None
     require_count(name, cloud.height * cloud.width, options.limits)
     rows = _rows(name, cloud)
     columns: dict[str, NDArray[Any]] = {field: rows[field] for field in rows.dtype.names or ()}
@@ -108,31 +64,9 @@ def frame_of_message(name: str, message: Message, options: ReadOptions) -> Point
     return frame_from_columns(name, columns, options, missing=True, extras=extras)
 
 
-def _cut_off(name: str, message: Message) -> BadInputError:
-    return BadInputError(
-        f"{name}: expected a PointCloud2 message, got {len(message.data)} bytes; it is cut off"
-    )
-
-
-def _reader(name: str, message: Message) -> _Reader:
-    data = message.data
-    if message.encoding != "cdr":
-        return _Reader(data, 0, "<", False, 0)
-    if len(data) < 4 or data[1] not in (0, 1):
-        raise BadInputError(f"{name}: expected a CDR message, got other bytes")
-    return _Reader(data, 4, "<" if data[1] else ">", True, 4)
-
-
-def _head(reader: _Reader) -> tuple[float, str]:
-    if not reader.aligned:
-        reader.number("I")  # ROS 1: sequence number
-    seconds, nanoseconds = reader.number("I"), reader.number("I")
-    return seconds + nanoseconds / 1e9, reader.text()
-
-
 def _parse(name: str, message: Message) -> PointCloud2:
-    reader = _reader(name, message)
-    time, _ = _head(reader)
+    reader = reader_of(name, message)
+    time, _ = reader.head()
     height, width = reader.number("I"), reader.number("I")
     count = reader.number("I")
     if count > MAX_FIELDS:

@@ -18,14 +18,12 @@ from pointbrush.formats.archive import ENDINGS, is_archive, unpack
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.folder import frames_among, list_files, list_folder
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.listing import FrameFile, Listing
+from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
+from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import in_order, rate_of
 from pointbrush.frame import PointFrame
-
-# Folders within a recording, which say nothing about it.
-INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")
 
 
 @dataclass
@@ -33,7 +31,8 @@ class Source:
     """A recording about to be read.
 
     ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
-    their number and ``fps`` their rate, where the files tell; ``listings`` what was found where.
+    their number and ``fps`` their rate, where the files tell; ``listings`` what was found where;
+    ``scale`` metres for a unit of the files.
     ``close`` removes temporary files; exhausting or dropping ``frames`` does too.
     """
 
@@ -42,10 +41,20 @@ class Source:
     fps: float | None
     name: str
     listings: Sequence[Listing] = ()
+    scale: float = 1.0
     _temporary: list[Path] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._finalizer = weakref.finalize(self, _remove, list(self._temporary))
+
+    @property
+    def pictures(self) -> PictureSource | None:
+        """Pictures of cameras beside the frames, or None; read them before ``close``."""
+        counts = [listing.count for listing in self.listings]
+        if None in counts:
+            return None
+        found = [(each.pictures, each.count or 0) for each in self.listings]
+        return joined(found, self.scale)
 
     def __enter__(self) -> Source:
         return self
@@ -114,7 +123,7 @@ def open_source(
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
     frames = map(chosen.applied, _frames(listings, options))
-    return Source(frames, count, fps, source_name(paths), listings, temporary)
+    return Source(frames, count, fps, source_name(paths), listings, chosen.scale, temporary)
 
 
 def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from itertools import chain
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.pictures import PictureSource
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.ahead import WORKERS, ahead
 from pointbrush.sequences.arrays import digest, file_digest, map_npy, write_arrays
@@ -23,6 +24,7 @@ from pointbrush.sequences.grid import GridChooser
 from pointbrush.sequences.large import LargeFrame
 from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
 from pointbrush.sequences.other import write_other
+from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import Record, make_manifest, record
 from pointbrush.sequences.store import FRAMES
 
@@ -49,11 +51,13 @@ def import_frames(
     progress: Progress = _silent,
     source: str = "",
     up: str | None = None,
+    pictures: PictureSource | None = None,
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
     ``progress`` gets a fraction 0..1 and a message after each frame; what it raises cancels.
-    ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known.
+    ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known; ``pictures`` are kept
+    beside the frames.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
     """
@@ -70,7 +74,8 @@ def import_frames(
         if not records:
             raise BadInputError("expected at least one frame, got none")
         manifest = make_manifest(records, grid_of.grid, sequence_id, name, fps, source, up)
-        _complete(folder, manifest, records)
+        kept = {} if pictures is None else write_pictures(folder, len(records), pictures.pictures())
+        _complete(folder, manifest, records, kept)
     return manifest
 
 
@@ -114,7 +119,7 @@ def import_large(
         grid = GridChooser()(head)
         records = [_store_large(chain(head, parts), 0, grid, folder, total_points, progress)]
         manifest = make_manifest(records, grid, sequence_id, name, fps, source, up)
-        _complete(folder, manifest, records)
+        _complete(folder, manifest, records, {})
         progress(1.0, f"imported {manifest.points[0]:,} points")
     return manifest
 
@@ -124,9 +129,14 @@ def _check_fps(fps: float) -> None:
         raise BadInputError(f"fps: expected a positive number, got {fps}")
 
 
-def _complete(folder: Path, manifest: Manifest, records: list[Record]) -> None:
+def _complete(
+    folder: Path, manifest: Manifest, records: list[Record], beside: Mapping[str, str]
+) -> None:
+    """Write manifest and checksums; ``beside`` are those of files that no record has."""
     write_file(folder / FILE, encode_manifest(manifest))
-    checksums = {key: value for stored in records for key, value in stored.checksums.items()}
+    checksums = dict(beside)
+    for stored in records:
+        checksums |= stored.checksums
     write_file(folder / CHECKSUMS, encode_checksums(checksums))
 
 

@@ -18,6 +18,7 @@ from pointbrush.web import (
     page,
     problems,
     routes_annotations,
+    routes_cameras,
     routes_edits,
     routes_export,
     routes_frames,
@@ -43,9 +44,9 @@ from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
-    routes_meta, routes_sequences, routes_imports, routes_frames, routes_labels, routes_palette,
-    routes_taxonomy, routes_edits, routes_objects, routes_annotations, routes_tracking,
-    routes_export, routes_jobs,
+    routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
+    routes_palette, routes_taxonomy, routes_edits, routes_objects, routes_annotations,
+    routes_tracking, routes_export, routes_jobs,
 )  # fmt: skip
 
 

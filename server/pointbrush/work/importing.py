@@ -84,6 +84,7 @@ class ImportWork:
                 fps=self.fps or source.fps or DEFAULT_FPS,
                 total=source.count,
                 progress=channel.progress,
+                pictures=source.pictures,
                 **about,
             )
 

@@ -21,6 +21,7 @@ from pointbrush.formats.corrections import AXES, Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.listing import Listing
 from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.pictures import PictureSource
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.reports import reported
 from pointbrush.formats.source import open_source
@@ -131,7 +132,7 @@ def preview(request: PreviewRequest) -> Preview:
             points=[{"points": len(f), "left_out": f.dropped} for f in frames],
             columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
             topics=_topics(listing),
-            cameras=[],
+            cameras=_cameras(source.pictures),
             poses=poses,
             units={"name": units.name, "scale": units.scale, "extent": list(units.extent)},
             up=chosen.up or _up(first),
@@ -171,6 +172,13 @@ def _topics(listing: Listing) -> list[dict[str, Any]]:
             "read": topic.name == listing.topic.partition(SENSOR)[0],
         }
         for topic in listing.topics
+    ]
+
+
+def _cameras(pictures: PictureSource | None) -> list[dict[str, Any]]:
+    return [
+        {"name": each.name, "projects": each.K is not None and each.T_camera_frame is not None}
+        for each in (pictures.cameras if pictures is not None else ())
     ]
 
 

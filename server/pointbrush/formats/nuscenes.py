@@ -1,0 +1,137 @@
+"""nuScenes' tables beside its sweeps: poses of the scanner, and the cameras' pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.options import Limits
+from pointbrush.formats.pictures import Camera, PictureSource, of_files
+from pointbrush.formats.poses import Pose, Poses, of_quaternion
+
+TABLES = ("sample_data", "calibrated_sensor", "ego_pose")
+STAMP = re.compile(r"__(\d{16})\.")
+"""Microseconds at the end of a file's name."""
+MOST_APART = 100_000
+"""Microseconds between a sweep and the picture that is taken for it, where no table pairs them."""
+
+Record = dict[str, Any]
+
+
+def nuscenes_beside(
+    files: Sequence[Path], folder: Path, limits: Limits
+) -> tuple[Poses | None, PictureSource | None]:
+    """Poses of the sweeps ``files`` in ``samples/LIDAR_TOP`` by the tables, and their pictures.
+
+    The world is the first sweep's vehicle.  Without tables, or a line for each file in them, there
+    are no poses, and pictures are those of the nearest time, their cameras not known.  Raises
+    BadInputError for damaged tables.
+    """
+    top = folder.parent.parent
+    tables = next((p.parent for p in sorted(top.glob("v1.0-*/sample_data.json"))), None)
+    if tables is None:
+        return None, _by_time(files, folder, limits)
+    data, sensors, egos = (_table(tables / f"{name}.json") for name in TABLES)
+    by_token = {
+        "calibrated_sensor_token": {str(each.get("token")): each for each in sensors},
+        "ego_pose_token": {str(each.get("token")): each for each in egos},
+    }
+    by_name = {Path(str(each.get("filename"))).name: each for each in data}
+    if any(path.name not in by_name for path in files):
+        return None, _by_time(files, folder, limits)
+    scans = [by_name[path.name] for path in files]
+    chains = [_world_from_sensor(scan, by_token) for scan in scans]
+    to_first = np.linalg.inv(chains[0]) if chains else np.eye(4)
+    poses = Poses([to_first @ chain for chain in chains], tables.name)
+
+    of_sample: dict[str, list[Record]] = {}
+    for each in data:
+        if each.get("is_key_frame") and str(each.get("filename")).endswith((".jpg", ".png")):
+            of_sample.setdefault(str(each.get("sample_token")), []).append(each)
+    rows: list[dict[Camera, Path]] = []
+    for scan, T_world_scan in zip(scans, chains, strict=True):
+        row = {}
+        for each in of_sample.get(str(scan.get("sample_token")), []):
+            path = top / str(each["filename"])
+            if path.is_file():
+                T_camera_frame = np.linalg.inv(_world_from_sensor(each, by_token)) @ T_world_scan
+                sensor = _of(each, "calibrated_sensor_token", by_token)
+                row[_camera(path.parent.name, sensor, T_camera_frame)] = path
+        rows.append(dict(sorted(row.items(), key=lambda item: item[0].name)))
+    first = next((row for row in rows if row), {})
+    return poses, of_files(top, rows, list(first), limits)
+
+
+def _table(path: Path) -> list[Record]:
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        raise BadInputError(f"{path.name}: expected a table of nuScenes, {error}") from None
+    if not isinstance(content, list) or not all(isinstance(each, dict) for each in content):
+        raise BadInputError(f"{path.name}: expected a table of nuScenes, a list of records")
+    return content
+
+
+def _of(record: Record, key: str, by_token: dict[str, dict[str, Record]]) -> Record:
+    found = by_token[key].get(str(record.get(key)))
+    if found is None:
+        raise BadInputError(f"sample_data.json: {record.get('filename')}: its {key} is not there")
+    return found
+
+
+def _world_from_sensor(record: Record, by_token: dict[str, dict[str, Record]]) -> Pose:
+    ego = _rigid(_of(record, "ego_pose_token", by_token), "ego_pose.json")
+    sensor = _rigid(_of(record, "calibrated_sensor_token", by_token), "calibrated_sensor.json")
+    return np.asarray(ego @ sensor)
+
+
+def _rigid(record: Record, where: str) -> Pose:
+    """The transform of a record with ``translation`` and ``rotation`` (w, x, y, z)."""
+    try:
+        w, x, y, z = (float(value) for value in record["rotation"])
+        row = np.array([*map(float, record["translation"]), x, y, z, w])
+    except (KeyError, TypeError, ValueError):
+        row = np.empty(0)
+    if row.shape != (7,) or not np.isfinite(row).all():
+        raise BadInputError(f"{where}: expected translation (3) and rotation (4) in each record")
+    return of_quaternion(where, row)
+
+
+def _camera(name: str, sensor: Record, T_camera_frame: Pose) -> Camera:
+    K = np.array(sensor.get("camera_intrinsic") or [], np.float64)
+    if K.shape != (3, 3):
+        return Camera(name, None, T_camera_frame)
+    return Camera(name, K, T_camera_frame)
+
+
+def _by_time(files: Sequence[Path], folder: Path, limits: Limits) -> PictureSource | None:
+    """Pictures in folders ``CAM_…`` beside the sweeps', by the times in their names."""
+    rows: list[dict[Camera, Path]] = [{} for _ in files]
+    cameras = []
+    for place in sorted(folder.parent.glob("CAM_*")):
+        stamped = sorted(_stamped(place))
+        if not stamped:
+            continue
+        camera = Camera(place.name)
+        cameras.append(camera)
+        stamps = np.array([stamp for stamp, _ in stamped])
+        for row, path in zip(rows, files, strict=True):
+            found = STAMP.search(path.name)
+            if found is not None:
+                nearest = int(np.abs(stamps - int(found[1])).argmin())
+                if abs(int(stamps[nearest]) - int(found[1])) <= MOST_APART:
+                    row[camera] = stamped[nearest][1]
+    return of_files(folder.parent.parent, rows, cameras, limits)
+
+
+def _stamped(place: Path) -> Iterator[tuple[int, Path]]:
+    for path in place.iterdir():
+        found = STAMP.search(path.name)
+        if found is not None and path.suffix.lower() in (".jpg", ".png"):
+            yield int(found[1]), path

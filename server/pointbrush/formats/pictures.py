@@ -1,0 +1,260 @@
+"""Camera pictures beside a recording: cameras, what they project, and a ``cameras.json``."""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.inside import is_inside
+from pointbrush.formats.options import Limits
+
+log = logging.getLogger(__name__)
+Matrix = NDArray[np.float64]
+FILE = "cameras.json"
+ENDINGS = {"JPEG": ".jpg", "PNG": ".png", "WEBP": ".webp"}
+"""Kinds of pictures that are kept, by Pillow's name: those that every browser shows."""
+MAX_BYTES = 64 * 2**20
+"""Of one picture."""
+MAX_CAMERAS = 64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Camera:
+    """How a camera sees a frame.
+
+    ``K`` (3, 3) pixels, ``distortion`` the coefficients of ``model`` (OpenCV's order for
+    ``plumb_bob``), ``T_camera_frame`` (4, 4) from the frame's points to the camera, z ahead and y
+    down.  What is not known is None: such pictures are shown, but nothing projects into them.
+    """
+
+    name: str
+    K: Matrix | None = None
+    T_camera_frame: Matrix | None = None
+    distortion: tuple[float, ...] = ()
+    model: str = "plumb_bob"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture:
+    """A picture as it came, of a frame; ``ending`` tells its kind, sizes are in pixels."""
+
+    frame: int
+    camera: Camera
+    content: bytes
+    ending: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, slots=True)
+class PictureSource:
+    """The pictures of a recording: its cameras, and all pictures, in any order."""
+
+    cameras: tuple[Camera, ...]
+    pictures: Callable[[], Iterator[Picture]]
+
+
+def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
+    """A picture of ``content``; raises BadInputError, naming ``name``, for what is none."""
+    try:
+        with Image.open(io.BytesIO(content)) as image:
+            (width, height), kind = image.size, image.format or ""
+    except (UnidentifiedImageError, OSError, ValueError, Image.DecompressionBombError) as error:
+        raise BadInputError(f"{name}: expected a picture, {error}") from None
+    if kind not in ENDINGS:
+        raise BadInputError(f"{name}: expected a JPEG, PNG or WebP picture, got {kind}")
+    return Picture(frame, camera, content, ENDINGS[kind], width, height)
+
+
+def of_files(
+    base: Path, rows: Sequence[Mapping[Camera, Path]], cameras: Sequence[Camera], limits: Limits
+) -> PictureSource | None:
+    """Pictures in files, those of each frame by camera; None where there is no picture.
+
+    Files must lie, their links followed, in ``base`` (and in ``limits.roots``).
+    """
+    if not any(rows):
+        return None
+    roots = (base.resolve(),)
+
+    def read_one(index: int, camera: Camera, path: Path) -> Picture:
+        if not all(is_inside(path.absolute(), each) for each in (roots, limits.roots) if each):
+            raise BadInputError(f"{path.name}: expected a picture within {base.name}")
+        return picture(index, camera, _content(path), path.name)
+
+    return PictureSource(
+        tuple(cameras),
+        lambda: readable(
+            partial(read_one, index, camera, path)
+            for index, row in enumerate(rows)
+            for camera, path in row.items()
+        ),
+    )
+
+
+def readable(pictures: Iterable[Callable[[], Picture]]) -> Iterator[Picture]:
+    """Pictures without those that cannot be read, which a warning counts."""
+    failed, first = 0, ""
+    for read in pictures:
+        try:
+            yield read()
+        except (BadInputError, TooLargeError) as error:
+            failed, first = failed + 1, first or str(error)
+    if failed:
+        log.warning("%d picture(s) of cameras are left out; the first: %s", failed, first)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise TooLargeError(
+                f"{path.name}: expected a picture of at most {MAX_BYTES:,} bytes, got {size:,}"
+            )
+        return path.read_bytes()
+    except OSError as error:
+        raise BadInputError(f"{path.name}: expected a picture, {error.strerror}") from None
+
+
+def joined(
+    sources: Sequence[tuple[PictureSource | None, int]], scale: float = 1.0
+) -> PictureSource | None:
+    """The pictures of recordings that are read one after the other, each of a number of frames.
+
+    ``scale`` is that of the points, which places of cameras are in too.
+    """
+    found = [source for source, _ in sources if source is not None]
+    if not found:
+        return None
+
+    def read() -> Iterator[Picture]:
+        first = 0
+        for source, count in sources:
+            for each in source.pictures() if source is not None else ():
+                camera = each.camera if scale == 1.0 else _scaled(each.camera, scale)
+                yield replace(each, frame=each.frame + first, camera=camera)
+            first += count
+
+    return PictureSource(found[0].cameras, read)
+
+
+def _scaled(camera: Camera, scale: float) -> Camera:
+    if camera.T_camera_frame is None:
+        return camera
+    moved = camera.T_camera_frame.copy()
+    moved[:3, 3] *= scale
+    return replace(camera, T_camera_frame=moved)
+
+
+# ── cameras.json ─────────────────────────────────────────────────────────────────────────────
+
+
+def read_cameras_file(path: Path, names: Sequence[str], limits: Limits) -> PictureSource | None:
+    """Read a ``cameras.json`` beside frames in files called ``names``.
+
+    ``{"cameras": [{"name", "K", "distortion", "T_camera_frame", "files"}]}``: ``files`` lists a
+    picture (or null) for each frame, or maps names of frames to pictures; paths are relative to
+    the file.  Raises BadInputError saying which entry is not so.
+    """
+    try:
+        content = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise BadInputError(f"{FILE}: expected JSON, {error}") from None
+    entries = content.get("cameras") if isinstance(content, dict) else content
+    if isinstance(entries, dict):
+        entries = [{"name": name, **entry} for name, entry in entries.items()]
+    if not isinstance(entries, list) or not all(isinstance(each, dict) for each in entries):
+        raise BadInputError(f"{FILE}: expected a list of cameras")
+    if len(entries) > MAX_CAMERAS:
+        raise TooLargeError(f"{FILE}: expected at most {MAX_CAMERAS} cameras, got {len(entries)}")
+    cameras: list[Camera] = []
+    rows: list[dict[Camera, Path]] = [{} for _ in names]
+    for number, entry in enumerate(entries):
+        where = f"{FILE}: camera {number}"
+        camera = _camera(where, entry)
+        if camera.name in [each.name for each in cameras]:
+            raise BadInputError(f"{where}: expected a name of its own, got {camera.name!r} again")
+        cameras.append(camera)
+        for index, file in _files_of(where, entry.get("files"), names):
+            rows[index][camera] = path.parent / file
+    return of_files(path.parent, rows, cameras, limits)
+
+
+def _camera(where: str, entry: Mapping[str, Any]) -> Camera:
+    name = entry.get("name")
+    if not isinstance(name, str) or not 0 < len(name) <= 200 or "/" in name:
+        raise BadInputError(f"{where}: expected a name without '/', got {name!r}")
+    distortion = _numbers(where, "distortion", entry.get("distortion") or [])
+    K = entry.get("K", entry.get("intrinsics"))
+    if isinstance(K, dict):
+        K = _of_focal_lengths(where, K)
+    return Camera(
+        name,
+        None if K is None else _shaped(where, "K", K, 3),
+        None
+        if entry.get("T_camera_frame") is None
+        else _shaped(where, "T_camera_frame", entry["T_camera_frame"], 4),
+        tuple(distortion.tolist()),
+        str(entry.get("model", "plumb_bob"))[:60],
+    )
+
+
+def _of_focal_lengths(where: str, given: Mapping[str, Any]) -> list[Any]:
+    missing = [key for key in ("fx", "fy", "cx", "cy") if key not in given]
+    if missing:
+        raise BadInputError(f"{where}: expected intrinsics fx, fy, cx, cy, got no {missing[0]}")
+    return [given["fx"], 0, given["cx"], 0, given["fy"], given["cy"], 0, 0, 1]
+
+
+def _numbers(where: str, key: str, value: object) -> Matrix:
+    try:
+        numbers = np.array(value, np.float64).ravel()
+    except (TypeError, ValueError):
+        numbers = np.array([np.nan])
+    if numbers.size > 64 or not np.isfinite(numbers).all():
+        raise BadInputError(f"{where}: expected {key} in numbers, got something else")
+    return numbers
+
+
+def _shaped(where: str, key: str, value: object, side: int) -> Matrix:
+    numbers = _numbers(where, key, value)
+    if numbers.size != side * side:
+        raise BadInputError(f"{where}: expected {key} as {side}x{side} numbers, got {numbers.size}")
+    return numbers.reshape(side, side)
+
+
+def _files_of(where: str, given: object, names: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Frame and file of the pictures that an entry lists."""
+    if isinstance(given, dict):
+        numbers = {name: i for i, name in enumerate(names)}
+        numbers |= {Path(name).stem: i for i, name in enumerate(names)}
+        numbers |= {str(i): i for i in range(len(names)) if str(i) not in numbers}
+        unknown = [key for key in given if key not in numbers]
+        if unknown:
+            raise BadInputError(f"{where}: expected names of frames in files, got {unknown[0]!r}")
+        pairs = [(numbers[key], file) for key, file in given.items()]
+    elif isinstance(given, list):
+        if len(given) != len(names):
+            raise BadInputError(
+                f"{where}: expected a file for each of {len(names)} frames, got {len(given)}"
+            )
+        pairs = list(enumerate(given))
+    else:
+        raise BadInputError(f"{where}: expected files, a list with one for each frame")
+    for index, file in pairs:
+        if file is None:
+            continue
+        if not isinstance(file, str) or Path(file).is_absolute() or ".." in Path(file).parts:
+            raise BadInputError(f"{where}: expected files below the folder of {FILE}, got {file!r}")
+        yield index, file
