@@ -87,6 +87,7 @@ def parser() -> argparse.ArgumentParser:
     labels_.add_argument(
         "--no-ground", action="store_true", help="leave the ground out of each box"
     )
+    labels_.add_argument("--field", help="the field of the points that is labels")
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
     _settings(labels_, "workspace", "database", "database_password_file", "max_frame_points")
 

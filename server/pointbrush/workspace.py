@@ -273,13 +273,15 @@ class Workspace:
         names: Mapping[int, ClassName] | None = None,
         dry_run: bool = False,
         no_ground: bool = False,
+        field: str | None = None,
         roots: Sequence[Path] = (),
         cleanup: Path | None = None,
     ) -> Job:
         """Import labels made elsewhere as one edit, in a job whose result reports what was found.
 
         ``names`` are class names by number; ``dry_run`` writes nothing; ``no_ground`` leaves the
-        ground out of boxes; ``cleanup`` is removed when the job has ended.  Raises NotFoundError.
+        ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
+        removed when the job has ended.  Raises NotFoundError.
         """
 
         def done() -> None:
@@ -287,7 +289,13 @@ class Workspace:
                 shutil.rmtree(cleanup, ignore_errors=True)
 
         request = LabelRequest(
-            place.absolute(), label_format, dict(names or {}), dry_run, no_ground, tuple(roots)
+            place.absolute(),
+            label_format,
+            dict(names or {}),
+            dry_run,
+            no_ground,
+            field,
+            tuple(roots),
         )
         return self._label_imports.start(self.recording(sequence), request, author, done)
 

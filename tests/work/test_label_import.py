@@ -19,6 +19,8 @@ from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
 COUNTS = (40, 50, 60)
+START = 1532402927.647951
+"""Seconds of the first frame."""
 IMPORTED = 3
 
 
@@ -28,9 +30,9 @@ def xyz(frame: int) -> np.ndarray:
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    for name in ("drive", "again"):
+    for name in ("drive", "again", "boston"):
         import_frames(
-            (PointFrame(xyz(k)) for k in range(3)),
+            (PointFrame(xyz(k), timestamp=START + k / 2) for k in range(3)),
             tmp_path / "ws" / "sequences" / name,
             sequence_id=name,
             name=name,
@@ -121,6 +123,42 @@ def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
         np.full(count, 50, np.uint8).tofile(tmp_path / "other" / f"{k}_lidarseg.bin")
     told = run(workspace, tmp_path / "other", dry_run=True).result
     assert told["unknown_classes"] == [50]
+
+
+def test_nuscenes_labels_named_by_tokens_are_of_the_frames_of_the_tables(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    folder = tmp_path / "lidarseg" / "v1.0-mini"
+    folder.mkdir(parents=True)
+    tokens = {0: "c" * 32, 2: "a" * 32}  # whose natural order is not that of time
+    for frame, token in tokens.items():
+        np.full(COUNTS[frame], 17 + frame, np.uint8).tofile(folder / f"{token}_lidarseg.bin")
+    job = run(workspace, folder, "boston", dry_run=True)
+    assert job.state == "failed"
+    assert "expected nuScenes' tables" in str(job.error)
+    rows = [
+        {"token": token, "timestamp": 1532402927647951 + frame * 500_000}
+        for frame, token in tokens.items()
+    ]
+    (tmp_path / "v1.0-mini").mkdir()
+    (tmp_path / "v1.0-mini" / "sample_data.json").write_text(json.dumps(rows))
+    job = run(workspace, folder, "boston")
+    assert job.state == "done", job.error
+    assert [frame["frame"] for frame in job.result["frames"]] == [2, 0]
+    assert set(labels(workspace, 0, "boston")) == {"vehicle.car"}
+    assert set(labels(workspace, 2, "boston")) == {"vehicle.emergency.ambulance"}
+
+
+def test_labels_are_a_field_that_is_named(workspace: Workspace, tmp_path: Path) -> None:
+    for k, count in enumerate(COUNTS):
+        table = np.column_stack([xyz(k), np.arange(count) % 3])
+        rows = [f"{x:.4f},{y:.4f},{z:.4f},{plant:.0f}" for x, y, z, plant in table]
+        (tmp_path / f"frame {k}.csv").write_text("\n".join(["x,y,z,plant", *rows]))
+    job = run(workspace, tmp_path, field="stem")
+    assert "expected columns of x, y, z, plant, got 'stem'" in str(job.error)
+    job = run(workspace, tmp_path, field="plant")
+    assert job.state == "done", job.error
+    assert labels(workspace, 0)[:4] == ["", "class 1", "class 2", ""]
 
 
 EXPORTED = ["ply", "pcd", "npz", "csv", "las", "semantickitti", "labels-only"]

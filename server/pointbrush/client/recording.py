@@ -104,17 +104,22 @@ class Recording:
         *,
         format: str | None = None,
         map: str | None = None,
+        field: str | None = None,
+        no_ground: bool = False,
         dry_run: bool = False,
         progress: bool = False,
     ) -> dict[str, Any]:
         """Import labels made elsewhere, from files here or a path on the server.
 
-        ``map`` names classes: JSON, or lines ``number name``.  Returns the report.
+        ``map`` names classes: JSON, or lines ``number name``; ``field`` is that of the points that
+        is labels; ``no_ground`` leaves the ground out of boxes.  Returns the report.
         """
         from pointbrush.client.connection import opened
 
-        given = {"format": format, "map": map}
+        given = {"format": format, "map": map, "field": field}
         fields = {name: value for name, value in given.items() if value is not None}
+        if no_ground:
+            fields["no_ground"] = "true"
         query = {"dry_run": str(dry_run).lower()}
         if isinstance(files, str):
             body = {"path": files, **fields}

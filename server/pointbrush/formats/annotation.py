@@ -22,6 +22,7 @@ from pointbrush.formats.columns import without_marks
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
 from pointbrush.formats.npy import require_array_header
+from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import SourceLabel, labels_of_packed, own_palette
 from pointbrush.formats.registry import format_by_name
@@ -68,6 +69,14 @@ class LabelFiles:
     def read(self, path: Path, options: ReadOptions) -> PointLabels:
         """Return the labels of one file.  Raises BadInputError, TooLargeError."""
         return READERS[self.format](path, options)
+
+
+def _by_time(stamps: list[float], times: Sequence[float | None], frames: int) -> list[int | None]:
+    known = {round(t * 1e3): index for index, t in enumerate(times) if t is not None}
+    if not known and len(stamps) == frames:
+        ranks = np.argsort(np.argsort(stamps))
+        return [int(rank) for rank in ranks]
+    return [known.get(round(stamp * 1e3)) for stamp in stamps]
 
 
 def find_label_files(
@@ -310,11 +319,17 @@ def _entry(name: str, key: str, value: object) -> tuple[int, ClassName]:
     return int(key), ClassName(str(text).strip(), color)
 
 
-def frames_of(paths: Sequence[Path], frames: int) -> list[int | None]:
+def frames_of(
+    paths: Sequence[Path], frames: int, times: Sequence[float | None] = ()
+) -> list[int | None]:
     """Return the frame that each file is of: one each in order, or by the numbers that name them.
 
-    None for a file whose number is of no frame.
+    nuScenes' files named by tokens are of the frames of their times in the tables; ``times`` are
+    those of the frames, seconds.  None for a file whose number or time is of no frame.
     """
+    stamps = label_times(paths)
+    if stamps:
+        return _by_time([stamps[path] for path in paths], times, frames)
     if len(paths) == frames:
         return list(range(frames))
     found: list[int | None] = []

@@ -15,6 +15,10 @@ from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import Pose, Poses, of_quaternion
 
+TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
+"""Names of label files, which tell only by a table what they are of."""
+LEVELS = 3
+"""Folders above label files in which tables are looked for."""
 TABLES = ("sample_data", "calibrated_sensor", "ego_pose")
 STAMP = re.compile(r"__(\d{16})\.")
 """Microseconds at the end of a file's name."""
@@ -66,6 +70,32 @@ def nuscenes_beside(
         rows.append(dict(sorted(row.items(), key=lambda item: item[0].name)))
     first = next((row for row in rows if row), {})
     return poses, of_files(top, rows, list(first), limits)
+
+
+def label_times(paths: Sequence[Path]) -> dict[Path, float]:
+    """Seconds of the sweeps that label files named by tokens are of, by the tables above them.
+
+    {} where files have other names.  Raises BadInputError where there are several and no table.
+    """
+    tokens = {path: found[1] for path in paths if (found := TOKEN.fullmatch(path.name))}
+    if len(tokens) < len(paths) or len(paths) < 2:
+        return {}
+    places = paths[0].parents[: LEVELS + 1]
+    table = next((t for p in places for t in sorted(p.glob("v1.0-*/sample_data.json"))), None)
+    if table is None:
+        raise BadInputError(
+            f"{paths[0].name}: expected nuScenes' tables (v1.0-*/sample_data.json) in a folder "
+            "above: names that are tokens do not tell which sweeps the labels are of"
+        )
+    stamps = {str(each.get("token")): each.get("timestamp") for each in _table(table)}
+    missing = [path.name for path, token in tokens.items() if not _is_time(stamps.get(token))]
+    if missing:
+        raise BadInputError(f"{table.name}: expected a record of {missing[0]}, got none")
+    return {path: float(stamps[token] or 0) / 1e6 for path, token in tokens.items()}
+
+
+def _is_time(value: object) -> bool:
+    return isinstance(value, int | float) and value > 0
 
 
 def _table(path: Path) -> list[Record]:

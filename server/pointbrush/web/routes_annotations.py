@@ -40,6 +40,7 @@ class LabelImportBody(Body):
     format: Annotated[str, Field(pattern=one_of(list(LABEL_FORMATS)))] | None = None
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
     no_ground: bool = False
+    field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
 
 
 IMPORT_BODY = described(
@@ -47,6 +48,7 @@ IMPORT_BODY = described(
     {
         "format": {"type": "string", "enum": list(LABEL_FORMATS)},
         "no_ground": {"type": "string", "enum": ["true", "false"]},
+        "field": {"type": "string", "maxLength": 200},
     },
 )
 
@@ -86,6 +88,7 @@ async def import_labels(
             names=_names(body.map),
             dry_run=dry_run,
             no_ground=body.no_ground,
+            field=body.field,
             roots=roots,
         )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
@@ -107,6 +110,7 @@ async def _uploaded(
         ) as form:
             label_format, names = _fields(form)
             no_ground = form.get("no_ground") == "true"
+            field = form.get("field")
             await run_in_threadpool(_save, form, folder)
         return await run_in_threadpool(
             workspace.import_labels,
@@ -117,6 +121,7 @@ async def _uploaded(
             names=names,
             dry_run=dry_run,
             no_ground=no_ground,
+            field=field[:200] if isinstance(field, str) and field else None,
             cleanup=folder,
         )
     except BaseException:

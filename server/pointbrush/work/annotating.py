@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from dataclasses import field as of_field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from pointbrush.formats.annotation import (
     frames_of,
 )
 from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
 from pointbrush.jobs import Job, JobRunner
@@ -43,9 +45,11 @@ class LabelRequest:
 
     place: Path
     format: str | None = None
-    names: Mapping[int, ClassName] = field(default_factory=dict)
+    names: Mapping[int, ClassName] = of_field(default_factory=dict)
     dry_run: bool = False
     no_ground: bool = False
+    field: str | None = None
+    """Name of the field of points that is labels, where the files do not say so."""
     roots: tuple[Path, ...] = ()
 
 
@@ -83,7 +87,8 @@ class ReadLabelsWork:
         request = self.request
         if request.roots:
             require_inside([request.place], request.roots)
-        files = find_label_files(request.place, request.format, request.names, self.limits)
+        wanted = request.format or ("points" if request.field else None)
+        files = find_label_files(request.place, wanted, request.names, self.limits)
         recording = open_sequence(self.recording)
         if files.format in BOX_READERS:
             self._boxes(channel, files, recording)
@@ -91,8 +96,9 @@ class ReadLabelsWork:
         channel.item(
             LabelFiles(files.format, (), dict(files.names), dict(files.own), files.dataset)
         )
-        options = ReadOptions(limits=self.limits)
-        frames = frames_of(files.paths, len(recording))
+        columns = (f"{request.field}=label",) if request.field else ()
+        options = ReadOptions(limits=self.limits, chosen=Corrections(columns=columns))
+        frames = frames_of(files.paths, len(recording), recording.manifest.timestamps)
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
             if frame is None:
                 channel.item(Unmatched(path.name))
@@ -109,7 +115,7 @@ class ReadLabelsWork:
         number_of = {name.name: number for number, name in names.items()}
         channel.item(LabelFiles(files.format, (), names, {}))
         up = recording.manifest.T_room_local[1, :3]
-        by_name = frames_of(files.paths, len(recording))
+        by_name = frames_of(files.paths, len(recording), recording.manifest.timestamps)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
             for part in file:
                 frame = by_name[done] if part.frame is None else part.frame
