@@ -33,8 +33,6 @@ LONE, FINEST = 0.01, 1e-4
 """Metres between points where there is but one, and at least, where all are one point."""
 SAMPLE = 500
 """Points whose nearest are asked how far they are."""
-REACH = 1.2
-"""A next-frame point is near the moved object within this many times the object's spacing."""
 
 
 def nearest(tree: cKDTree, xyz: F64, k: int | NDArray[np.int64]) -> tuple[F64, I64]:
@@ -91,9 +89,13 @@ class _Object:
 
 @dataclass(frozen=True)
 class PaperTracker:
-    """The paper's loop; ``k`` = 1 is ICP, more is colour ICP."""
+    """The paper's loop; ``k`` = 1 is ICP, more is colour ICP.
+
+    A point of the next frame is near the moved object within ``reach`` times its spacing.
+    """
 
     k: int = 1
+    reach: float = 1.2
 
     def track(
         self,
@@ -146,7 +148,7 @@ class PaperTracker:
         fit = icp(thing.xyz, frame.xyz.astype(np.float64), pair)
         # 2. The label goes to the next frame's points near the moved object.
         moved = transform(fit.T_target_source, thing.xyz)
-        reach = REACH * thing.spacing
+        reach = self.reach * thing.spacing
         near = [np.asarray(n, np.int64) for n in frame.kdtree.query_ball_point(moved, reach)]
         found = np.unique(np.concatenate(near))
         found = found[rules.free(labels)[found]]

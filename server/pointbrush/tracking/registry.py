@@ -24,8 +24,10 @@ COLOUR_NEIGHBOURS = 12
 # only trackers need.
 def _auto() -> Method:
     from pointbrush.tracking.auto import AutoTracker
+    from pointbrush.tracking.jumps import AcrossJumps
+    from pointbrush.tracking.paper import PaperTracker
 
-    return AutoTracker()
+    return AcrossJumps(AutoTracker(), PaperTracker(reach=2.5))
 
 
 def _icp() -> Method:
