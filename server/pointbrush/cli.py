@@ -148,6 +148,15 @@ def parser() -> argparse.ArgumentParser:
         default=8081,
         help="port to listen on",
     )
+    review_.add_argument(
+        "--explain",
+        type=_whole("a label's number", 1, 65_535),
+        metavar="LABEL",
+        help="show step by step how this label is found in each frame",
+    )
+    review_.add_argument(
+        "--method", choices=("auto", "icp", "color-icp"), default="auto", help="that finds it"
+    )
     _settings(review_, "workspace", "database", "database_password_file")
 
     check_ = _command(

@@ -245,7 +245,15 @@ def review(given: argparse.Namespace, settings: Settings) -> None:
 
     with (
         closing(Workspace(settings)) as workspace,
-        closing(ReviewPanel(workspace, given.sequence, port=given.port)) as panel,
+        closing(
+            ReviewPanel(
+                workspace,
+                given.sequence,
+                port=given.port,
+                explain=given.explain,
+                method=given.method,
+            )
+        ) as panel,
     ):
         print(f"pointbrush review at http://127.0.0.1:{panel.port}/", flush=True)
         threading.Event().wait()

@@ -513,6 +513,31 @@ class Workspace:
         self.recording(sequence)
         return accepting.accept(self.store, sequence, frame, labels, author, edit_id(edit))
 
+    def accept_range(
+        self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str
+    ) -> Commit:
+        """Do the same in several frames, as one edit; see ``accept``."""
+        return self._judged(accepting.accept_range, sequence, frames, labels, author)
+
+    def reject_range(
+        self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str
+    ) -> Commit:
+        """Take back what tracking found of ``labels`` in frames, as one edit."""
+        return self._judged(accepting.reject_range, sequence, frames, labels, author)
+
+    def _judged(
+        self,
+        judge: Callable[..., Commit],
+        sequence: str,
+        frames: Sequence[int],
+        labels: Sequence[int],
+        author: str,
+    ) -> Commit:
+        recording = self.recording(sequence)
+        for frame in frames:
+            _ = recording[frame]
+        return judge(self.store, sequence, frames, labels, author, edit_id(None))
+
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
         """Pose, confidence and state of every tracked label in every frame."""
         self.recording(sequence)

@@ -16,6 +16,9 @@ from pointbrush.review.panel import ReviewPanel, doubtful_frames
 from pointbrush.workspace import Workspace
 
 
+REST = {"pose": np.eye(4).ravel().tolist(), "rmse": 0.0, "inliers": 1.0, "points": 0}
+
+
 def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -49,7 +52,7 @@ def test_the_page_is_served_and_jumps_between_doubts(tmp_path: Path) -> None:
     with closing(Workspace(settings)) as workspace:
         workspace.create_label("walls", "ada", name="wall")
         tracks = [
-            {"frame": frame, "label": 1, "state": state, "confidence": 0.9}
+            {"frame": frame, "label": 1, "state": state, "confidence": 0.9, **REST}
             for frame, state in ((1, "tracked"), (2, "lost"), (4, "lost"))
         ]
         workspace.store.apply(

@@ -183,7 +183,7 @@ def test_a_car_that_is_gone_is_not_the_one_beside_it(
     later = beside_the_road(beside)
     search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
-    pose, _ = register(search)
+    pose = register(search).pose
     assert abs(pose[1, 3]) < most
 
 
@@ -218,7 +218,7 @@ def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) 
     later = beside_the_road(beside)
     search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
-    pose, _ = register(search)
+    pose = register(search).pose
     assert np.linalg.norm(pose[:3, 3]) < 0.3
 
 

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from pointbrush.errors import ConflictError
 
 Only = Literal["any", "labeled", "unlabeled", "not_painted"]
-PAINTED = 1
-"""Provenance of a point that a person painted; 0 none, 2 tracked, 3 imported."""
+PAINTED, TRACKED = 1, 2
+"""Provenance of a point that a person painted, and that tracking found; 0 none, 3 imported."""
 
 
 class GapError(ConflictError):

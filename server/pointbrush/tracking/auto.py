@@ -21,6 +21,7 @@ from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.companions import Companions
 from pointbrush.tracking.disputes import bodies_left, look_for, placed, settle_conflicts
+from pointbrush.tracking.explanation import Watch, explain
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.fitting.sharing import share_out
@@ -66,7 +67,9 @@ metres of a unit while nothing is tracked."""
 
 @dataclass(frozen=True)
 class AutoTracker:
-    """The default method."""
+    """The default method; ``watch`` gets how each label was found in each frame, in one process."""
+
+    watch: Watch | None = None
 
     def track(
         self,
@@ -78,8 +81,10 @@ class AutoTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         begun = _before(seeds, known(options.before[0])) if options.before else list(seeds)
+        if self.watch is not None:
+            options = replace(options, processes=1)
         with Workers(frames if options.processes > 1 else None) as workers:
-            run = Run(frames, [*options.before, *order], begun, known, options, workers)
+            run = Run(frames, [*options.before, *order], begun, known, options, workers, self.watch)
             with closing(run.scene):
                 if options.before:
                     run.recall(begun)
@@ -105,8 +110,10 @@ class Run:
         known: Known,
         options: TrackOptions,
         workers: Workers,
+        watch: Watch | None = None,
     ) -> None:
         """``seeds`` of the first frame of ``order``."""
+        self._watch = watch
         self.known, self.options, self.labels = known, options, [s.label for s in seeds]
         self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
@@ -190,6 +197,11 @@ class Run:
             tracks[label] = _painted(len(fixed[label]), np.eye(4))
             tell_apart(self.things, view, [label])
             self.people.join(view, self.background, label)
+        if self._watch is not None:
+            for label in self.labels:
+                if label in tracks:
+                    place, track = places.get(label), tracks[label]
+                    self._watch(explain(view, self.background, things[label], place, track))
         note_beside(things, view, places)
         self.workers.learn(view, self.background, withheld(things, places, view))
         found = with_ground(view, things, places, free)

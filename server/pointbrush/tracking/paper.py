@@ -8,14 +8,15 @@ the k closest.  Both use the frames' stored k-d trees.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.geometry.registration import Pair, icp, transform
+from pointbrush.tracking.geometry.registration import IcpStep, Pair, icp, transform
 from pointbrush.tracking.interface import (
     F64,
     I64,
@@ -92,10 +93,12 @@ class PaperTracker:
     """The paper's loop; ``k`` = 1 is ICP, more is colour ICP.
 
     A point of the next frame is near the moved object within ``reach`` times its spacing.
+    ``watch`` gets frame, label and each iteration of its registration.
     """
 
     k: int = 1
     reach: float = 1.2
+    watch: Callable[[int, int, IcpStep], None] | None = None
 
     def track(
         self,
@@ -125,7 +128,10 @@ class PaperTracker:
                     objects[label] = _cut(frame, certain, thing.pose)
                     stopped.discard(label)
                 elif label not in stopped:
-                    found, tracks[label] = self._step(thing, frame, rules, label, list(objects))
+                    watch = None if self.watch is None else partial(self.watch, number, label)
+                    found, tracks[label] = self._step(
+                        thing, frame, rules, label, list(objects), watch
+                    )
                     if len(found):
                         assignments[label] = found
                         objects[label] = _cut(frame, found, tracks[label].pose)
@@ -135,7 +141,13 @@ class PaperTracker:
             yield FrameResult(number, assignments, tracks)
 
     def _step(
-        self, thing: _Object, frame: TrackFrame, rules: FrameRules, label: int, labels: list[int]
+        self,
+        thing: _Object,
+        frame: TrackFrame,
+        rules: FrameRules,
+        label: int,
+        labels: list[int],
+        watch: Callable[[IcpStep], None] | None,
     ) -> tuple[I64, TrackState]:
         lost = TrackState(thing.pose, 0.0, 0.0, 0.0, 0, "lost")
         if len(frame.xyz) == 0:
@@ -145,7 +157,7 @@ class PaperTracker:
             pair = closest_point(frame)
         else:
             pair = most_similar_colour(frame, thing.colour, self.k)
-        fit = icp(thing.xyz, frame.xyz.astype(np.float64), pair)
+        fit = icp(thing.xyz, frame.xyz.astype(np.float64), pair, watch=watch)
         # 2. The label goes to the next frame's points near the moved object.
         moved = transform(fit.T_target_source, thing.xyz)
         reach = self.reach * thing.spacing

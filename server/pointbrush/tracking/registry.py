@@ -9,37 +9,63 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache, partial
 from importlib.metadata import entry_points
+from typing import TYPE_CHECKING
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking.between import BothSides
 from pointbrush.tracking.interface import Method
 
+if TYPE_CHECKING:
+    from pointbrush.tracking.explanation import Watch
+    from pointbrush.tracking.geometry.registration import IcpStep
+
+    WatchIcp = Callable[[int, int, IcpStep], None]
+
 GROUP = "pointbrush.tracking"
 """Entry points that add a method."""
 COLOUR_NEIGHBOURS = 12
 """Nearest points among which the paper's colour ICP takes the one of most similar colour."""
+ACROSS_REACH = 2.5
+"""Spacings within which points are an object's behind a jump of the sensor: nothing else is known
+of it there, and the tracker that goes on gives up what does not move along."""
 
 
 # Imported when they are wanted: the server's own process tracks nothing, and starts without what
 # only trackers need.
-def _auto() -> Method:
+def _auto(watch: Watch | None = None) -> Method:
     from pointbrush.tracking.auto import AutoTracker
     from pointbrush.tracking.jumps import AcrossJumps
     from pointbrush.tracking.paper import PaperTracker
 
-    return AcrossJumps(AutoTracker(), PaperTracker(reach=2.5))
+    return AcrossJumps(AutoTracker(watch), PaperTracker(reach=ACROSS_REACH))
 
 
-def _icp() -> Method:
+def _icp(watch: WatchIcp | None = None) -> Method:
     from pointbrush.tracking.paper import PaperTracker
 
-    return PaperTracker()
+    return PaperTracker(watch=watch)
 
 
-def _colour_icp() -> Method:
+def _colour_icp(watch: WatchIcp | None = None) -> Method:
     from pointbrush.tracking.paper import PaperTracker
 
-    return PaperTracker(k=COLOUR_NEIGHBOURS)
+    return PaperTracker(k=COLOUR_NEIGHBOURS, watch=watch)
+
+
+def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
+    """A built-in method as it runs, which tells how each label was found in each frame.
+
+    ``watch`` gets the steps of ``auto``, ``watch_icp`` the iterations of ``icp`` and ``color-icp``.
+    Raises BadInputError for another method.
+    """
+    match name:
+        case "auto":
+            return BothSides(_auto(watch))
+        case "icp":
+            return BothSides(_icp(watch_icp))
+        case "color-icp":
+            return BothSides(_colour_icp(watch_icp))
+    raise BadInputError(f"method: expected one that explains itself (auto, icp), got {name!r}")
 
 
 _BUILT_IN: dict[str, Callable[[], Method]] = {

@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit, LabelStore, Write
-from pointbrush.labels.types import PAINTED
+from pointbrush.labels.types import PAINTED, TRACKED
 
 
 def accept(
@@ -19,23 +19,88 @@ def accept(
     A label that was lost there, or has no points, is accepted as not being there.
     Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels).
     """
-    if not labels:
-        raise BadInputError("labels: expected at least one to accept, got none")
-    for label in labels:
-        store.require_paintable(sequence, label)
-    values = store.values(sequence, frame)
+    return accept_range(store, sequence, [frame], labels, author, edit)
+
+
+def accept_range(
+    store: LabelStore,
+    sequence: str,
+    frames: Sequence[int],
+    labels: Sequence[int],
+    author: str,
+    edit: str,
+) -> Commit:
+    """Do the same in several frames, as one edit; raises as ``accept``."""
+    _require(store, sequence, frames, labels)
+    wanted = set(frames)
     tracks = [
         {**track, "confidence": 1.0, "state": "painted"}
         for track in store.tracks(sequence)
-        if track["frame"] == frame and track["label"] in labels
+        if track["frame"] in wanted and track["label"] in labels
     ]
-    mine = np.flatnonzero(np.isin(values.label, labels) & ~values.deleted)
+
+    def mine(frame: int) -> Write:
+        values = store.values(sequence, frame)
+        points = np.flatnonzero(np.isin(values.label, labels) & ~values.deleted)
+        return Write(points, provenance=PAINTED, living=True)
+
     return store.apply(
         sequence,
         edit_id=edit,
         author=author,
         kind="accept",
-        writes={frame: Write(mine, provenance=PAINTED, living=True)},
-        summary=f"accepted {len(labels)} labels in frame {frame}",
+        writes={frame: mine(frame) for frame in frames},
+        summary=f"accepted {len(labels)} labels in {_called(frames)}",
         tracks=tracks,
     )
+
+
+def reject_range(
+    store: LabelStore,
+    sequence: str,
+    frames: Sequence[int],
+    labels: Sequence[int],
+    author: str,
+    edit: str,
+) -> Commit:
+    """Take back what tracking found of labels in frames, as one edit; painted points stay.
+
+    Raises as ``accept``.
+    """
+    _require(store, sequence, frames, labels)
+    wanted = set(frames)
+    tracks = [
+        {**track, "confidence": 0.0, "state": "lost", "points": 0}
+        for track in store.tracks(sequence)
+        if track["frame"] in wanted and track["label"] in labels and track["state"] != "painted"
+    ]
+
+    def theirs(frame: int) -> Write:
+        values = store.values(sequence, frame)
+        found = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
+        return Write(np.flatnonzero(found), label=0, provenance=0, living=True)
+
+    return store.apply(
+        sequence,
+        edit_id=edit,
+        author=author,
+        kind="reject",
+        writes={frame: theirs(frame) for frame in frames},
+        summary=f"rejected {len(labels)} labels in {_called(frames)}",
+        tracks=tracks,
+    )
+
+
+def _require(
+    store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]
+) -> None:
+    if not labels:
+        raise BadInputError("labels: expected at least one, got none")
+    if not frames:
+        raise BadInputError("frames: expected at least one, got none")
+    for label in labels:
+        store.require_paintable(sequence, label)
+
+
+def _called(frames: Sequence[int]) -> str:
+    return f"frame {frames[0]}" if len(frames) == 1 else f"frames {frames[0]} to {frames[-1]}"

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import LabelStore, Write
-from pointbrush.labels.types import Only
+from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
 from pointbrush.tracking.rules import FEWEST
 from pointbrush.worker import Channel
 
-TRACKED = 2
 PROCESSES = min(2, os.cpu_count() or 1)
 """Processes of a run."""
 LEAD = 20
@@ -57,7 +56,7 @@ class TrackingWork:
                 recording.__getitem__,
                 order,
                 self.seeds,
-                _Knowledge(store, recording),
+                Knowledge(store, recording),
                 replace(self.options, before=before, processes=PROCESSES),
             )
             for done, found in enumerate(results, start=1):
@@ -71,13 +70,14 @@ class TrackingWork:
 
 
 @dataclass(frozen=True)
-class _Knowledge:
+class Knowledge:
     """What people have already said about a frame, in stored order."""
 
     store: LabelStore
     recording: Sequence
 
     def __call__(self, frame: int) -> FrameKnowledge:
+        """Return what is known of a frame."""
         values = self.store.values(self.recording.manifest.id, frame)
         return FrameKnowledge(values.label, values.provenance, values.deleted)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,11 +74,22 @@ than that is another."""
 def find(search: Search) -> Place:
     """Register a thing, and bend it where it bends."""
     thing = search.thing
-    pose, cost = register(search)
+    pose, cost, tried, costs = register(search)
     world = transform(pose, thing.model.xyz)
     if thing.bends or thing.soft:
         world = bent(thing, world, thing.model.colour, search.target)
-    place = Place(pose, world, search.box, search.around, search.near, search.moving, cost)
+    place = Place(
+        pose,
+        world,
+        search.box,
+        search.around,
+        search.near,
+        search.moving,
+        cost,
+        predicted=search.guesses,
+        tried=tried,
+        costs=costs,
+    )
     place.vain = search.vain
     place.faint = search.faint
     if search.view.roams:
@@ -91,8 +103,17 @@ def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
     return np.asarray(world + warp(world, colour, target, apart, PULLED * thing.unit))
 
 
-def register(search: Search) -> tuple[F64, float]:
-    """Pose and cost of the best of the robust fits from the likeliest guesses."""
+class Registered(NamedTuple):
+    """The best ``pose`` (4, 4) and its ``cost``; those ``tried`` (H, 4, 4), and their ``costs``."""
+
+    pose: F64
+    cost: float
+    tried: F64
+    costs: F64
+
+
+def register(search: Search) -> Registered:
+    """Take the best of the robust fits from the likeliest guesses."""
     motion, model = search.thing.motion, search.thing.model
     poses, scores = _repeated(search)
     doubt = DOUBT_LARGE if search.thing.large or search.thing.bends else DOUBT
@@ -113,12 +134,13 @@ def register(search: Search) -> tuple[F64, float]:
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
-        return best, float(_fits(search, search.many, best[None], (STAYED,)).cost[0])
+        rest = _fits(search, search.many, best[None], (STAYED,))
+        return Registered(best, float(rest.cost[0]), poses, scores)
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
     near = search.target.around(world, AROUND * LAST[0] * search.thing.unit)
     fit = _fits(search, search.many, best[None], LAST, target=near)
-    return fit.T[0], float(fit.cost[0])
+    return Registered(fit.T[0], float(fit.cost[0]), poses, scores)
 
 
 def _elsewhere(search: Search) -> list[F64]:

@@ -77,20 +77,46 @@ def best_rigid_motion(source: F64, target: F64) -> F64:
     return _motion(source, target, np.ones(len(source)), 3)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class IcpStep:
+    """An iteration of ICP: ``moved`` (M, 3) source points as it began, ``matched`` (M, 3) their
+    partners in the target, ``distance`` (M,) metres between them."""
+
+    iteration: int
+    moved: F64
+    matched: F64
+    distance: F64
+
+    @property
+    def rmse(self) -> float:
+        """Root of the mean square distance, metres."""
+        return float(np.sqrt(np.mean(self.distance**2)))
+
+
 def icp(
-    source: F64, target: F64, pair: Pair, *, iterations: int = 50, tolerance: float = 1e-6
+    source: F64,
+    target: F64,
+    pair: Pair,
+    *,
+    iterations: int = 50,
+    tolerance: float = 1e-6,
+    watch: Callable[[IcpStep], None] | None = None,
 ) -> Registration:
     """Besl and McKay 1992: repeat {pair each point, best motion} until the error stands still.
 
     ``source`` (M, 3) and ``target`` (N, 3) metres, neither empty; ``tolerance`` is the change of
-    the mean square error, in square metres, under which the loop has converged.
+    the mean square error, in square metres, under which the loop has converged; ``watch`` gets
+    each iteration.
     """
     T = np.eye(4)
     before = np.inf
     error = 0.0
     for iteration in range(1, iterations + 1):
         # 1. Pair each moved source point with a target point.
-        distance, index = pair(transform(T, source))
+        moved = transform(T, source)
+        distance, index = pair(moved)
+        if watch is not None:
+            watch(IcpStep(iteration, moved, target[index], distance))
         # 2. The rigid motion that brings the pairs together.
         T = best_rigid_motion(source, target[index])
         # 3. Stop when the mean square error no longer falls.

@@ -24,6 +24,12 @@ class Place:
     near: I64
     moving: I64
     cost: float
+    predicted: F64 = field(default_factory=lambda: np.empty((0, 4, 4)))
+    """(K, 4, 4) where it was expected."""
+    tried: F64 = field(default_factory=lambda: np.empty((0, 4, 4)))
+    """(H, 4, 4) poses that it was registered to, with ``costs``."""
+    costs: F64 = field(default_factory=lambda: np.empty(0))
+    """(H,) what each of them cost."""
     whole: bool = False
     """The moving points that hang together there are the thing and nothing else."""
     cut_short: bool = False

@@ -15,7 +15,7 @@ from pointbrush.tracking.geometry.near import within
 from pointbrush.tracking.geometry.registration import Target, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.confidence import USUAL
+from pointbrush.tracking.objects.confidence import USUAL, Evidence
 from pointbrush.tracking.objects.free_space import Glimpse
 from pointbrush.tracking.objects.model import SURE, Model
 from pointbrush.tracking.objects.motion import Motion
@@ -160,6 +160,8 @@ class LastSight:
     points: int
     vain: bool = False
     cut_short: bool = False
+    evidence: Evidence | None = None
+    """What its fit said about itself."""
 
 
 @dataclass(eq=False)

@@ -66,8 +66,9 @@ def settle(
         thing.come_to(float(np.linalg.norm(at - view.eye)))
     sighting = Sighting(view, place, found, grown, verdict)
     points = together(found.indices, grown)
-    _trust(thing, place, evidence(thing, sighting, points))
-    thing.last = LastSight(len(points), place.vain, place.cut_short)
+    fit = evidence(thing, sighting, points)
+    _trust(thing, place, fit)
+    thing.last = LastSight(len(points), place.vain, place.cut_short, fit)
     _move(thing, place, verdict)
     if place.cost < DOUBTFUL:
         note_strain(thing, sighting)

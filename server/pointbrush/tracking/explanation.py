@@ -1,0 +1,88 @@
+"""How `auto` found a label in a frame, step by step, for people who want to see it work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.background.depth_background import Background
+from pointbrush.tracking.geometry.registration import inverse, transform, transform_each
+from pointbrush.tracking.interface import F64, I64, Mask, TrackState
+from pointbrush.tracking.objects.place import Place
+from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.sensor.view import View
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Explanation:
+    """The steps of one label in one frame; coordinates are the frame's own, metres.
+
+    ``predicted`` (K, 3) centres of the predicted poses; ``hypotheses`` (H, 3) those of the poses
+    that were registered, with ``costs`` (H,), the least of which was taken; ``surface`` (M, 3) the
+    model as it was registered and ``residual`` (M,) metres from each of its points to the nearest
+    point that got the label.  Of the frame's points: those ``around`` (P,) the predictions,
+    ``static`` (P,) which of them are background, ``owner`` (P,) the label that each got, 0 for
+    none.  ``features`` is what the confidence is computed from.  Empty arrays where a step was not
+    reached: nothing was found to register, or the label is one of people, who are found together.
+    """
+
+    frame: int
+    label: int
+    track: TrackState
+    predicted: F64
+    hypotheses: F64
+    costs: F64
+    surface: F64
+    residual: F64
+    around: I64
+    static: Mask
+    owner: NDArray[np.uint16]
+    features: Mapping[str, float]
+
+
+Watch = Callable[[Explanation], None]
+
+
+def explain(
+    view: View, background: Background, thing: Thing, place: Place | None, track: TrackState
+) -> Explanation:
+    """Gather the steps of a label once its frame is decided, before anything is learnt of it."""
+    T = view.T_world_frame
+    back = np.eye(4) if T is None else inverse(T)
+    nowhere = np.empty((0, 3))
+    if place is None:
+        none = np.empty(0, np.int64)
+        return Explanation(
+            view.number, thing.label, track, nowhere, nowhere, np.empty(0), nowhere, np.empty(0),
+            none, none.astype(bool), none.astype(np.uint16), MappingProxyType({}),
+        )  # fmt: skip
+    owner = np.zeros(len(view.xyz), np.uint16)
+    for label, points in view.labels.items():
+        owner[points] = label
+    far, still = background.static(view, place.around)
+    own = view.xyz[view.labels.get(thing.label, place.around[:0])]
+    residual = np.empty(0)
+    if len(own):
+        residual = np.asarray(cKDTree(own).query(place.world)[0], np.float64)
+    evidence = thing.last.evidence
+    features = {} if evidence is None else {k: float(v) for k, v in asdict(evidence).items()}
+    centre = thing.motion.centre[None]
+    return Explanation(
+        view.number,
+        thing.label,
+        track,
+        transform(back, transform_each(place.predicted, centre)[:, 0]),
+        transform(back, transform_each(place.tried, centre)[:, 0]),
+        place.costs,
+        transform(back, place.world) if len(own) else nowhere,
+        residual,
+        place.around,
+        far | still,
+        owner[place.around],
+        MappingProxyType(features),
+    )
