@@ -15,7 +15,6 @@ from pointbrush.review.colors import blend, lookup
 from pointbrush.review.panel import ReviewPanel, doubtful_frames
 from pointbrush.workspace import Workspace
 
-
 REST = {"pose": np.eye(4).ravel().tolist(), "rmse": 0.0, "inliers": 1.0, "points": 0}
 
 

@@ -13,13 +13,15 @@ import scenes
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions, TrackState
 from pointbrush.tracking.auto import Run
 from pointbrush.tracking.between import BothSides
-from pointbrush.tracking.companions import MOST, Companions
+from pointbrush.tracking.companions import Companions
 from pointbrush.tracking.interface import PAINTED, Frames, Known
+from pointbrush.tracking.options import CompanionOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.rules import FrameRules
 
 BLUE = (40, 90, 200)
 TRACKED = 2
+OPTIONS = CompanionOptions()
 
 
 def nothing(_: int) -> FrameKnowledge | None:
@@ -103,23 +105,23 @@ def line(*counts: int, spacing: float = 0.01) -> np.ndarray:
 
 def test_who_goes_along_is_labelled_in_the_first_frame_and_no_floor() -> None:
     first = labelled(tracked_1=20, tracked_2=30, tracked_3=50, tracked_4=5)
-    companions = Companions([Seed(1, np.arange(22))], rules(first), line(20, 30, 50, 5))
+    companions = Companions([Seed(1, np.arange(22))], rules(first), line(20, 30, 50, 5), OPTIONS)
     assert [seed.label for seed in companions.beginning] == [2]
     # Two of its points were asked for as another's.
     assert np.array_equal(companions.beginning[0].indices, np.arange(22, 50))
 
 
 def test_of_many_the_nearest_go_along() -> None:
-    counts = [20] * (MOST + 3)
+    counts = [20] * (OPTIONS.most + 3)
     label = np.repeat(np.arange(1, len(counts) + 1), 20).astype(np.uint16)
     source = np.full(len(label), TRACKED, np.uint8)
     first = FrameKnowledge(label, source, np.zeros(len(label), np.bool_))
-    companions = Companions([Seed(1, np.arange(20))], rules(first), line(*counts))
-    assert [seed.label for seed in companions.beginning] == list(range(2, MOST + 2))
+    companions = Companions([Seed(1, np.arange(20))], rules(first), line(*counts), OPTIONS)
+    assert [seed.label for seed in companions.beginning] == list(range(2, OPTIONS.most + 2))
     later = replace(first, provenance=np.full(len(label), PAINTED, np.uint8))
-    followed = {1, *range(2, MOST + 1)}
+    followed = {1, *range(2, OPTIONS.most + 1)}
     there = companions.known(rules(later), line(*counts), followed)
-    assert set(there) - followed == {MOST + 1}
+    assert set(there) - followed == {OPTIONS.most + 1}
 
 
 @pytest.mark.parametrize(
@@ -135,7 +137,7 @@ def test_who_is_painted_or_may_not_be_taken_is_known(
     options: TrackOptions, known: list[int]
 ) -> None:
     first = labelled(tracked_1=20, tracked_2=20)
-    companions = Companions([Seed(1, np.arange(20))], rules(first), line(20, 20))
+    companions = Companions([Seed(1, np.arange(20))], rules(first), line(20, 20), OPTIONS)
     later = labelled(painted_1=20, tracked_2=20, painted_3=20, painted_4=20, tracked_5=20)
     xyz = line(20, 20, 20, 20, 20)
     there = companions.known(rules(later, options), xyz, {1, 2, 3})
@@ -201,3 +203,33 @@ def test_a_run_back_from_a_painted_frame_knows_what_was_found_there() -> None:
     assert there is not None
     assert np.array_equal(np.flatnonzero(there.label == 2), np.arange(20, 50))
     assert np.array_equal(np.flatnonzero(there.provenance), np.arange(20))
+
+
+def test_who_was_found_before_is_followed_only_while_near() -> None:
+    rng = np.random.default_rng(3)
+    camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
+    size = np.array([0.06, 0.12, 0.05])
+
+    def box(label: int, x: float) -> scenes.Part:
+        return scenes.Part(label, BLUE, np.array([x, 1.2, 1.8]), size, rot=np.eye(3))
+
+    frames = [camera.shoot([box(1, -0.6 + 0.08 * k), box(2, 0.1)], rng) for k in range(8)]
+
+    def known(number: int) -> FrameKnowledge:
+        label = frames[number].truth.astype(np.uint16)
+        source = np.where(label > 0, TRACKED, 0).astype(np.uint8)
+        return FrameKnowledge(label, source, np.zeros(len(label), np.bool_))
+
+    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
+    followed = []
+    with Workers(None) as workers:
+        going = Run(frames.__getitem__, list(range(8)), seeds, known, TrackOptions(), workers)
+        with closing(going.scene):
+            going.start(seeds)
+            for number in range(1, 8):
+                going.step(number)
+                followed.append(2 in going.things)
+    assert followed == sorted(followed)
+    assert not any(followed[:3])
+    assert followed[-1]
+    assert worst(frames, run(frames, [1], known), 1) > 0.9

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
@@ -25,7 +25,8 @@ from pointbrush.tracking.explanation import Watch, explain
 from pointbrush.tracking.fitting.relocation import find_astray
 from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.fitting.sharing import share_out
-from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.geometry.near import within
+from pointbrush.tracking.geometry.registration import inverse, transform, transform_each
 from pointbrush.tracking.interface import (
     F32,
     F64,
@@ -41,6 +42,7 @@ from pointbrush.tracking.interface import (
 )
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
 from pointbrush.tracking.people.joint_tracking import JointTracking
@@ -70,6 +72,7 @@ class AutoTracker:
     """The default method; ``watch`` gets how each label was found in each frame, in one process."""
 
     watch: Watch | None = None
+    tuning: TrackerOptions = field(default_factory=TrackerOptions)
 
     def track(
         self,
@@ -84,7 +87,7 @@ class AutoTracker:
         if self.watch is not None:
             options = replace(options, processes=1)
         with Workers(frames if options.processes > 1 else None) as workers:
-            run = Run(frames, [*options.before, *order], begun, known, options, workers, self.watch)
+            run = Run(frames, [*options.before, *order], begun, known, options, workers, self)
             with closing(run.scene):
                 if options.before:
                     run.recall(begun)
@@ -110,18 +113,21 @@ class Run:
         known: Known,
         options: TrackOptions,
         workers: Workers,
-        watch: Watch | None = None,
+        method: AutoTracker | None = None,
     ) -> None:
         """``seeds`` of the first frame of ``order``."""
-        self._watch = watch
+        method = method or AutoTracker()
+        self._watch, self._near = method.watch, method.tuning.companions
         self.known, self.options, self.labels = known, options, [s.label for s in seeds]
         self.workers, self.swaps = workers, Swaps()
         self.things: dict[int, Thing] = {}
         self.astray: dict[int, int] = {}
+        self.aside: frozenset[int] = frozenset()
+        """Labels that were not followed in the last frame: their points there were known."""
         self.people = JointTracking(self.things, continue_lost=options.continue_lost)
         first = frames(order[0]).xyz
         rules = FrameRules(len(first), known(order[0]), options)
-        self.companions = Companions(seeds, rules, first)
+        self.companions = Companions(seeds, rules, first, self._near)
         labelled = [*seeds, *self.companions.beginning]
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
         self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
@@ -174,8 +180,9 @@ class Run:
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= self.companions.known(rules, view.xyz, things)
         fixed |= given or {}
+        aside = self._set_aside(view, rules, fixed)
         free = rules.free(self.labels)
-        for points in fixed.values():
+        for points in chain(fixed.values(), aside.values()):
             free[points] = False
         sought = [t for n, t in things.items() if not (n in fixed or n in self.people)]
         absent = [thing for thing in sought if thing.absent]
@@ -190,7 +197,7 @@ class Run:
         for _, points in settled.values():
             left[points] = False
         settled |= self.people.step(view, self.background, left, fixed)
-        view.labels = dict(fixed)
+        view.labels = fixed | aside
         tracks = self._conclude(view, rules, fixed, emerged, settled)
         for label in fixed.keys() - things.keys():
             self._begin(view, label, fixed[label])
@@ -205,9 +212,40 @@ class Run:
         note_beside(things, view, places)
         self.workers.learn(view, self.background, withheld(things, places, view))
         found = with_ground(view, things, places, free)
+        found = {n: points for n, points in found.items() if n in tracks}
         tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
         most = {n: place.most for n, place in places.items()}
         return Held(view, free, FrameResult(number, found, tracks), most)
+
+    def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
+        """Labels that are not asked for, and whose stored points are far from what is: they have
+        these, and are not followed.  Those that come near are begun anew from them, in ``fixed``.
+        """
+        regions = [self._region(self.things[n]) for n in self.labels if n in self.things]
+        aside: dict[int, I64] = {}
+        for label, points in self.companions.stored(rules, view.xyz).items():
+            if label in fixed or label in self.people:
+                continue
+            step = max(1, len(points) // self._near.sampled_points)
+            some = view.xyz[points[::step]].astype(np.float64)
+            if any(_meets(some, places, margin) for places, margin in regions):
+                if label in self.aside:
+                    fixed[label] = points
+                continue
+            aside[label] = points
+            if self.things.pop(label, None) is not None:
+                self.swaps.forget(label)
+                self.astray.pop(label, None)
+        self.aside = frozenset(aside)
+        return aside
+
+    def _region(self, thing: Thing) -> tuple[F64, float]:
+        """Points (M, 3) of where a label is expected, and metres around them that it may take."""
+        near = self._near
+        xyz = thing.model.xyz[:: max(1, len(thing.model.xyz) // near.sampled_points)]
+        places = transform_each(thing.motion.predictions(), xyz).reshape(-1, 3)
+        margin = near.near_radii * thing.span + near.near_units * thing.unit
+        return places, margin + near.near_steps * thing.motion.speed * thing.motion.gap
 
     def _find(self, things: list[Thing], view: View, free: Mask) -> Findings:
         """Where things are that were seen the last time, and what each would have there."""
@@ -297,6 +335,16 @@ class Run:
         anew = self.things[thing.label]
         anew.extent, anew.size, anew.trust, anew.worn = thing.span, thing.size, AGAIN, thing.worn
         return replace(track, confidence=AGAIN, state="tracked")
+
+
+def _meets(some: F64, places: F64, margin: float) -> bool:
+    """Whether one of the points (N, 3) lies within ``margin`` metres of one of the others."""
+    lo, hi = places.min(axis=0) - margin, places.max(axis=0) + margin
+    some = some[within(some, lo, hi)]
+    if not len(some):
+        return False
+    away = ((some[:, None] - places) ** 2).sum(axis=2)
+    return bool(away.min() <= margin**2)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

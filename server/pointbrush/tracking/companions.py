@@ -12,29 +12,28 @@ from dataclasses import replace
 import numpy as np
 
 from pointbrush.tracking.interface import F32, I64, FrameResult, Seed
+from pointbrush.tracking.options import CompanionOptions
 from pointbrush.tracking.rules import FEWEST, FrameRules
-
-LARGER = 2.0
-"""Times as large as the largest that is asked for: from there on it is a floor or a wall to it."""
-MOST = 12
-"""Companions at most, the nearest: a correction among a hundred cars is not to cost as many."""
 
 
 class Companions:
     """Who goes along with the labels that are asked for."""
 
-    def __init__(self, seeds: Sequence[Seed], rules: FrameRules, xyz: F32) -> None:
+    def __init__(
+        self, seeds: Sequence[Seed], rules: FrameRules, xyz: F32, options: CompanionOptions
+    ) -> None:
         """``seeds`` are those asked for in the first frame ``xyz`` (N, 3) of a run.
 
         ``beginning`` are those who are labelled beside them there.
         """
+        self._options = options
         self._asked = frozenset(seed.label for seed in seeds)
-        self._size = LARGER * max(_size(xyz[seed.indices]) for seed in seeds)
+        self._size = options.larger * max(_size(xyz[seed.indices]) for seed in seeds)
         theirs = np.concatenate([seed.indices for seed in seeds])
         others = [Seed(n, np.setdiff1d(p, theirs)) for n, p in self._others(rules).items()]
         fitting = [seed for seed in others if self._fits(seed.indices, xyz)]
         away = [_distance(xyz[seed.indices], xyz[theirs]) for seed in fitting]
-        self.beginning = [fitting[i] for i in np.argsort(away, kind="stable")[:MOST]]
+        self.beginning = [fitting[i] for i in np.argsort(away, kind="stable")[: options.most]]
 
     def known(self, rules: FrameRules, xyz: F32, followed: Collection[int]) -> dict[int, I64]:
         """Label → its points, of those who are known for sure in a frame.
@@ -43,7 +42,7 @@ class Companions:
         the painted ones join.
         """
         known = {}
-        room = MOST - len(set(followed) - self._asked)
+        room = self._options.most - len(set(followed) - self._asked)
         for n, points in self._others(rules).items():
             painted = rules.keyframe(n) is not None
             if n in followed:
@@ -53,6 +52,11 @@ class Companions:
                 known[n] = points
                 room -= 1
         return known
+
+    def stored(self, rules: FrameRules, xyz: F32) -> dict[int, I64]:
+        """Label → its points in a frame, of those of no greater size that an earlier run found."""
+        others = self._others(rules)
+        return {n: points for n, points in others.items() if self._fits(points, xyz)}
 
     def without(self, result: FrameResult) -> FrameResult:
         """A result of those that are asked for alone."""

@@ -28,7 +28,8 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.sensor.jumps import Jump, JumpOptions, find_jumps
+from pointbrush.tracking.options import JumpOptions
+from pointbrush.tracking.sensor.jumps import Jump, find_jumps
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +74,12 @@ class MovedFrame:
 class AcrossJumps:
     """``method``, begun anew behind each jump with what ``step`` finds there.
 
-    ``step`` tracks from one frame to the next; confidence after a jump is at most ``sure``.
+    ``step`` tracks from one frame to the next.
     """
 
     method: Method
     step: Method
     options: JumpOptions = field(default_factory=JumpOptions)
-    sure: float = 0.8
 
     def track(
         self,
@@ -137,7 +137,7 @@ class AcrossJumps:
         for label, track in found.tracks.items():
             if label in found.assignments and len(found.assignments[label]):
                 pose = track.pose @ jump.T @ _pose_of(last, label)
-                sure = min(track.confidence, self.sure)
+                sure = min(track.confidence, self.options.sure)
                 tracks[label] = replace(track, pose=pose, confidence=sure)
         kept = {label: points for label, points in found.assignments.items() if label in tracks}
         return FrameResult(after, kept, tracks)

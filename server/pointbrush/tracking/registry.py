@@ -25,9 +25,6 @@ GROUP = "pointbrush.tracking"
 """Entry points that add a method."""
 COLOUR_NEIGHBOURS = 12
 """Nearest points among which the paper's colour ICP takes the one of most similar colour."""
-ACROSS_REACH = 2.5
-"""Spacings within which points are an object's behind a jump of the sensor: nothing else is known
-of it there, and the tracker that goes on gives up what does not move along."""
 
 
 # Imported when they are wanted: the server's own process tracks nothing, and starts without what
@@ -35,9 +32,12 @@ of it there, and the tracker that goes on gives up what does not move along."""
 def _auto(watch: Watch | None = None) -> Method:
     from pointbrush.tracking.auto import AutoTracker
     from pointbrush.tracking.jumps import AcrossJumps
+    from pointbrush.tracking.options import TrackerOptions
     from pointbrush.tracking.paper import PaperTracker
 
-    return AcrossJumps(AutoTracker(watch), PaperTracker(reach=ACROSS_REACH))
+    options = TrackerOptions()
+    step = PaperTracker(reach=options.jumps.reach_spacings)
+    return AcrossJumps(AutoTracker(watch, options), step, options.jumps)
 
 
 def _icp(watch: WatchIcp | None = None) -> Method:

@@ -15,43 +15,12 @@ from scipy import fft
 
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
+from pointbrush.tracking.options import JumpOptions
 from pointbrush.tracking.sensor.ego_motion import Planes, in_place, planes_of, register
 from pointbrush.tracking.sensor.trajectory import recorded_pose
 
 AT_REST = 1e-4
 """Metres, and radians, between recorded poses that are one."""
-
-
-@dataclass(frozen=True, slots=True)
-class JumpOptions:
-    """When a sensor has jumped, and how its jump is found."""
-
-    stride_frames: int = 8
-    """Frames between two that are compared; where they differ, those between are."""
-    sampled_points: int = 500
-    """Points of a frame that are looked for in another."""
-    near_share: float = 0.03
-    """Distance within which a point is found again, in median distances from the middle; at
-    least ``near_spacings`` of what it is looked for in."""
-    near_spacings: float = 3.0
-    stays_share: float = 0.85
-    """Share of the points that are found again while the sensor rests."""
-    shifts: int = 4
-    """Shifts from which frames are registered."""
-    pixel_cells: float = 2.0
-    """Size of a pixel of the correlation, in cells that the frames are thinned to."""
-    side_pixels: int = 128
-    """Pixels of the correlation along each side."""
-    least_cells: float = 2.0
-    """Cells by which the scenery lies elsewhere after a jump."""
-    rest_share: float = 0.25
-    """Share of that by which it may between the frames before and after it."""
-    agreed_share: float = 0.5
-    """Share of the surfaces that have to be in place after a jump was undone."""
-    left_share: float = 0.75
-    """Share of those that were out of place which may still be."""
-    patience: int = 2
-    """Times that the scenery goes away without a jump after which the sensor is one that moves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
