@@ -241,3 +241,13 @@ def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str])
     assert run("token", "revoke", listed.split()[0]) == 0
     assert run("token", "list") == 0
     assert "revoked" in capsys.readouterr().out
+
+
+def test_help_imports_nothing_that_it_does_not_need() -> None:
+    code = (
+        "import sys; from pointbrush.cli import parser; parser();"
+        "heavy = ('numpy', 'scipy', 'numba', 'sqlalchemy', 'fastapi');"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"

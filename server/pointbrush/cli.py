@@ -9,15 +9,15 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import Field
 from functools import partial
+from importlib import import_module
+from keyword import iskeyword
 from pathlib import Path
 from typing import Any
 
 from pointbrush import __version__
-from pointbrush import commands as do
 from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.formats.annotation import LABEL_FORMATS
-from pointbrush.formats.corrections import AXES, DELIMITERS
+from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import UNBOUNDED, Settings, options, parse
@@ -33,9 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if arguments is None:
             hide_password(given.database if "database" in given else None)
         chosen = {o.name: getattr(given, o.name, None) for o in options()}
-        command: Command = given.command
+        # Here, since help and usage errors need none of it.
+        command: Command = getattr(import_module("pointbrush.commands"), _function(given.command))
         # What is exported is its user's to share.
-        with nullcontext() if command is do.export else private_files():
+        with nullcontext() if given.command == "export" else private_files():
             command(given, Settings.load(chosen))
     except PointbrushError as error:
         print(f"pointbrush: {error.whole}", file=sys.stderr)
@@ -54,7 +55,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"pointbrush {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
-    demo_ = _command(commands, "demo", do.demo, "make the sample recording and serve it")
+    demo_ = _command(commands, "demo", "make the sample recording and serve it")
     demo_.add_argument(
         "--sample-frames",
         type=_whole("an integer from 1", 1),
@@ -63,7 +64,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(demo_, *SERVE)
 
-    import__ = _command(commands, "import", do.import_, "import files as one recording")
+    import__ = _command(commands, "import", "import files as one recording")
     import__.add_argument(
         "paths", nargs="+", type=Path, metavar="PATH", help="files, folders, globs or archives"
     )
@@ -75,9 +76,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(import__, "workspace", "database", "database_password_file", "max_frame_points")
 
-    labels_ = _command(
-        commands, "import-labels", do.import_labels, "import labels made elsewhere, as one edit"
-    )
+    labels_ = _command(commands, "import-labels", "import labels made elsewhere, as one edit")
     labels_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     labels_.add_argument("path", type=Path, metavar="PATH", help="a file or folder of labels")
     labels_.add_argument("--format", help=f"of the labels: {', '.join(LABEL_FORMATS)}")
@@ -91,9 +90,9 @@ def parser() -> argparse.ArgumentParser:
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
     _settings(labels_, "workspace", "database", "database_password_file", "max_frame_points")
 
-    _settings(_command(commands, "serve", do.serve, "serve the page, REST and the socket"), *SERVE)
+    _settings(_command(commands, "serve", "serve the page, REST and the socket"), *SERVE)
 
-    track_ = _command(commands, "track", do.track, "carry labels through the following frames")
+    track_ = _command(commands, "track", "carry labels through the following frames")
     track_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     frame = _whole("a frame number from 0", 0)
     track_.add_argument(
@@ -122,25 +121,25 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(track_, "workspace", "database", "database_password_file", "workers", "scheduler")
 
-    export_ = _command(commands, "export", do.export, "write points with their labels")
+    export_ = _command(commands, "export", "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
     _settings(export_, "workspace", "database", "database_password_file")
 
-    info_ = _command(commands, "info", do.info, "what is in the workspace")
+    info_ = _command(commands, "info", "what is in the workspace")
     info_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
     _settings(info_, "workspace", "database", "database_password_file")
 
-    token_ = _command(commands, "token", do.token, "who gets in")
+    token_ = _command(commands, "token", "who gets in")
     token_.add_argument("action", choices=("add", "list", "revoke"), help="what to do")
     token_.add_argument("name", nargs="?", help="the person (add) or the token's id (revoke)")
     token_.add_argument("--role", default="annotator", help=f"one of {', '.join(ROLES)}")
     token_.add_argument("--days", type=_positive, help="days until it expires")
     _settings(token_, "workspace", "database", "database_password_file")
 
-    review_ = _command(commands, "review", do.review, "step through labels and doubts in viser")
+    review_ = _command(commands, "review", "step through labels and doubts in viser")
     review_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     review_.add_argument(
         "--port",
@@ -159,9 +158,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(review_, "workspace", "database", "database_password_file")
 
-    check_ = _command(
-        commands, "check", do.check, "verify recordings, database, journal and annotations"
-    )
+    check_ = _command(commands, "check", "verify recordings, database, journal and annotations")
     check_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
     check_.add_argument(
         "--repair",
@@ -171,24 +168,24 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(check_, "workspace", "database", "database_password_file")
 
-    backup_ = _command(commands, "backup", do.backup, "copy a workspace, also one that is in use")
+    backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
     _settings(backup_, "workspace", "database", "database_password_file")
 
-    restore_ = _command(commands, "restore", do.restore, "make a workspace from a backup")
+    restore_ = _command(commands, "restore", "make a workspace from a backup")
     restore_.add_argument("source", type=Path, help="the folder of a backup")
     restore_.add_argument(
         "--only", metavar="SEQ", help="bring this recording alone back, into a workspace in use"
     )
     _settings(restore_, "workspace", "database", "database_password_file")
 
-    move_ = _command(commands, "move", do.move, "move the labels into another database")
+    move_ = _command(commands, "move", "move the labels into another database")
     move_.add_argument(
         "target", metavar="URL", help="postgresql://host/name, or 'sqlite': in the workspace"
     )
     _settings(move_, "workspace", "database", "database_password_file")
 
-    bench_ = _command(commands, "bench", do.bench, "run the benchmarks of a checkout")
+    bench_ = _command(commands, "bench", "run the benchmarks of a checkout")
     bench_.add_argument("name", nargs="?", help="one of them; all unless given")
     return top
 
@@ -234,14 +231,19 @@ def _corrections(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _function(command: str) -> str:
+    """The name in ``pointbrush.commands`` of what a command does."""
+    name = command.replace("-", "_")
+    return f"{name}_" if iskeyword(name) else name
+
+
 def _command(
     commands: argparse._SubParsersAction[argparse.ArgumentParser],
     name: str,
-    function: Command,
     text: str,
 ) -> argparse.ArgumentParser:
     command = commands.add_parser(name, help=text, description=text)
-    command.set_defaults(command=function)
+    command.set_defaults(command=name)
     return command
 
 

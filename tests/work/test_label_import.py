@@ -213,3 +213,11 @@ def test_maps_are_json_or_lines(tmp_path: Path) -> None:
         3: ClassName("car"),
         4: ClassName("tall tree"),
     }
+
+
+def test_every_format_of_labels_has_a_reader_and_a_name() -> None:
+    from pointbrush.formats.annotation import READERS
+    from pointbrush.formats.box_labels import BOX_READERS
+    from pointbrush.formats.names import LABEL_FORMATS
+
+    assert set(LABEL_FORMATS) == {*READERS, *BOX_READERS}

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.frame import PointFrame
 
@@ -81,6 +80,8 @@ class _Surface:
     def __init__(self, xyz: Points, options: AlignmentOptions) -> None:
         self._options = options
         self._xyz = xyz
+        from scipy.spatial import cKDTree
+
         self._tree = cKDTree(xyz)
         _, near = self._tree.query(xyz, k=min(options.neighbours, len(xyz)))
         local = xyz[near] - xyz[near].mean(axis=1, keepdims=True)

@@ -21,6 +21,7 @@ from pointbrush.formats.box_labels import BOX_READERS, is_box_file
 from pointbrush.formats.columns import without_marks
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
+from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes, require_count
@@ -266,8 +267,6 @@ READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxy
     "points": _read_points,
 })  # fmt: skip
 """Formats of labels a point, those that are told by their names first."""
-LABEL_FORMATS = (*(name for name in READERS if name != "points"), *BOX_READERS, "points")
-"""All formats of labels, in the order in which they are tried; LAS classes when asked for."""
 CLASSIFICATION = "classification=label"
 
 

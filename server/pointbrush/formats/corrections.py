@@ -11,15 +11,12 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.names import AXES, DELIMITERS
 from pointbrush.frame import PointFrame
 
 MEANINGS = ("x", "y", "z", "red", "green", "blue", "rgb", "intensity", "label", "instance")
 """What a column can be; any other name keeps it as a field of its own."""
 LEFT_OUT = "-"
-DELIMITERS: Mapping[str, str] = {
-    "comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|",
-}  # fmt: skip
-AXES = ("x", "-x", "y", "-y", "z", "-z")
 MOST_COLUMNS = 1024
 LARGEST_SCALE = 1e6
 

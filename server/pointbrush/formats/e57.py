@@ -9,7 +9,6 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import colors_of, frame_from_columns
@@ -99,6 +98,8 @@ def _pose(file: E57File, scan: Element) -> NDArray[np.float64]:
     find = scan.find
     quaternion = [number(name, find(f"pose/rotation/{part}"), 0.0) for part in "xyzw"]
     if any(quaternion) and np.isfinite(quaternion).all():
+        from scipy.spatial.transform import Rotation
+
         pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
     pose[:3, 3] = [number(name, find(f"pose/translation/{part}"), 0.0) for part in "xyz"]
     if not np.isfinite(pose).all():

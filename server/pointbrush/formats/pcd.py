@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.columns import frame_from_columns, unpack_rgb
-from pointbrush.formats.lzf import lzf_decompress
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
 from pointbrush.formats.table import Table
@@ -226,6 +225,8 @@ def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Arr
         )
     if size > packed * MAX_RATIO:
         raise TooLargeError(f"{name}: expected at most {packed * MAX_RATIO} bytes, got {size}")
+    from pointbrush.formats.lzf import lzf_decompress
+
     raw = lzf_decompress(name, body[8 : 8 + packed], size)
     columns: dict[str, Array] = {}
     at = 0

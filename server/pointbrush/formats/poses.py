@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.timing import lines_of, natural_key, read_times
@@ -119,6 +118,8 @@ def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
     if not row[3:].any():
         raise BadInputError(f"{where}: expected a quaternion, got zeros")
     pose = np.eye(4)
+    from scipy.spatial.transform import Rotation
+
     pose[:3, :3] = Rotation.from_quat(row[3:]).as_matrix()
     pose[:3, 3] = row[:3]
     return pose
@@ -178,6 +179,8 @@ def rigid_of(path: Path) -> Pose | None:
 
 def _of_oxts(drive: Path, names: Sequence[str], times: Sequence[float] | None) -> Poses:
     """Poses from the positions and angles of a GPS and inertial unit, first frame at the origin."""
+    from scipy.spatial.transform import Rotation
+
     T_velo_imu = rigid_of(drive.parent / "calib_imu_to_velo.txt")
     if T_velo_imu is None:
         log.warning(

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth import Intrinsics, depth_frame, find_intrinsics
@@ -161,6 +160,8 @@ def _poses(path: Path, times: list[float] | None) -> list[NDArray[np.float64]] |
         if not len(table) or abs(table[nearest, 0] - time) > 10 * NEAR:
             return None
         pose = np.eye(4)
+        from scipy.spatial.transform import Rotation
+
         pose[:3, :3] = Rotation.from_quat(table[nearest, 4:8]).as_matrix()
         pose[:3, 3] = table[nearest, 1:4]
         poses.append(pose)

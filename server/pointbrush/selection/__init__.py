@@ -1,12 +1,19 @@
 """A stroke and a frame in, the numbers of the points it takes out: one module per shape."""
 
-from pointbrush.selection.plane import fit_plane
-from pointbrush.selection.points import Blocks, Points
-from pointbrush.selection.pointset import PointSet
-from pointbrush.selection.select import Selector, first_hits, select
-from pointbrush.selection.shapes import SHAPES
-from pointbrush.selection.stroke import TOOLS, Stroke
-from pointbrush.selection.surface import Plane
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pointbrush.lazy import lazily
+
+if TYPE_CHECKING:
+    from pointbrush.selection.plane import fit_plane
+    from pointbrush.selection.points import Blocks, Points
+    from pointbrush.selection.pointset import PointSet
+    from pointbrush.selection.select import Selector, first_hits, select
+    from pointbrush.selection.shapes import SHAPES
+    from pointbrush.selection.stroke import TOOLS, Stroke
+    from pointbrush.selection.surface import Plane
 
 __all__ = [
     "SHAPES",
@@ -21,3 +28,18 @@ __all__ = [
     "fit_plane",
     "select",
 ]
+_PLACES = {
+    "fit_plane": "pointbrush.selection.plane",
+    "Blocks": "pointbrush.selection.points",
+    "Points": "pointbrush.selection.points",
+    "PointSet": "pointbrush.selection.pointset",
+    "Selector": "pointbrush.selection.select",
+    "first_hits": "pointbrush.selection.select",
+    "select": "pointbrush.selection.select",
+    "SHAPES": "pointbrush.selection.shapes",
+    "TOOLS": "pointbrush.selection.stroke",
+    "Stroke": "pointbrush.selection.stroke",
+    "Plane": "pointbrush.selection.surface",
+}
+if not TYPE_CHECKING:
+    __getattr__ = lazily(__name__, _PLACES)

@@ -13,8 +13,9 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.annotation import LABEL_FORMATS, parse_map
+from pointbrush.formats.annotation import parse_map
 from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.jobs import Job
 from pointbrush.web.auth import Caller, Gate
 from pointbrush.web.context import SequenceId, Ws, one_of

@@ -9,12 +9,12 @@ from pydantic import BaseModel, Field, model_validator
 
 from pointbrush.formats import format_names
 from pointbrush.formats.corrections import (
-    DELIMITERS,
     LARGEST_SCALE,
     MOST_COLUMNS,
     Corrections,
     parse_corrections,
 )
+from pointbrush.formats.names import DELIMITERS
 from pointbrush.jobs import Job
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
@@ -99,5 +98,7 @@ def _shortest(up: Vector) -> NDArray[np.float64]:
     sine, cosine = float(np.linalg.norm(axis)), float(up @ UP)
     # Upside down: over its side, about x.
     way = axis / sine if sine > 1e-9 else np.array([1.0, 0.0, 0.0])
+    from scipy.spatial.transform import Rotation
+
     matrix: NDArray[np.float64] = Rotation.from_rotvec(way * np.arctan2(sine, cosine)).as_matrix()
     return matrix

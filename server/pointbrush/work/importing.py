@@ -22,7 +22,6 @@ from pointbrush.formats.reports import reported
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
-from pointbrush.samples import generate
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 from pointbrush.worker import Channel
 
@@ -100,6 +99,8 @@ class SampleWork:
 
     def __call__(self, channel: Channel) -> None:
         """Generate frame by frame and store each as it comes."""
+        from pointbrush.samples import generate
+
         recording = generate("juggling", seed=self.seed, frames=self.frames)
         import_frames(
             recording.frames,
@@ -122,6 +123,8 @@ def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
 
 def create_sample_labels(store: LabelStore, recording: Sequence) -> None:
     """A palette for the objects of the sample; painting them is left to the person."""
+    from pointbrush.samples import generate
+
     for label_id, name, category, color in generate("juggling", frames=1).labels:
         store.create_label(
             recording.manifest.id, "import", id=label_id, name=name, category=category, color=color

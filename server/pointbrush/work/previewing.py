@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.formats.alignment import agree_better_without
 from pointbrush.formats.bag import SENSOR
-from pointbrush.formats.corrections import AXES, Corrections
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.listing import Listing
+from pointbrush.formats.names import AXES
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.pictures import PictureSource
 from pointbrush.formats.registry import format_named

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 Matrix = NDArray[np.float64]
 # More edges than this gain less than a thousandth of the area.
@@ -88,6 +87,8 @@ def _smallest_rectangle(flat: Matrix) -> tuple[float, Matrix, Matrix]:
 
 
 def _hull(flat: Matrix) -> Matrix:
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         return np.asarray(flat[ConvexHull(flat).vertices] if len(flat) > 2 else flat)
     except QhullError:

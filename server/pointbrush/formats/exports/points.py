@@ -14,7 +14,6 @@ from pointbrush.formats.datasets import LAS
 from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, point_table
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.spools import Spools
-from pointbrush.formats.las_write import is_las, write_las, write_las_like
 from pointbrush.formats.npy import write_npz
 from pointbrush.formats.pcd import write_pcd
 from pointbrush.formats.ply_write import write_ply
@@ -70,6 +69,8 @@ def _write_las(
     compress: bool, frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> None:
     """LAS or LAZ; what came from one keeps header, records and fields."""
+    from pointbrush.formats.las_write import is_las, write_las, write_las_like
+
     classes = palette.of_dataset(LAS.name).category
     for frame in frames:
         with output.file(f"{frame.stem}{'.laz' if compress else '.las'}") as file:

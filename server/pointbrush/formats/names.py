@@ -1,0 +1,16 @@
+"""Names that commands and calls choose from, without the readers behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+DELIMITERS: Mapping[str, str] = {
+    "comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|",
+}  # fmt: skip
+AXES = ("x", "-x", "y", "-y", "z", "-z")
+LABEL_FORMATS = (
+    *("semantickitti", "lidarseg", "panoptic", "npy", "las"),
+    *("labelcloud", "sustechpoints", "supervisely", "kitti-tracking", "kitti-tracklets"),
+    "points",
+)
+"""All formats of labels, in the order in which they are tried; LAS classes when asked for."""
