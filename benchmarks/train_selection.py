@@ -24,7 +24,7 @@ from pointbrush.selection.objects import ObjectOptions, ObjectState
 from pointbrush.selection.objects.clicks import place_clicks
 from pointbrush.selection.objects.features import FEATURES
 from pointbrush.selection.objects.forest import Forest
-from pointbrush.selection.objects.prepare import Parts, part_frame
+from pointbrush.selection.objects.preparing import Parts, part_frame
 from pointbrush.selection.objects.proposals import propose
 from pointbrush.selection.objects.state import state_of
 from pointbrush.selection.objects.sums import COUNT

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from pointbrush.selection.plane import fit_plane
     from pointbrush.selection.points import Blocks, Points
     from pointbrush.selection.pointset import PointSet
-    from pointbrush.selection.select import Selector, first_hits, select
+    from pointbrush.selection.selecting import Selector, first_hits, select
     from pointbrush.selection.shapes import SHAPES
     from pointbrush.selection.stroke import TOOLS, Stroke
     from pointbrush.selection.surface import Plane
@@ -33,9 +33,9 @@ _PLACES = {
     "Blocks": "pointbrush.selection.points",
     "Points": "pointbrush.selection.points",
     "PointSet": "pointbrush.selection.pointset",
-    "Selector": "pointbrush.selection.select",
-    "first_hits": "pointbrush.selection.select",
-    "select": "pointbrush.selection.select",
+    "Selector": "pointbrush.selection.selecting",
+    "first_hits": "pointbrush.selection.selecting",
+    "select": "pointbrush.selection.selecting",
     "SHAPES": "pointbrush.selection.shapes",
     "TOOLS": "pointbrush.selection.stroke",
     "Stroke": "pointbrush.selection.stroke",

@@ -7,15 +7,18 @@ constraint" (ISPRS 2006), with a colour criterion; grown in waves so that it is 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive
 from pointbrush.selection.regions import region_shape
 from pointbrush.selection.sphere import swept_ball
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 NEIGHBOURS = 16
 MAX_TURN = np.cos(np.radians(35.0))
@@ -46,6 +49,8 @@ def grow(
         if len(members) == 0:
             return
         xyz = points.xyz[members]
+        from scipy.spatial import cKDTree
+
         tree = cKDTree(xyz)
     rgb = points.rgb if members is None or points.rgb is None else points.rgb[members]
     barred = np.zeros(len(xyz), np.bool_)

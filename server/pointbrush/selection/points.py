@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.ranges import ranges
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 GROUP_POINTS = 1 << 21
 NOTHING: NDArray[np.int64] = np.empty(0, np.int64)

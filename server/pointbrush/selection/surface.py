@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive
@@ -173,5 +171,8 @@ def _joined_with(squares: Keys, start: int) -> NDArray[np.bool_]:
         links.append(np.stack([joined, at[joined]]))
     one, other = np.concatenate(links, axis=1)
     ones = np.ones(len(one), np.bool_)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     _, part = connected_components(coo_array((ones, (one, other)), shape=(len(squares),) * 2))
     return np.asarray(part == part[np.searchsorted(squares, start)])

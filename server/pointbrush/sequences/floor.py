@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 Vector = NDArray[np.float64]
 Kind = Literal["camera", "survey", "unknown"]
@@ -129,6 +128,8 @@ def _nearer_below(points: Vector) -> float:
 
 def _normals(points: Vector) -> tuple[Vector, Vector]:
     """Normals (N, 3) by the neighbours of each point, and how flat it is there: 0 for a plane."""
+    from scipy.spatial import cKDTree
+
     _, near = cKDTree(points).query(points, k=min(_NEIGHBOURS, len(points)))
     local = points[near] - points[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", local, local))

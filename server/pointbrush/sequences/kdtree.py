@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.sequences.order import bounds
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 LEAF_POINTS = 32
 _NODE_BYTES = 72
@@ -18,6 +20,8 @@ _STATE_LENGTH = 10
 
 def build(xyz: NDArray[np.float32]) -> cKDTree[None]:
     """The tree over points (N, 3).  Sliding midpoints: half the time of medians, as fast after."""
+    from scipy.spatial import cKDTree
+
     return cKDTree(xyz, leafsize=LEAF_POINTS, balanced_tree=False)
 
 
@@ -47,6 +51,8 @@ def unpack(
     indices = arrays["tree_indices"].astype(np.intp)
     lo, hi = (bound.astype(np.float64) for bound in bounds(xyz))
     state = (nodes, data, len(data), 3, LEAF_POINTS, hi, lo, indices, None, None)
+    from scipy.spatial import cKDTree
+
     tree: Any = cKDTree.__new__(cKDTree)
     try:
         tree.__setstate__(state)

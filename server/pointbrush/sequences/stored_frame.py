@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
@@ -19,6 +18,9 @@ from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.columns import from_local
 from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.manifest import Manifest
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _TREE_POINTS = 6_000_000
 _trees: Cache[tuple[str, str, int], cKDTree[None]] = Cache(_TREE_POINTS)

@@ -12,7 +12,6 @@ from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
 
 from pointbrush.errors import BadInputError
-from pointbrush.tracking.between import BothSides
 from pointbrush.tracking.interface import Method
 
 if TYPE_CHECKING:
@@ -52,6 +51,12 @@ def _colour_icp(watch: WatchIcp | None = None) -> Method:
     return PaperTracker(k=COLOUR_NEIGHBOURS, watch=watch)
 
 
+def _both_sides(method: Method) -> Method:
+    from pointbrush.tracking.between import BothSides
+
+    return BothSides(method)
+
+
 def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
     """A built-in method as it runs, which tells how each label was found in each frame.
 
@@ -60,11 +65,11 @@ def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
     """
     match name:
         case "auto":
-            return BothSides(_auto(watch))
+            return _both_sides(_auto(watch))
         case "icp":
-            return BothSides(_icp(watch_icp))
+            return _both_sides(_icp(watch_icp))
         case "color-icp":
-            return BothSides(_colour_icp(watch_icp))
+            return _both_sides(_colour_icp(watch_icp))
     raise BadInputError(f"method: expected one that explains itself (auto, icp), got {name!r}")
 
 
@@ -97,7 +102,7 @@ class _Methods(Mapping[str, Callable[[], Method]]):
 
     def __getitem__(self, name: str) -> Callable[[], Method]:
         factory = _BUILT_IN.get(name) or _plugins()[name]
-        return lambda: BothSides(factory())
+        return lambda: _both_sides(factory())
 
     def __iter__(self) -> Iterator[str]:
         return iter([*_BUILT_IN, *_plugins()])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import secrets
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from importlib import import_module
 from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
@@ -91,12 +93,19 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     uploads: Uploads = app.state.uploads
     uploads.open()
+    threading.Thread(target=_import_ahead, name="import-ahead", daemon=True).start()
     try:
         async with Hub(app.state.workspace, app.state.metrics).running() as hub:
             app.state.hub = hub
             yield
     finally:
         uploads.close()
+
+
+def _import_ahead() -> None:
+    """Import what the first stroke needs while the page is opened."""
+    for name in ("scipy.spatial", "scipy.sparse.csgraph"):
+        import_module(name)
 
 
 def describe(app: FastAPI) -> dict[str, Any]:

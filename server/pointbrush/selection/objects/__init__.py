@@ -8,11 +8,18 @@ pieces add up along the tree, two small ``forest``s of ``weights`` say what belo
 which ``unions`` of nodes are worth showing.
 """
 
-from pointbrush.selection.objects.candidates import Candidate, candidates
-from pointbrush.selection.objects.options import SENSOR_KINDS, ObjectOptions, SensorKind
-from pointbrush.selection.objects.prepare import prepare
-from pointbrush.selection.objects.state import ObjectFrame, ObjectState
-from pointbrush.selection.objects.weights import Weights, load_weights, save_weights
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pointbrush.lazy import lazily
+
+if TYPE_CHECKING:
+    from pointbrush.selection.objects.choosing import Candidate, candidates
+    from pointbrush.selection.objects.options import SENSOR_KINDS, ObjectOptions, SensorKind
+    from pointbrush.selection.objects.preparing import prepare
+    from pointbrush.selection.objects.state import ObjectFrame, ObjectState
+    from pointbrush.selection.objects.weights import Weights, load_weights, save_weights
 
 __all__ = [
     "SENSOR_KINDS",
@@ -27,3 +34,18 @@ __all__ = [
     "prepare",
     "save_weights",
 ]
+_PLACES = {
+    "Candidate": "pointbrush.selection.objects.choosing",
+    "candidates": "pointbrush.selection.objects.choosing",
+    "SENSOR_KINDS": "pointbrush.selection.objects.options",
+    "ObjectOptions": "pointbrush.selection.objects.options",
+    "SensorKind": "pointbrush.selection.objects.options",
+    "prepare": "pointbrush.selection.objects.preparing",
+    "ObjectFrame": "pointbrush.selection.objects.state",
+    "ObjectState": "pointbrush.selection.objects.state",
+    "Weights": "pointbrush.selection.objects.weights",
+    "load_weights": "pointbrush.selection.objects.weights",
+    "save_weights": "pointbrush.selection.objects.weights",
+}
+if not TYPE_CHECKING:
+    __getattr__ = lazily(__name__, _PLACES)

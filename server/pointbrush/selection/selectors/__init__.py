@@ -9,7 +9,6 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.selectors.http import HttpSelector
 from pointbrush.selection.selectors.interface import (
     Mask,
     Region,
@@ -17,7 +16,6 @@ from pointbrush.selection.selectors.interface import (
     StateLostError,
     StoredSelector,
 )
-from pointbrush.selection.selectors.tree import TreeSelector
 
 __all__ = [
     "BUILT_IN",
@@ -38,9 +36,14 @@ def make_selector(name: str) -> Selector:
 
     Raises BadInputError for an unknown name.
     """
+    # Here, since what is compiled is loaded with them.
     if name == BUILT_IN:
+        from pointbrush.selection.selectors.tree import TreeSelector
+
         return TreeSelector()
     if name.startswith(("http://", "https://")):
+        from pointbrush.selection.selectors.http import HttpSelector
+
         return HttpSelector(name)
     known = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name not in known:

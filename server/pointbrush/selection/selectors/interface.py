@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import UnavailableError
-from pointbrush.selection.objects import ObjectFrame
+
+if TYPE_CHECKING:
+    from pointbrush.selection.objects import ObjectFrame
 
 Mask = NDArray[np.int64]
 """Numbers of points, ascending."""

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection import Points
-from pointbrush.selection.objects import ObjectFrame
 from pointbrush.selection.objects.options import SensorKind
 from pointbrush.sequences import Manifest, StoredFrame
 from pointbrush.work.objects.options import SensingOptions
+
+if TYPE_CHECKING:
+    from pointbrush.selection.objects import ObjectFrame
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +29,9 @@ def object_frame(
         if column is None:
             return None
         return np.ascontiguousarray(column if members is None else column[members])
+
+    # Here, since what is compiled is loaded with it.
+    from pointbrush.selection.objects import ObjectFrame
 
     viewpoint = _viewpoint(frame, manifest)
     return ObjectFrame(
