@@ -170,3 +170,10 @@ def test_a_stroke_counts_what_it_will_change_and_not_what_it_only_touches(
     draw()
     workspace.update_label(SEQUENCE, "ada", 1, locked=True)
     assert draw(label=other) == (touched, 0, 0)
+
+
+def test_a_range_is_rejected_and_accepted_as_one_edit(workspace: Workspace) -> None:
+    with pytest.raises(BadInputError, match="frames: expected at least one"):
+        workspace.reject_range(SEQUENCE, [], [1], "ada")
+    with pytest.raises(NotFoundError):
+        workspace.accept_range(SEQUENCE, [0, FRAMES], [1], "ada")

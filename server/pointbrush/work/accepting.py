@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, TRACKED
+
+Track = dict[str, Any]
 
 
 def accept(
@@ -31,27 +34,24 @@ def accept_range(
     edit: str,
 ) -> Commit:
     """Do the same in several frames, as one edit; raises as ``accept``."""
-    _require(store, sequence, frames, labels)
-    wanted = set(frames)
-    tracks = [
-        {**track, "confidence": 1.0, "state": "painted"}
-        for track in store.tracks(sequence)
-        if track["frame"] in wanted and track["label"] in labels
-    ]
 
-    def mine(frame: int) -> Write:
+    def theirs(frame: int) -> Write:
         values = store.values(sequence, frame)
         points = np.flatnonzero(np.isin(values.label, labels) & ~values.deleted)
         return Write(points, provenance=PAINTED, living=True)
 
+    def vouched(track: Track) -> Track:
+        return {**track, "confidence": 1.0, "state": "painted"}
+
+    _require(store, sequence, frames, labels)
     return store.apply(
         sequence,
         edit_id=edit,
         author=author,
         kind="accept",
-        writes={frame: mine(frame) for frame in frames},
+        writes={frame: theirs(frame) for frame in frames},
         summary=f"accepted {len(labels)} labels in {_called(frames)}",
-        tracks=tracks,
+        tracks=list(map(vouched, _tracks(store, sequence, frames, labels))),
     )
 
 
@@ -67,28 +67,37 @@ def reject_range(
 
     Raises as ``accept``.
     """
-    _require(store, sequence, frames, labels)
-    wanted = set(frames)
-    tracks = [
-        {**track, "confidence": 0.0, "state": "lost", "points": 0}
-        for track in store.tracks(sequence)
-        if track["frame"] in wanted and track["label"] in labels and track["state"] != "painted"
-    ]
 
-    def theirs(frame: int) -> Write:
+    def found(frame: int) -> Write:
         values = store.values(sequence, frame)
-        found = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
-        return Write(np.flatnonzero(found), label=0, provenance=0, living=True)
+        theirs = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
+        return Write(np.flatnonzero(theirs), label=0, provenance=0, living=True)
 
+    def lost(track: Track) -> Track:
+        return {**track, "confidence": 0.0, "state": "lost", "points": 0}
+
+    _require(store, sequence, frames, labels)
+    tracks = _tracks(store, sequence, frames, labels)
     return store.apply(
         sequence,
         edit_id=edit,
         author=author,
         kind="reject",
-        writes={frame: theirs(frame) for frame in frames},
+        writes={frame: found(frame) for frame in frames},
         summary=f"rejected {len(labels)} labels in {_called(frames)}",
-        tracks=tracks,
+        tracks=[lost(track) for track in tracks if track["state"] != "painted"],
     )
+
+
+def _tracks(
+    store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]
+) -> list[Track]:
+    wanted = set(frames)
+    return [
+        track
+        for track in store.tracks(sequence)
+        if track["frame"] in wanted and track["label"] in labels
+    ]
 
 
 def _require(
