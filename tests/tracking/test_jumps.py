@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,8 @@ import scenes
 from runs import follow
 
 from pointbrush.tracking.geometry.registration import transform
-from pointbrush.tracking.interface import F64
+from pointbrush.tracking.interface import F64, FrameResult, Frames, Known, Seed, TrackOptions
+from pointbrush.tracking.jumps import AcrossJumps
 from pointbrush.tracking.sensor.jumps import find_jumps
 
 AFTER = 5
@@ -68,3 +70,26 @@ def test_recorded_poses_are_believed(jumped: list[scenes.Frame]) -> None:
     told = [replace(frame, pose=np.eye(4)) for frame in jumped]
     told[-1] = replace(told[-1], pose=np.diag([1.0, 1, 1, 1]) + np.eye(4, k=3))
     assert list(find_jumps(told.__getitem__, range(10))) == []
+
+
+class Loses:
+    """A method that finds nothing behind its first frame."""
+
+    def track(
+        self,
+        frames: Frames,  # noqa: ARG002
+        order: Sequence[int],
+        seeds: Sequence[Seed],  # noqa: ARG002
+        known: Known,  # noqa: ARG002
+        options: TrackOptions,  # noqa: ARG002
+    ) -> Iterator[FrameResult]:
+        return (FrameResult(number, {}, {}) for number in order)
+
+
+def test_every_frame_has_a_result_where_all_was_lost_before_a_jump(
+    jumped: list[scenes.Frame],
+) -> None:
+    seeds = [Seed(2, np.flatnonzero(jumped[0].truth == 2))]
+    method = AcrossJumps(Loses(), Loses())
+    found = method.track(jumped.__getitem__, range(10), seeds, lambda _: None, TrackOptions())
+    assert [result.frame for result in found] == list(range(10))

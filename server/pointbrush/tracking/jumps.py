@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,25 +94,24 @@ class AcrossJumps:
         begin, seeds = 0, list(seeds)
         # T_frame_start of each label at the first frame of a run.
         poses = {seed.label: np.eye(4) for seed in seeds}
-        for jump in find_jumps(frames, order, self.options):
+        for jump in chain(find_jumps(frames, order, self.options), [None]):
             last = FrameResult(order[begin], {s.label: s.indices for s in seeds}, {})
-            part = order[begin : jump.at]
+            part = order[begin : None if jump is None else jump.at]
             for number, result in enumerate(self.method.track(frames, part, seeds, known, options)):
                 found = _composed(result, poses)
                 if number or begin == 0:
                     yield found
                 last = found if number else replace(found, assignments=last.assignments)
+            if jump is None:
+                return
             across = self._over(frames, order, jump, last, known, options)
             yield across
             begin, options = jump.at, replace(options, before=())
             seeds = [Seed(n, points) for n, points in across.assignments.items()]
             poses = {seed.label: across.tracks[seed.label].pose for seed in seeds}
             if not seeds:
+                yield from (FrameResult(number, {}, {}) for number in order[begin + 1 :])
                 return
-        rest = self.method.track(frames, order[begin:], seeds, known, options)
-        for number, result in enumerate(rest):
-            if number or begin == 0:
-                yield _composed(result, poses)
 
     def _over(
         self,

@@ -16,11 +16,8 @@ from scipy import fft
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
 from pointbrush.tracking.options import JumpOptions
-from pointbrush.tracking.sensor.ego_motion import Planes, in_place, planes_of, register
+from pointbrush.tracking.sensor.ego_motion import AT_REST, Planes, in_place, planes_of, register
 from pointbrush.tracking.sensor.trajectory import recorded_pose
-
-AT_REST = 1e-4
-"""Metres, and radians, between recorded poses that are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
