@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ from pointbrush.formats.pictures import (
 from pointbrush.formats.poses import of_quaternion
 from pointbrush.formats.ros_message import cut_off, reader_of
 
+log = logging.getLogger(__name__)
 IMAGE, COMPRESSED, INFO, TRANSFORMS = "Image", "CompressedImage", "CameraInfo", "TFMessage"
 MOST_APART = 0.2
 """Seconds between a cloud and the picture that is taken for it."""
@@ -54,40 +56,45 @@ class ImageTopic:
 
 
 def bag_pictures(bag: Bag, found: Clouds, path: Path) -> PictureSource | None:
-    """The pictures of a bag's cameras that were taken with its clouds; None where there are none.
+    """The cameras of a bag whose pictures can be read; None where there are none.
 
-    Raises BadInputError for messages that are cut off.
+    Which picture is of which cloud is found when the pictures are read.
     """
     topics = _image_topics(found.topics)
-    if not topics:
-        return None
-    places = _transforms(bag, path, found.topics)
-    cameras, paired = [], []
+    places = _transforms(bag, path, found.topics) if topics else None
+    cameras: list[tuple[Camera, Topic]] = []
     for topic in topics:
-        stamps, frame_id, is_read = _heads(bag, path, topic.images)
-        if not is_read:
-            continue
-        camera = _camera(bag, path, topic, places, frame_id, found.sensor)
-        taken = _nearest(found.stamps, stamps)
-        if taken:
-            cameras.append(camera)
-            paired.append((topic, camera, taken))
+        try:
+            frame_id, is_read = _first(bag, path, topic.images)
+            if is_read and places is not None:
+                place = places(frame_id, found.sensor)
+                cameras.append((_camera(bag, path, topic, place), topic.images))
+        except BadInputError as error:
+            log.warning("the pictures of %s are left out: %s", topic.images.name, error)
     if not cameras:
         return None
+    jobs = partial(_jobs, bag, found, path, cameras)
+    return PictureSource(tuple(camera for camera, _ in cameras), lambda: readable(jobs()))
 
-    def read_one(frame: int, camera: Camera, topic: Topic, message: BagMessage) -> Picture:
+
+def _jobs(
+    bag: Bag, found: Clouds, path: Path, cameras: Sequence[tuple[Camera, Topic]]
+) -> Iterator[Callable[[], Picture]]:
+    """What reads each picture that was taken with a cloud."""
+    for camera, topic in cameras:
         name = f"{path.name} {topic.name}"
-        return picture(frame, camera, _content(name, topic, message), name)
+        try:
+            taken = _nearest(found.stamps, _stamps(bag, path, topic))
+        except BadInputError as error:
+            log.warning("the pictures of %s are left out: %s", topic.name, error)
+            continue
+        for number, message in enumerate(bag.messages(path, topic.name)):
+            for frame in taken.get(number, ()):
+                yield partial(_read, frame, camera, name, topic, message)
 
-    return PictureSource(
-        tuple(cameras),
-        lambda: readable(
-            partial(read_one, frame, camera, topic.images, message)
-            for topic, camera, taken in paired
-            for number, message in enumerate(bag.messages(path, topic.images.name))
-            for frame in taken.get(number, ())
-        ),
-    )
+
+def _read(frame: int, camera: Camera, name: str, topic: Topic, message: BagMessage) -> Picture:
+    return picture(frame, camera, _content(name, topic, message), name)
 
 
 def _kind(topic: Topic) -> str:
@@ -112,24 +119,33 @@ def _image_topics(topics: Sequence[Topic]) -> list[ImageTopic]:
     return list(chosen.values())[:MAX_CAMERAS]
 
 
-def _heads(bag: Bag, path: Path, topic: Topic) -> tuple[NDArray[np.float64], str, bool]:
-    """Stamps of a topic's messages, the first frame id, and whether its pictures can be read."""
-    stamps: list[float] = []
-    frame_id, is_read = "", True
+def _first(bag: Bag, path: Path, topic: Topic) -> tuple[str, bool]:
+    """The frame id of a topic's first message, and whether its pictures can be read."""
     name = f"{path.name} {topic.name}"
+    message = next(iter(bag.messages(path, topic.name)), None)
+    if message is None:
+        return "", False
+    try:
+        reader = reader_of(name, message)
+        _, frame_id = reader.head()
+        if _kind(topic) == COMPRESSED:
+            return frame_id, True
+        reader.number("I"), reader.number("I")
+        return frame_id, reader.text().lower() in ENCODINGS
+    except struct.error:
+        raise cut_off(name, _kind(topic), message) from None
+
+
+def _stamps(bag: Bag, path: Path, topic: Topic) -> NDArray[np.float64]:
+    """Stamps (n,) of a topic's messages, seconds."""
+    stamps, name = [], f"{path.name} {topic.name}"
     for message in bag.messages(path, topic.name):
         try:
-            reader = reader_of(name, message)
-            stamp, sensor = reader.head()
-            if not stamps:
-                frame_id = sensor
-                if _kind(topic) == IMAGE:
-                    reader.number("I"), reader.number("I")
-                    is_read = reader.text().lower() in ENCODINGS
+            stamp, _ = reader_of(name, message).head()
         except struct.error:
             raise cut_off(name, _kind(topic), message) from None
         stamps.append(stamp or message.time)
-    return np.array(stamps), frame_id, is_read and bool(stamps)
+    return np.array(stamps)
 
 
 def _nearest(clouds: NDArray[np.float64], images: NDArray[np.float64]) -> dict[int, list[int]]:
@@ -178,11 +194,8 @@ def _camera(
     bag: Bag,
     path: Path,
     topic: ImageTopic,
-    places: Callable[[str, str], Matrix | None],
-    frame_id: str,
-    sensor: str,
+    place: Matrix | None,
 ) -> Camera:
-    place = places(frame_id, sensor)
     message = next(iter(bag.messages(path, topic.info)), None) if topic.info else None
     if message is None:
         return Camera(topic.name, None, place)

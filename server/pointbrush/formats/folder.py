@@ -17,7 +17,7 @@ from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.kitti_cameras import kitti_pictures
 from pointbrush.formats.listing import INNER, FrameFile, Listing
-from pointbrush.formats.nuscenes import nuscenes_beside
+from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.pictures import FILE as CAMERAS_FILE
 from pointbrush.formats.pictures import PictureSource, joined, read_cameras_file
@@ -197,7 +197,8 @@ def list_files(
     if all(empty):
         empty = [False] * len(files)
     times = times_of(files, folder) if whole else None
-    poses = _poses(entry, files, folder, times, options) if whole else None
+    tables = _tables(entry, folder) if whole else None
+    poses = _poses(entry, files, folder, times, options, tables) if whole else None
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
     if entry.bag is not None:
         return _bags(entry, entry.bag, [files[i] for i in order], options)
@@ -211,7 +212,8 @@ def list_files(
         )
         for i in order
     ]
-    pictures = _pictures(entry, [files[i] for i in order], folder, options) if whole else None
+    ordered = [files[i] for i in order]
+    pictures = _pictures(entry, ordered, folder, options, tables) if whole else None
     by_time = find_time_file(folder) if times else None
     said = by_time.name if by_time else "the times in the file names" if times else ""
     times = sorted(times) if times else None
@@ -259,8 +261,21 @@ def _bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions) 
     )
 
 
+def _tables(entry: Format, folder: Path) -> Tables | None:
+    """nuScenes' tables beside sweeps; damaged ones are told in a warning."""
+    try:
+        return read_tables(folder) if entry.name in ("nuscenes", "bin") else None
+    except BadInputError as error:
+        log.warning("%s: the tables are not used: %s", folder.name, error)
+        return None
+
+
 def _pictures(
-    entry: Format, files: Sequence[Path], folder: Path, options: ReadOptions
+    entry: Format,
+    files: Sequence[Path],
+    folder: Path,
+    options: ReadOptions,
+    tables: Tables | None,
 ) -> PictureSource | None:
     """Pictures of cameras beside the frames; those of a layout that do not fit are told of."""
     names = [path.name for path in files]
@@ -269,7 +284,7 @@ def _pictures(
             return read_cameras_file(place / CAMERAS_FILE, names, options.limits)
     try:
         if entry.name in ("nuscenes", "bin") and folder.parent.name in ("samples", "sweeps"):
-            return nuscenes_beside(files, folder, options.limits)[1]
+            return nuscenes_pictures(tables, files, folder, options.limits)
         if entry.name in ("kitti", "bin"):
             return kitti_pictures(files, folder, options.limits)
     except BadInputError as error:
@@ -289,6 +304,7 @@ def _poses(
     folder: Path,
     times: list[float] | None,
     options: ReadOptions,
+    tables: Tables | None,
 ) -> Poses | None:
     """Poses beside the frames, or those that a person names; those of a KITTI layout and named
     ones must fit, others are told in a warning if not."""
@@ -301,10 +317,9 @@ def _poses(
     try:
         if entry.name == "feather":
             return argoverse_poses(folder.parent.parent, names, options.limits)
-        if entry.name == "nuscenes":
-            found, _ = nuscenes_beside(files, folder, options.limits)
-            if found is not None:
-                return found
+        told = nuscenes_poses(tables, files)
+        if told is not None:
+            return told
         return find_poses(folder, names, times, above=kitti)
     except BadInputError as error:
         if kitti:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,38 +29,69 @@ MOST_APART = 100_000
 Record = dict[str, Any]
 
 
-def nuscenes_beside(
-    files: Sequence[Path], folder: Path, limits: Limits
-) -> tuple[Poses | None, PictureSource | None]:
-    """Poses of the sweeps ``files`` in ``samples/LIDAR_TOP`` by the tables, and their pictures.
+@dataclass(frozen=True, slots=True, eq=False)
+class Tables:
+    """What the tables in the folder ``name`` say: sample data, and what it refers to by token."""
 
-    The world is the first sweep's vehicle.  Without tables, or a line for each file in them, there
-    are no poses, and pictures are those of the nearest time, their cameras not known.  Raises
-    BadInputError for damaged tables.
+    name: str
+    data: list[Record]
+    by_token: dict[str, dict[str, Record]]
+
+    def of_sweeps(self, files: Sequence[Path]) -> list[Record] | None:
+        """Return the record of each sweep; None where one has none."""
+        by_name = {Path(str(each.get("filename"))).name: each for each in self.data}
+        if any(path.name not in by_name for path in files):
+            return None
+        return [by_name[path.name] for path in files]
+
+
+def read_tables(folder: Path) -> Tables | None:
+    """Read the tables of the dataset that sweeps in ``folder`` (``samples/LIDAR_TOP``) are of.
+
+    None where there are none.  Raises BadInputError for damaged ones.
     """
     top = folder.parent.parent
-    tables = next((p.parent for p in sorted(top.glob("v1.0-*/sample_data.json"))), None)
-    if tables is None:
-        return None, _by_time(files, folder, limits)
-    data, sensors, egos = (_table(tables / f"{name}.json") for name in TABLES)
+    place = next((path.parent for path in sorted(top.glob("v1.0-*/sample_data.json"))), None)
+    if place is None:
+        return None
+    data, sensors, egos = (_table(place / f"{name}.json") for name in TABLES)
     by_token = {
         "calibrated_sensor_token": {str(each.get("token")): each for each in sensors},
         "ego_pose_token": {str(each.get("token")): each for each in egos},
     }
-    by_name = {Path(str(each.get("filename"))).name: each for each in data}
-    if any(path.name not in by_name for path in files):
-        return None, _by_time(files, folder, limits)
-    scans = [by_name[path.name] for path in files]
-    chains = [_world_from_sensor(scan, by_token) for scan in scans]
-    to_first = np.linalg.inv(chains[0]) if chains else np.eye(4)
-    poses = Poses([to_first @ chain for chain in chains], tables.name)
+    return Tables(place.name, data, by_token)
 
+
+def nuscenes_poses(tables: Tables | None, files: Sequence[Path]) -> Poses | None:
+    """The poses of sweeps, the world being the first one's scanner; None where they are not told.
+
+    Raises BadInputError for damaged tables.
+    """
+    scans = None if tables is None else tables.of_sweeps(files)
+    if tables is None or not scans:
+        return None
+    chains = [_world_from_sensor(scan, tables.by_token) for scan in scans]
+    to_first = np.linalg.inv(chains[0])
+    return Poses([to_first @ chain for chain in chains], tables.name)
+
+
+def nuscenes_pictures(
+    tables: Tables | None, files: Sequence[Path], folder: Path, limits: Limits
+) -> PictureSource | None:
+    """The pictures of the samples that sweeps are of; without tables, or a record of each sweep,
+    those of the nearest time, their cameras not known.  Raises BadInputError for damaged tables.
+    """
+    scans = None if tables is None else tables.of_sweeps(files)
+    if tables is None or scans is None:
+        return _by_time(files, folder, limits)
+    top, by_token = folder.parent.parent, tables.by_token
     of_sample: dict[str, list[Record]] = {}
-    for each in data:
+    for each in tables.data:
         if each.get("is_key_frame") and str(each.get("filename")).endswith((".jpg", ".png")):
             of_sample.setdefault(str(each.get("sample_token")), []).append(each)
     rows: list[dict[Camera, Path]] = []
-    for scan, T_world_scan in zip(scans, chains, strict=True):
+    for scan in scans:
+        T_world_scan = _world_from_sensor(scan, by_token)
         row = {}
         for each in of_sample.get(str(scan.get("sample_token")), []):
             path = top / str(each["filename"])
@@ -69,7 +101,7 @@ def nuscenes_beside(
                 row[_camera(path.parent.name, sensor, T_camera_frame)] = path
         rows.append(dict(sorted(row.items(), key=lambda item: item[0].name)))
     first = next((row for row in rows if row), {})
-    return poses, of_files(top, rows, list(first), limits)
+    return of_files(top, rows, list(first), limits)
 
 
 def label_times(paths: Sequence[Path]) -> dict[Path, float]:
