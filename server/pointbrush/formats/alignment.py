@@ -78,10 +78,10 @@ class _Surface:
     """Points with tangent planes, where they lie on a surface."""
 
     def __init__(self, xyz: Points, options: AlignmentOptions) -> None:
-        self._options = options
-        self._xyz = xyz
         from scipy.spatial import cKDTree
 
+        self._options = options
+        self._xyz = xyz
         self._tree = cKDTree(xyz)
         _, near = self._tree.query(xyz, k=min(options.neighbours, len(xyz)))
         local = xyz[near] - xyz[near].mean(axis=1, keepdims=True)

@@ -72,14 +72,6 @@ class LabelFiles:
         return READERS[self.format](path, options)
 
 
-def _by_time(stamps: list[float], times: Sequence[float | None], frames: int) -> list[int | None]:
-    known = {round(t * 1e3): index for index, t in enumerate(times) if t is not None}
-    if not known and len(stamps) == frames:
-        ranks = np.argsort(np.argsort(stamps))
-        return [int(rank) for rank in ranks]
-    return [known.get(round(stamp * 1e3)) for stamp in stamps]
-
-
 def find_label_files(
     place: Path, format: str | None, names: Mapping[int, ClassName], limits: Limits
 ) -> LabelFiles:
@@ -337,3 +329,11 @@ def frames_of(
         number = int(digits[-1][:9]) if digits else -1
         found.append(number if 0 <= number < frames else None)
     return found
+
+
+def _by_time(stamps: list[float], times: Sequence[float | None], frames: int) -> list[int | None]:
+    known = {round(t * 1e3): index for index, t in enumerate(times) if t is not None}
+    if not known and len(stamps) == frames:
+        ranks = np.argsort(np.argsort(stamps))
+        return [int(rank) for rank in ranks]
+    return [known.get(round(stamp * 1e3)) for stamp in stamps]

@@ -31,7 +31,7 @@ MAX_CAMERAS = 64
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
-    """How a camera sees a frame.
+    """Intrinsics, distortion and place of a camera.
 
     ``K`` (3, 3) pixels, ``distortion`` the coefficients of ``model`` (OpenCV's order for
     ``plumb_bob``), ``T_camera_frame`` (4, 4) from the frame's points to the camera, z ahead and y

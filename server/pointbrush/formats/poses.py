@@ -115,11 +115,11 @@ def _timed(
 
 def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
     """The pose of a row x y z qx qy qz qw; raises BadInputError naming ``where``."""
+    from scipy.spatial.transform import Rotation
+
     if not row[3:].any():
         raise BadInputError(f"{where}: expected a quaternion, got zeros")
     pose = np.eye(4)
-    from scipy.spatial.transform import Rotation
-
     pose[:3, :3] = Rotation.from_quat(row[3:]).as_matrix()
     pose[:3, 3] = row[:3]
     return pose

@@ -16,6 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.depth import Intrinsics, depth_frame, find_intrinsics
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.poses import of_quaternion
 from pointbrush.formats.timing import (
     natural_key,
     rate_of,
@@ -159,12 +160,7 @@ def _poses(path: Path, times: list[float] | None) -> list[NDArray[np.float64]] |
         nearest = int(np.argmin(np.abs(table[:, 0] - time))) if len(table) else 0
         if not len(table) or abs(table[nearest, 0] - time) > 10 * NEAR:
             return None
-        pose = np.eye(4)
-        from scipy.spatial.transform import Rotation
-
-        pose[:3, :3] = Rotation.from_quat(table[nearest, 4:8]).as_matrix()
-        pose[:3, 3] = table[nearest, 1:4]
-        poses.append(pose)
+        poses.append(of_quaternion(path.name, table[nearest, 1:8]))
     return poses
 
 

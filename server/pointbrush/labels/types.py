@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from pointbrush.errors import ConflictError
 
 Only = Literal["any", "labeled", "unlabeled", "not_painted"]
-PAINTED, TRACKED = 1, 2
-"""Provenance of a point that a person painted, and that tracking found; 0 none, 3 imported."""
+PAINTED = 1
+"""Provenance of a point that a person painted; 0 is none, 3 imported."""
+TRACKED = 2
+"""Provenance of a point that tracking found."""
 
 
 class GapError(ConflictError):

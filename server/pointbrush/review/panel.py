@@ -25,8 +25,10 @@ DOUBTFUL = 0.5
 POINT_SIZE = 0.006
 AUTHOR = "review"
 SHOWN_FIRST = STEPS[:3]
-NEARBY, OVERVIEW = 1.2, 2.0
-"""Metres, and median distances of the points, from which one looks at first."""
+NEARBY = 1.2
+"""Metres from an explained label at which one looks at it first."""
+OVERVIEW = 2.0
+"""Median distances of the points from their middle at which one looks at a frame first."""
 FROM = np.array([0.0, 0.35, 0.94])
 """The way from what one looks at to the eye, unit length, y up."""
 

@@ -1,4 +1,4 @@
-"""How a label was found in a frame, drawn into a viser scene."""
+"""Draw the steps by which a label was found in a frame into a viser scene."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Drawing:
 
 
 def told(found: Explanation) -> str:
-    """What a frame's verdict rests on, as Markdown."""
+    """Describe a frame's verdict and what it rests on, as Markdown."""
     track = found.track
     lines = [
         f"**{track.state}**, confidence {track.confidence:.2f}, {track.points:,} points, "

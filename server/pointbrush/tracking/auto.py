@@ -338,7 +338,7 @@ class Run:
 
 
 def _meets(some: F64, places: F64, margin: float) -> bool:
-    """Whether one of the points (N, 3) lies within ``margin`` metres of one of the others."""
+    """Return whether some of the points (N, 3) lie within ``margin`` metres of others."""
     lo, hi = places.min(axis=0) - margin, places.max(axis=0) + margin
     some = some[within(some, lo, hi)]
     if not len(some):

@@ -1,4 +1,4 @@
-"""How `auto` found a label in a frame, step by step, for people who want to see it work."""
+"""Record the steps by which `auto` finds a label in a frame, for people to look at."""
 
 from __future__ import annotations
 

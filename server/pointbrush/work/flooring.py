@@ -94,11 +94,11 @@ def stand_on(T_room_local: Vector, normal: Vector, middle: Vector) -> NDArray[np
 
 def _shortest(up: Vector) -> NDArray[np.float64]:
     """The rotation (3, 3) that takes a direction to +y by the smallest angle."""
+    from scipy.spatial.transform import Rotation
+
     axis = np.cross(up, UP)
     sine, cosine = float(np.linalg.norm(axis)), float(up @ UP)
     # Upside down: over its side, about x.
     way = axis / sine if sine > 1e-9 else np.array([1.0, 0.0, 0.0])
-    from scipy.spatial.transform import Rotation
-
     matrix: NDArray[np.float64] = Rotation.from_rotvec(way * np.arctan2(sine, cosine)).as_matrix()
     return matrix
