@@ -98,17 +98,20 @@ def test_the_eraser_removes_from_what_was_taken(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
     with_object_tool(desk, server)
-    person, pin = truth(0, PERSON), truth(0, PIN)
-    for point in (person, pin):
-        hover(desk, point, "pb.state.object.value?.ready")
-        desk.page.mouse.click(*desk.place(point))
-        desk.until("pb.state.object.value.taken")
-        desk.settled()
+    places = [truth(0, PERSON), truth(0, PIN)]
+    points = server.points(SEQUENCE, 0)
+    clicked = [int(np.linalg.norm(points - at, axis=1).argmin()) for at in places]
+
+    def stored() -> list[int]:
+        return [int(label) for label in server.annotation(SEQUENCE, 0)[clicked]]
+
+    for place, index in zip(places, (0, 1), strict=True):
+        hover(desk, place, "pb.state.object.value?.ready")
+        desk.page.mouse.click(*desk.place(place))
+        eventually(lambda index=index: stored()[: index + 1] == [1] * (index + 1), 30)
     desk.press("e")
-    desk.page.mouse.click(*desk.place(pin))
-    index = int(np.linalg.norm(server.points(SEQUENCE, 0) - pin, axis=1).argmin())
-    eventually(lambda: server.annotation(SEQUENCE, 0)[index] == 0, 30)
-    assert painted(server, 0) > 0
+    desk.page.mouse.click(*desk.place(places[1]))
+    eventually(lambda: stored() == [1, 0], 30)
 
 
 def test_a_stroke_is_completed_to_the_object(desk: Desk, server: LiveServer, truth: Truth) -> None:

@@ -102,6 +102,18 @@ describe('the object tool', () => {
     expect(begun()[3]!.brush.replaces).toBeUndefined();
   });
 
+  it('keeps a click that is not answered yet when another one comes', () => {
+    const { tool, asks, begun } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5]));
+    for (const x of [0.1, 0.4]) tool.click(at(x));
+    tool.click(at(0.2), true);
+    expect(asks()[2]).toMatchObject({ samples: [{}, {}], negatives: [{}] });
+    for (const ask of asks().slice(1)) tool.onCandidates(answer(ask, [7]));
+    expect(begun()).toHaveLength(2);
+    expect(begun()[1]!.brush.replaces).toBe(begun()[0]!.id);
+  });
+
   it('takes another level after the click once the wheel rests', () => {
     const { tool, asks, begun, rest } = setUp();
     tool.hover(at(0.1));

@@ -127,9 +127,12 @@ export class ObjectTool {
     const { taken, offer } = this;
     if (taken && taken.frame === this.deps.frame()) {
       remove ||= taken.brush.tool === 'paint' && this.deps.brush()?.tool === 'erase';
-      const positives = remove ? taken.positives : [...taken.positives, sample];
-      const negatives = remove ? [...taken.negatives, sample] : taken.negatives;
-      this.ask({ positives, negatives }, 'take');
+      // A click that is not answered yet counts: the next one must not lose it.
+      const { positives, negatives } = this.asked?.purpose === 'take' ? this.asked : taken;
+      const clicks = remove
+        ? { positives, negatives: [...negatives, sample] }
+        : { positives: [...positives, sample], negatives };
+      this.ask(clicks, 'take');
       return;
     }
     if (remove) return;
