@@ -122,7 +122,13 @@ export const state = {
   pending: signal(0),
   notices: signal<readonly Notice[]>([]),
 
-  xr: signal<XrState>({ supported: null, passthrough: false, session: 'none', detail: '' }),
+  xr: signal<XrState>({
+    supported: null,
+    passthrough: false,
+    enters: 'VR',
+    session: 'none',
+    detail: '',
+  }),
 };
 
 /** The active label's entry of the palette, or null. */

@@ -260,7 +260,10 @@ export interface ImportDraft {
 export interface XrState {
   /** null until the browser answered. */
   readonly supported: boolean | null;
+  /** Both are there: the button beside it enters with the real room in sight. */
   readonly passthrough: boolean;
+  /** AR where that is all there is. */
+  readonly enters: 'VR' | 'AR';
   readonly session: 'none' | 'starting' | 'running' | 'lost';
   readonly detail: string;
 }

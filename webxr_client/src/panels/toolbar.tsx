@@ -183,7 +183,7 @@ function ExportButton() {
 }
 
 function VrButton() {
-  const { supported, session, passthrough, detail } = state.xr.value;
+  const { supported, session, passthrough, enters, detail } = state.xr.value;
   if (supported === null) return null;
   if (!supported) {
     const why = (): void => notify('info', 'No headset here', detail);
@@ -191,7 +191,12 @@ function VrButton() {
   }
   if (session === 'running') {
     return (
-      <Button icon="exit" label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
+      <Button
+        icon="exit"
+        label={`Leave ${enters}`}
+        kind="outlined"
+        onClick={() => void actions.exitVR()}
+      />
     );
   }
   const starting = session === 'starting';
@@ -199,7 +204,7 @@ function VrButton() {
     <div class="group">
       <Button
         icon="headset"
-        label="Enter VR"
+        label={`Enter ${enters}`}
         kind="primary"
         tip="Step into the recording"
         disabled={starting}

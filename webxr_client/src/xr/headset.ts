@@ -20,14 +20,20 @@ const NO_HEADSET = 'No headset was found. Connect one, or open this page in the 
 
 export class Headset {
   cockpit: Cockpit | null = null;
+  private session: XRSession | null = null;
   private leaving = false;
+  /** Why the session that ends now could not begin. */
+  private trouble = '';
   /** Where the desk's camera was, and its near and far plane. */
   private readonly desk = new Matrix4();
   private readonly planes = { near: 0, far: 0 };
 
   constructor(private readonly engine: Engine) {
     bindActions({
-      enterVR: (passthrough) => this.enter(passthrough ? 'immersive-ar' : 'immersive-vr'),
+      enterVR: (passthrough) => {
+        const ar = passthrough || state.xr.peek().enters === 'AR';
+        return this.enter(ar ? 'immersive-ar' : 'immersive-vr');
+      },
       exitVR: () => this.exit(),
     });
     const { xr } = navigator;
@@ -43,13 +49,12 @@ export class Headset {
   /** Find out what the browser has. */
   private async look(xr: XRSystem): Promise<void> {
     const asks = (mode: Mode): Promise<boolean> => xr.isSessionSupported(mode).catch(() => false);
-    const [supported, passthrough] = await Promise.all([
-      asks('immersive-vr'),
-      asks('immersive-ar'),
-    ]);
+    const [vr, ar] = await Promise.all([asks('immersive-vr'), asks('immersive-ar')]);
+    const supported = vr || ar;
+    const enters = ar && !vr ? 'AR' : 'VR';
     const detail = supported ? '' : NO_HEADSET;
     const idle = state.xr.peek().session === 'none';
-    patch(state.xr, { supported, passthrough, ...(idle ? { detail } : {}) });
+    patch(state.xr, { supported, enters, passthrough: vr && ar, ...(idle ? { detail } : {}) });
   }
 
   async enter(mode: Mode = 'immersive-vr'): Promise<void> {
@@ -57,20 +62,29 @@ export class Headset {
     if (!xr || state.xr.peek().session === 'running' || state.xr.peek().session === 'starting')
       return;
     patch(state.xr, { session: 'starting', detail: '' });
+    this.trouble = '';
     try {
       const session = await xr.requestSession(mode, { optionalFeatures: OPTIONAL });
       await this.begin(session, mode);
     } catch (error) {
-      const detail = error instanceof Error ? error.message : String(error);
-      patch(state.xr, { session: 'none', detail });
-      notify('error', 'The headset session did not start', detail);
+      await this.giveUp(error instanceof Error ? error.message : String(error));
     }
+  }
+
+  /** The session did not begin: nobody is left inside one that shows nothing. */
+  private async giveUp(detail: string): Promise<void> {
+    this.leaving = true;
+    this.trouble = detail;
+    await this.session?.end().catch(() => undefined);
+    patch(state.xr, { session: 'none', detail });
+    notify('error', 'The headset session did not start', detail);
   }
 
   private async begin(session: XRSession, mode: Mode): Promise<void> {
     const { viewer, pacing } = this.engine;
     const { xr } = viewer.renderer;
     this.leaving = false;
+    this.session = session;
     viewer.camera.updateMatrix();
     this.desk.copy(viewer.camera.matrix);
     this.planes.near = viewer.camera.near;
@@ -84,6 +98,8 @@ export class Headset {
     pacing.show(1000 / (await chooseRate(session)));
     viewer.backdrop.showSky(mode === 'immersive-vr');
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
+    // It may have ended while it began.
+    if (this.session !== session) return;
     this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
     // At the desk one may have been looking about; here one walks.
     if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
@@ -97,6 +113,7 @@ export class Headset {
 
   private ended(): void {
     const { viewer, pacing } = this.engine;
+    this.session = null;
     this.cockpit?.dispose();
     this.cockpit = null;
     const { position, quaternion, scale } = viewer.camera;
@@ -108,7 +125,7 @@ export class Headset {
     pacing.show(0);
     viewer.invalidate();
     if (this.leaving) {
-      patch(state.xr, { session: 'none', detail: '' });
+      patch(state.xr, { session: 'none', detail: this.trouble });
       return;
     }
     const detail =
