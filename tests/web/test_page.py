@@ -54,3 +54,20 @@ def test_the_document_is_asked_for_again_each_time(anyone: httpx.Client, built: 
     assert answer.text == "<!doctype html>"
     assert answer.headers["cache-control"] == "no-cache"
     assert answer.headers["content-type"].startswith("text/html")
+
+
+BROWSER = {"Accept": "text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"}
+
+
+def test_a_browser_with_a_wrong_token_gets_the_page_that_says_so(
+    anyone: httpx.Client, built: Path
+) -> None:
+    refused = anyone.get("/?token=wrong&sequence=wall", headers=BROWSER)
+    assert (refused.status_code, refused.text) == (401, "<!doctype html>")
+    assert refused.headers["content-type"].startswith("text/html")
+    assert "www-authenticate" in refused.headers
+    assert "set-cookie" not in refused.headers
+    for accept in ("application/json", "*/*"):
+        plain = anyone.get("/?token=wrong", headers={"Accept": accept})
+        assert plain.status_code == 401
+        assert plain.headers["content-type"] == "application/problem+json"

@@ -12,6 +12,7 @@ const LONGEST_MS = 1500;
 
 export function startPage(early: Early): void {
   const engine = new Engine(document.getElementById('view') as HTMLCanvasElement, early);
+  if (early.refused) state.connection.value = { state: 'refused', detail: '', retryAt: null };
   const overlays = installOverlays(engine);
   installHook(engine);
   engine.start();

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import mimetypes
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import RedirectResponse
 from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.datastructures import URL
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import NotFoundError, TooManyRequestsError, UnauthorizedError
+from pointbrush.streaming.status import status_of
 from pointbrush.web.auth import Gate
-from pointbrush.web.problems import problem
+from pointbrush.web.problems import EXTRA_HEADERS, problem
 from pointbrush.web.routes_meta import set_cookie
 
 router = APIRouter(include_in_schema=False)
@@ -27,12 +30,43 @@ mimetypes.add_type("application/wasm", ".wasm")
 
 @router.get("/")
 def index(request: Request, token: str | None = None) -> Response:
-    """The page; a ``token`` in the URL becomes a cookie and leaves the address bar."""
-    if token is not None:
+    """The page; a ``token`` in the URL becomes a cookie and leaves the address bar.
+
+    A browser that brings a wrong token gets the page all the same, with the refusal's status: the
+    token is left in its address, by which the page knows and says so.
+    """
+    if token is None:
+        return document(request)
+    try:
         return exchange(request, token)
-    if not (PAGE / "index.html").is_file():
+    except (UnauthorizedError, TooManyRequestsError) as refusal:
+        if not (wants_html(request) and built()):
+            raise
+        status = status_of(refusal)
+        return document(request, status, EXTRA_HEADERS[status])
+
+
+def built() -> bool:
+    """Whether there is a page to send."""
+    return (PAGE / "index.html").is_file()
+
+
+def document(
+    request: Request, status: int = 200, more: Mapping[str, str] = MappingProxyType({})
+) -> Response:
+    """The page's document."""
+    if not built():
         return problem(404, "the page has not been built: run `make page`", "No page")
-    return _file(request, PAGE / "index.html", "no-cache")
+    answer = _file(request, PAGE / "index.html", "no-cache")
+    answer.status_code = status
+    answer.headers.update(more)
+    return answer
+
+
+def wants_html(request: Request) -> bool:
+    """Whether an answer is for a person's eyes: browsers name HTML, programs take anything."""
+    accepted = request.headers.get("accept", "").split(",")
+    return any(item.partition(";")[0].strip() == "text/html" for item in accepted)
 
 
 def exchange(request: Request, token: str) -> Response:

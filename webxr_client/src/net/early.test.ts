@@ -46,6 +46,13 @@ describe('what goes out before the page has loaded', () => {
     expect(opened()).toEqual([]);
   });
 
+  it('asks nothing with a token that the server left in the address', async () => {
+    const early = page('http://host/?token=wrong&sequence=a', two);
+    expect(early.refused).toBe(true);
+    expect(await early.opening).toBe(null);
+    expect(sent.some(({ t }) => t === 'connect')).toBe(false);
+  });
+
   it('opens the only recording there is', () => {
     vi.stubGlobal('location', new URL('http://host/'));
     expect(firstOf([{ id: 'only' }])).toBe('only');

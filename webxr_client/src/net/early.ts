@@ -16,8 +16,14 @@ export class Early {
   readonly link = new Link();
   /** The recording that was asked for; null where the page has to show the list, or an error. */
   readonly opening: Promise<string | null>;
+  /** The address has a token still: the server did not take it. */
+  readonly refused = new URLSearchParams(location.search).has('token');
 
   constructor() {
+    if (this.refused) {
+      this.opening = Promise.resolve(null);
+      return;
+    }
     this.link.connect();
     this.opening = this.open().catch(() => null);
   }
