@@ -92,9 +92,10 @@ async function exportSequence(format: string, frames = ''): Promise<void> {
   if (!info) return;
   const query = new URLSearchParams({ format });
   if (frames) query.set('frames', frames);
+  // A download that finds no server, or is refused, tells nobody: ask first.
+  await api('GET', sequencePath(info.id));
   download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
   notify('success', 'Export started', 'The browser saves it among its downloads.');
-  await Promise.resolve();
 }
 
 export const recordingActions: RecordingActions = {
