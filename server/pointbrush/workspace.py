@@ -65,6 +65,7 @@ from pointbrush.work.objects import (
 from pointbrush.work.palettes import NamedLabel
 from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
+from pointbrush.work.reviewing import Reviewing
 from pointbrush.work.runs import Runs, TrackRequest
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
@@ -119,6 +120,7 @@ class Workspace:
         )
         self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
         self._deletion = Deletion(self.library, self.store)
+        self.reviewing = Reviewing(self.store, self.recording)
         self._deletion.tidy()
         self._imports.complete(self.sequences())
         self.store.seal()

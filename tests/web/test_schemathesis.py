@@ -31,6 +31,8 @@ SEMANTIC = (
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
     "POST /api/v1/sequences/{seq}/palette",
+    "PUT /api/v1/sequences/{seq}/review",
+    "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )
 """Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""
 

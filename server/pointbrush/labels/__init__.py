@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
     from pointbrush.labels.recordings import KEPT_SECONDS, Known
+    from pointbrush.labels.reviews import Review
     from pointbrush.labels.store import LabelStore
     from pointbrush.labels.taxonomy import Category
     from pointbrush.labels.tokens import Token, Tokens
@@ -41,6 +42,7 @@ __all__ = [
     "Label",
     "LabelStore",
     "Limits",
+    "Review",
     "Token",
     "Tokens",
     "Write",
@@ -55,6 +57,7 @@ _PLACES = {
     "check_database": "pointbrush.labels.integrity",
     "KEPT_SECONDS": "pointbrush.labels.recordings",
     "Known": "pointbrush.labels.recordings",
+    "Review": "pointbrush.labels.reviews",
     "LabelStore": "pointbrush.labels.store",
     "Category": "pointbrush.labels.taxonomy",
     "Token": "pointbrush.labels.tokens",

@@ -42,6 +42,12 @@ def lines(connection: Connection, number: int, before: int | None, limit: int) -
     return [info(row, row.target_id) for row in rows]
 
 
+def authors(connection: Connection, number: int) -> set[str]:
+    """The accounts that edited the sequence."""
+    query = select(edits.c.author).where(edits.c.sequence == number).distinct()
+    return set(connection.execute(query).scalars())
+
+
 def info(row: Row[Any], target: str | None = None) -> EditInfo:
     """A row as a line of the history."""
     return EditInfo(

@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0007"
+HEAD = "0008"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -169,6 +169,23 @@ frame_changes = Table(
     Column("revision", BigInteger, nullable=False),  # of the last edit that changed what it shows
 )
 
+reviews = Table(
+    "reviews",
+    metadata,
+    _sequence(),
+    Column("number", Integer, primary_key=True, autoincrement=False),  # 1, 2, … as they came
+    Column("time", Double, nullable=False),
+    Column("author", String(256), nullable=False),
+    Column("revision", BigInteger, nullable=False),  # of the sequence that was looked at
+    Column("first", Integer),  # frames first to last; NULL: a label as a whole
+    Column("last", Integer),
+    Column("label", Integer, nullable=False),  # 0: the frames themselves
+    Column("state", String(16)),  # here and below NULL keeps what was there
+    Column("note", Text),
+    Column("place", Text),  # JSON [x, y, z] that the note is pinned to
+    Column("assignee", String(256)),
+)
+
 tokens = Table(
     "tokens",
     metadata,
@@ -241,6 +258,7 @@ PER_SEQUENCE = (
     tracks,
     counts,
     frame_changes,
+    reviews,
     edits,
 )
 """Everything that goes when a sequence is forgotten, children first."""

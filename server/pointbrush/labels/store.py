@@ -17,6 +17,7 @@ from pointbrush.labels.guards import Guards
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.recordings import Recordings
+from pointbrush.labels.reviews import Reviews
 from pointbrush.labels.sessions import Sessions, require_import
 from pointbrush.labels.sign_ins import SignIns
 from pointbrush.labels.state import revisions
@@ -53,6 +54,7 @@ class LabelStore:
         self.sign_ins = SignIns(self._database)
         self.taxonomy = Taxonomy(self._database)
         self.recordings = Recordings(self._database, self._sessions)
+        self.reviews = Reviews(self._database)
         self.guards = Guards(self._database)
 
     def seal(self) -> None:
@@ -111,6 +113,11 @@ class LabelStore:
         with self._sessions.reading(sequence) as (_, state):
             state.frame_points(frame)
             return state.changed.get(frame, 0)
+
+    def frame_changes(self, sequence: str) -> dict[int, int]:
+        """For each frame that was ever changed, the revision of its last change."""
+        with self._sessions.reading(sequence) as (_, state):
+            return dict(state.changed)
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
@@ -278,6 +285,11 @@ class LabelStore:
         """The history, newest first, from below revision ``before``; at most 1,000 lines."""
         with self._sessions.reading(sequence) as (connection, state):
             return history.lines(connection, state.number, before, limit)
+
+    def authors(self, sequence: str) -> set[str]:
+        """The accounts that edited a sequence."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return history.authors(connection, state.number)
 
     def find(self, sequence: str, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, ``repeated``, or None."""

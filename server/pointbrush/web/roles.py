@@ -45,6 +45,9 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/templates"): "viewer",
     ("GET", "/sequences/{seq}/tracks"): "viewer",
     ("GET", "/sequences/{seq}/export"): "viewer",
+    ("GET", "/sequences/{seq}/review"): "viewer",
+    ("GET", "/sequences/{seq}/review/history"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/review"): "viewer",
     ("GET", "/taxonomy"): "viewer",
     ("GET", "/jobs"): "viewer",
     ("GET", "/jobs/{id}"): "viewer",
@@ -62,6 +65,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/floor"): "annotator",
     ("DELETE", "/sequences/{seq}/floor"): "annotator",
     ("POST", "/sequences/{seq}/tracking"): "annotator",
+    ("PUT", "/sequences/{seq}/review"): "annotator",
+    ("PUT", "/sequences/{seq}/frames/{i}/review"): "annotator",
     ("DELETE", "/jobs/{id}"): "annotator",
     ("POST", "/sequences/{seq}/frames/{i}/accept"): "reviewer",
     ("PUT", "/taxonomy"): "manager",
@@ -73,6 +78,10 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/restore"): "manager",
 }
 
+DECIDE: Role = "reviewer"
+"""Who may accept and reject frames, and take back that they were accepted."""
+ASSIGN: Role = "manager"
+"""Who may give frames to people."""
 CANCEL_ANY: Role = "manager"
 """Who may cancel jobs that somebody else has started."""
 

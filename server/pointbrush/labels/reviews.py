@@ -1,0 +1,96 @@
+"""The log of reviews: each decision about frames or a label, in the order they were made."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, func, insert, select
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels.database import Database
+from pointbrush.labels.schema import LIVE, reviews, sequences
+
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """A line of the log.
+
+    ``first``, ``last``  the frames it is about, both included; None: the label as a whole.
+    ``label``            the label it is about, or 0: the frames themselves.
+    ``state``, ``note``, ``assignee``  what it sets; None keeps, "" takes a note or a person away.
+    ``place``            source coordinates, metres, that the note is pinned to, or None.
+    ``number``, ``time``, ``author``, ``revision``  given when it is added: its place in the log,
+    seconds since the epoch, an account, the sequence's revision that was looked at.
+    """
+
+    first: int | None
+    last: int | None
+    label: int = 0
+    state: str | None = None
+    note: str | None = None
+    place: Place | None = None
+    assignee: str | None = None
+    number: int = 0
+    time: float = 0.0
+    author: str = ""
+    revision: int = 0
+
+
+class Reviews:
+    """The reviews of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(self, sequence: str, identity: str, author: str, review: Review) -> Review:
+        """Append a review to the log; durable when this returns.
+
+        ``identity`` is that of the import which was looked at.  Raises NotFoundError where another
+        import has the id by now, UnavailableError, ReadOnlyError.
+        """
+        with self._database.write() as connection:
+            row = _sequence(connection, sequence, lock=True)
+            if row.identity not in (None, identity):
+                raise NotFoundError(f"sequence: {sequence!r} was imported anew meanwhile")
+            last = select(func.max(reviews.c.number)).where(reviews.c.sequence == row.number)
+            values = {
+                "number": (connection.execute(last).scalar() or 0) + 1,
+                "time": self._database.now(connection),
+                "author": author,
+                "revision": row.revision,
+                "first": review.first,
+                "last": review.last,
+                "label": review.label,
+                "state": review.state,
+                "note": review.note,
+                "place": None if review.place is None else json.dumps(review.place),
+                "assignee": review.assignee,
+            }
+            connection.execute(insert(reviews), {"sequence": row.number, **values})
+        return Review(**{**values, "place": review.place})
+
+    def entries(self, sequence: str) -> list[Review]:
+        """Return the whole log, oldest first; raises NotFoundError."""
+        with self._database.read() as connection:
+            number = _sequence(connection, sequence).number
+            mine = reviews.c.sequence == number
+            query = select(reviews).where(mine).order_by(reviews.c.number)
+            return [_review(row) for row in connection.execute(query)]
+
+
+def _sequence(connection: Connection, sequence: str, *, lock: bool = False) -> Row[Any]:
+    query = select(sequences).where(sequences.c.id == sequence, LIVE)
+    row = connection.execute(query.with_for_update() if lock else query).one_or_none()
+    if row is None:
+        raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+    return row
+
+
+def _review(row: Row[Any]) -> Review:
+    values = {name: value for name, value in row._mapping.items() if name != "sequence"}
+    place = values["place"]
+    return Review(**{**values, "place": None if place is None else tuple(json.loads(place))})

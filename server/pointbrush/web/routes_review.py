@@ -1,0 +1,176 @@
+"""States, notes and assignments of frames and labels."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+
+from pointbrush.labels import Review
+from pointbrush.roles import includes, require
+from pointbrush.streaming.messages import FrameIndex, Vec3
+from pointbrush.web.auth import Caller, Principal
+from pointbrush.web.context import FramePath, SequenceId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.roles import ASSIGN, DECIDE
+from pointbrush.web.schemas import Body, PaintId
+from pointbrush.work.reviewing import Overview, Standing, State
+from pointbrush.workspace import Workspace
+
+router = APIRouter(tags=["review"])
+DECISIONS = frozenset({"accepted", "rejected"})
+Note = Annotated[str, Field(max_length=2_000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")]
+Person = Annotated[str, Field(max_length=128, pattern=r"^[^\x00-\x1f\x7f]*$")]
+
+
+class FrameReviewBody(Body):
+    """What to set; what is absent stays, "" takes a note or a person away."""
+
+    state: State | None = None
+    note: Note | None = None
+    place: Annotated[Vec3, Field(description="where the note is pinned, source")] | None = None
+    assignee: Person | None = None
+    label: PaintId | None = None
+
+
+class ReviewBody(FrameReviewBody):
+    """The same of frames ``first`` to ``last``, or of a label as a whole."""
+
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+
+
+class StandingOut(BaseModel):
+    """How frames ``first`` to ``last``, or a label as a whole, stand."""
+
+    first: int | None
+    last: int | None
+    label: Annotated[int | None, Field(description="null: the frames themselves")]
+    state: State
+    note: str
+    place: Vec3 | None
+    assignee: str
+    by: str
+    at: datetime | None
+    changed: Annotated[bool, Field(description="labels changed after the state was given")]
+
+    @classmethod
+    def of(cls, standing: Standing) -> StandingOut:
+        """From the workspace's."""
+        return cls(
+            first=standing.first, last=standing.last, label=standing.label or None,
+            state=standing.state, note=standing.note,
+            place=None if standing.place is None else list(standing.place),
+            assignee=standing.assignee, by=standing.by,
+            at=None if standing.at is None else datetime.fromtimestamp(standing.at, UTC),
+            changed=standing.changed,
+        )  # fmt: skip
+
+
+class OverviewOut(BaseModel):
+    """The review of a recording: frames in each state, and all about which something was said."""
+
+    counts: dict[State, int]
+    frames: list[StandingOut]
+    labels: list[StandingOut]
+    people: list[str]
+
+    @classmethod
+    def of(cls, overview: Overview) -> OverviewOut:
+        """From the workspace's."""
+        return cls(
+            counts=dict(overview.counts),
+            frames=[StandingOut.of(each) for each in overview.frames],
+            labels=[StandingOut.of(each) for each in overview.labels],
+            people=list(overview.people),
+        )
+
+
+class ReviewOut(BaseModel):
+    """A decision; null is what it did not set."""
+
+    first: int | None
+    last: int | None
+    label: int | None
+    state: State | None
+    note: str | None
+    place: Vec3 | None
+    assignee: str | None
+    by: str
+    at: datetime
+    revision: int
+
+    @classmethod
+    def of(cls, review: Review) -> ReviewOut:
+        """From the store's log."""
+        return cls.model_validate({
+            **{name: getattr(review, name) for name in
+               ("first", "last", "state", "note", "assignee", "revision")},
+            "label": review.label or None, "by": review.author,
+            "place": None if review.place is None else list(review.place),
+            "at": datetime.fromtimestamp(review.time, UTC),
+        })  # fmt: skip
+
+
+@router.get("/sequences/{seq}/review", responses=responses(404))
+def get_review(seq: SequenceId, workspace: Ws) -> OverviewOut:
+    """How each frame and label stands."""
+    return OverviewOut.of(workspace.reviewing.overview(seq))
+
+
+@router.put("/sequences/{seq}/review", responses=responses(404, 413))
+def put_review(seq: SequenceId, body: ReviewBody, workspace: Ws, who: Caller) -> OverviewOut:
+    """Set state, note or assignee of frames ``first`` to ``last``, or state and note of a label.
+
+    Accepting, rejecting and taking that back need the role reviewer, giving frames to people the
+    role manager.  What is accepted or open again loses its note.
+    """
+    _put(workspace, seq, who, body, body.first, body.last)
+    return OverviewOut.of(workspace.reviewing.overview(seq))
+
+
+@router.get("/sequences/{seq}/review/history", responses=responses(404))
+def get_history(
+    seq: SequenceId, workspace: Ws, limit: Annotated[int, Query(ge=1, le=1000)] = 100
+) -> list[ReviewOut]:
+    """Who decided what, the newest first."""
+    return [ReviewOut.of(each) for each in workspace.reviewing.history(seq)[:limit]]
+
+
+@router.get("/sequences/{seq}/frames/{i}/review", responses=responses(404))
+def get_frame_review(
+    seq: SequenceId,
+    i: FramePath,
+    workspace: Ws,
+    label: Annotated[int | None, Query(ge=1, le=65534, description="in this frame")] = None,
+) -> StandingOut:
+    """How a frame stands, or a label in it."""
+    return StandingOut.of(workspace.reviewing.frame(seq, i, label or 0))
+
+
+@router.put("/sequences/{seq}/frames/{i}/review", responses=responses(404, 413))
+def put_frame_review(
+    seq: SequenceId, i: FramePath, body: FrameReviewBody, workspace: Ws, who: Caller
+) -> StandingOut:
+    """Set state, note or assignee of a frame, or state and note of a label in it."""
+    _put(workspace, seq, who, body, i, i)
+    return StandingOut.of(workspace.reviewing.frame(seq, i, body.label or 0))
+
+
+def _put(
+    workspace: Workspace,
+    seq: str,
+    who: Principal,
+    body: FrameReviewBody,
+    first: int | None,
+    last: int | None,
+) -> None:
+    if body.state in DECISIONS:
+        require(who.role, DECIDE)
+    if body.assignee is not None:
+        require(who.role, ASSIGN)
+    place = None if body.place is None else (body.place[0], body.place[1], body.place[2])
+    review = Review(first, last, body.label or 0, body.state, body.note, place, body.assignee)
+    workspace.reviewing.put(seq, who.author, review, decides=includes(who.role, DECIDE))

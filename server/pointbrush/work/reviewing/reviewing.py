@@ -1,0 +1,121 @@
+"""The review of recordings, for the fronts: each call names a recording by its id."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
+from pointbrush.labels import LabelStore, Review
+from pointbrush.labels.accounts import require_name
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.reviewing import states
+from pointbrush.work.reviewing.states import STATES, Overview, Standing
+
+SETTLED = ("open", "accepted")
+"""States in which an earlier note has been seen to."""
+LONGEST_NOTE = 2_000
+"""Characters of a note."""
+
+
+class Reviewing:
+    """States, notes and people of all recordings; thread-safe."""
+
+    def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
+        self._store, self._recording = store, recording
+
+    def overview(self, sequence: str) -> Overview:
+        """Return how each frame and label stands; raises NotFoundError."""
+        recording = self._recording(sequence)
+        log = self._store.reviews.entries(sequence)
+        palette = {label.id for label in self._store.palette(sequence)}
+        changes = self._store.frame_changes(sequence)
+        found = states.replay(log, len(recording), palette, changes)
+        people = {entry.author for entry in log} | self._store.authors(sequence)
+        names = {self._name(account) for account in people}
+        names |= {entry.assignee for entry in log if entry.assignee}
+        return replace(
+            found,
+            frames=[self._named(each) for each in found.frames],
+            labels=[self._named(each) for each in found.labels],
+            people=sorted(names, key=str.lower),
+        )
+
+    def frame(self, sequence: str, frame: int, label: int = 0) -> Standing:
+        """Return how one frame stands, or a label in it; raises NotFoundError."""
+        _ = self._recording(sequence)[frame]
+        return states.state_at(self.overview(sequence), frame, label)
+
+    def history(self, sequence: str) -> list[Review]:
+        """Return who decided what, the newest first; authors by their names."""
+        self._recording(sequence)
+        log = self._store.reviews.entries(sequence)
+        return [replace(entry, author=self._name(entry.author)) for entry in reversed(log)]
+
+    def put(self, sequence: str, author: str, review: Review, *, decides: bool = True) -> None:
+        """Set state, note or person of frames, or of a label; those left out stay.
+
+        What is accepted or open again loses its note, unless a new one comes with it.
+        ``decides``: may take back what was accepted.  Raises NotFoundError (frame, label),
+        BadInputError for what cannot be, ForbiddenError.
+        """
+        recording = self._recording(sequence)
+        _check_frames(review, len(recording))
+        _check_words(review)
+        if review.label and review.label not in {one.id for one in self._store.palette(sequence)}:
+            raise NotFoundError(f"label: expected the id of a label, got {review.label}")
+        if not decides:
+            self._require_undecided(sequence, review)
+        if review.state in SETTLED and review.note is None:
+            review = replace(review, note="")
+        self._store.reviews.add(sequence, recording.identity, author, review)
+
+    def _require_undecided(self, sequence: str, review: Review) -> None:
+        overview = self.overview(sequence)
+        if review.first is None or review.last is None:
+            there = [each for each in overview.labels if each.label == review.label]
+        else:
+            there = list(states.overlapping(overview, review.first, review.last, review.label))
+        if any(each.state == "accepted" for each in there):
+            raise ForbiddenError("expected a reviewer to take back what is accepted")
+
+    def _name(self, account: str) -> str:
+        return self._store.accounts.name(account)
+
+    def _named(self, standing: Standing) -> Standing:
+        return replace(standing, by=self._name(standing.by)) if standing.by else standing
+
+
+def _check_frames(review: Review, frames: int) -> None:
+    if (review.first is None) != (review.last is None):
+        raise BadInputError("frames: expected first and last, or neither")
+    if review.first is None or review.last is None:
+        if not review.label:
+            raise BadInputError("frames: expected first and last, or a label, got neither")
+        if review.assignee is not None:
+            raise BadInputError("assignee: expected frames to give to a person, got a label")
+        return
+    if not 0 <= review.first <= review.last < frames:
+        raise NotFoundError(
+            f"frames: expected first <= last within 0 to {frames - 1}, "
+            f"got {review.first} to {review.last}"
+        )
+    if review.label and review.assignee is not None:
+        raise BadInputError("assignee: expected frames to give to a person, got a label")
+
+
+def _check_words(review: Review) -> None:
+    if review.state is None and review.note is None and review.assignee is None:
+        raise BadInputError("expected a state, a note or an assignee, got none of them")
+    if review.state is not None and review.state not in STATES:
+        raise BadInputError(f"state: expected one of {', '.join(STATES)}, got {review.state!r}")
+    if review.note is not None and len(review.note) > LONGEST_NOTE:
+        raise BadInputError(
+            f"note: expected at most {LONGEST_NOTE} characters, got {len(review.note)}"
+        )
+    if review.note is not None and "\0" in review.note:
+        raise BadInputError("note: expected no NUL character")
+    if review.place is not None and not review.note:
+        raise BadInputError("place: expected a note to pin there, got none")
+    if review.assignee:
+        require_name(review.assignee)

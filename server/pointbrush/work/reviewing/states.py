@@ -1,0 +1,165 @@
+"""The state of each frame and label, replayed from the log of reviews."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels import Review
+
+State = Literal["open", "review", "accepted", "rejected"]
+STATES: tuple[State, ...] = get_args(State)
+"""From nothing said, by waiting for a reviewer, to what the reviewer decided."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How frames ``first`` to ``last``, or a label, stand.
+
+    ``first``, ``last`` are None of a label as a whole; ``label`` is 0 of the frames themselves.
+    ``by``, ``at``: the account and time (seconds since the epoch) of the last state or note.
+    ``changed``: the labels of these frames changed after ``state`` was given.
+    """
+
+    first: int | None
+    last: int | None
+    label: int
+    state: State = "open"
+    note: str = ""
+    place: tuple[float, float, float] | None = None
+    assignee: str = ""
+    by: str = ""
+    at: float | None = None
+    changed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Overview:
+    """The review of a recording.
+
+    ``counts``  frames in each state.
+    ``frames``  runs of frames about which anything was said, by label and frame.
+    ``labels``  labels that were judged as a whole.
+    ``people``  names of those who have edited, judged, or were given frames.
+    """
+
+    counts: Mapping[State, int]
+    frames: Sequence[Standing]
+    labels: Sequence[Standing]
+    people: Sequence[str] = field(default_factory=tuple)
+
+
+_FIELDS = ("state", "note", "assignee")
+Marks = dict[str, NDArray[np.int32]]
+
+
+def replay(
+    log: Sequence[Review], frames: int, palette: Collection[int], changes: Mapping[int, int]
+) -> Overview:
+    """Return what the log says of each frame and label of ``palette``.
+
+    ``changes``: for each frame that was ever changed, the revision of its last change.
+    """
+    changed = np.zeros(frames, np.int64)
+    for frame, revision in changes.items():
+        changed[frame] = revision
+    marks: dict[int, Marks] = {0: _marks(frames)}
+    whole: dict[int, Marks] = {}
+    for index, entry in enumerate(log):
+        if entry.label and entry.label not in palette:
+            continue
+        if entry.first is None or entry.last is None:
+            _set(whole.setdefault(entry.label, _marks(1)), slice(0, 1), index, entry)
+        else:
+            part = slice(entry.first, entry.last + 1)
+            _set(marks.setdefault(entry.label, _marks(frames)), part, index, entry)
+    standings = [
+        standing for label in sorted(marks) for standing in _runs(log, marks[label], label, changed)
+    ]
+    return Overview(
+        _counts(standings, frames),
+        standings,
+        [_standing(log, whole[label], 0, None, label) for label in sorted(whole)],
+    )
+
+
+def state_at(overview: Overview, frame: int, label: int = 0) -> Standing:
+    """Return how one frame stands, or a label in it."""
+    for each in overlapping(overview, frame, frame, label):
+        return each
+    return Standing(frame, frame, label)
+
+
+def overlapping(overview: Overview, first: int, last: int, label: int) -> Iterator[Standing]:
+    """Yield how frames ``first`` to ``last`` stand, or a label in them, by runs."""
+    for each in overview.frames:
+        if each.label != label or each.first is None or each.last is None:
+            continue
+        if each.first <= last and first <= each.last:
+            yield each
+
+
+def _marks(size: int) -> Marks:
+    return {name: np.full(size, -1, np.int32) for name in _FIELDS}
+
+
+def _set(marks: Marks, part: slice, index: int, entry: Review) -> None:
+    for name in _FIELDS:
+        if getattr(entry, name) is not None:
+            marks[name][part] = index
+
+
+def _runs(
+    log: Sequence[Review], marks: Marks, label: int, changed: NDArray[np.int64]
+) -> list[Standing]:
+    """Consecutive frames that stand alike, those of which nothing was said left out."""
+    revisions = np.array([entry.revision for entry in log] or [0], np.int64)
+    decided = marks["state"]
+    stale = (decided >= 0) & (changed > revisions[np.maximum(decided, 0)])
+    rows = np.column_stack([*marks.values(), stale])
+    starts = np.flatnonzero(np.r_[True, (rows[1:] != rows[:-1]).any(axis=1)])
+    stops = np.r_[starts[1:], len(rows)]
+    return [
+        _standing(log, marks, int(start), int(stop) - 1, label, changed=bool(stale[start]))
+        for start, stop in zip(starts, stops, strict=True)
+        if (rows[start, : len(_FIELDS)] >= 0).any()
+    ]
+
+
+def _standing(
+    log: Sequence[Review],
+    marks: Marks,
+    first: int,
+    last: int | None,
+    label: int,
+    *,
+    changed: bool = False,
+) -> Standing:
+    at = {name: int(marks[name][first]) for name in _FIELDS}
+    note = log[at["note"]] if at["note"] >= 0 else None
+    said = max(at["state"], at["note"])
+    return Standing(
+        first=None if last is None else first,
+        last=last,
+        label=label,
+        state=log[at["state"]].state if at["state"] >= 0 else "open",  # type: ignore[arg-type]
+        note=(note.note or "") if note else "",
+        place=note.place if note and note.note else None,
+        assignee=(log[at["assignee"]].assignee or "") if at["assignee"] >= 0 else "",
+        by=log[said].author if said >= 0 else "",
+        at=log[said].time if said >= 0 else None,
+        changed=changed,
+    )
+
+
+def _counts(standings: Sequence[Standing], frames: int) -> dict[State, int]:
+    counts: dict[State, int] = dict.fromkeys(STATES, 0)
+    for each in standings:
+        if each.label == 0 and each.first is not None and each.last is not None:
+            counts[each.state] += each.last - each.first + 1
+    counts["open"] += frames - sum(counts.values())
+    return counts
