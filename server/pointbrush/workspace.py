@@ -393,6 +393,8 @@ class Workspace:
     def create_label(self, sequence: str, author: str, **fields: Any) -> Label:
         """Add a label: ``name``; optional ``category``, ``color``, ``id``, ``locked``, ``visible``.
 
+        ``distinct``: a name or colour that another label has gives way to a free one.
+
         Here and below, ``edit_id`` makes a call that is sent twice count once.
         """
         self.recording(sequence)

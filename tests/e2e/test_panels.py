@@ -40,6 +40,11 @@ def label(server: LiveServer, number: int) -> dict[str, object]:
     return found
 
 
+def labels(server: LiveServer) -> list[dict[str, object]]:
+    found: list[dict[str, object]] = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
+    return found
+
+
 def has_become(server: LiveServer, number: int, **fields: object) -> bool:
     """Whether the server's label gets these fields: the page shows a change ahead of it."""
     for _ in range(200):
@@ -86,16 +91,22 @@ def test_a_label_is_recoloured_locked_hidden_and_deleted(desk: Desk, server: Liv
     desk.until("pb.state.palette.value.length === 1")
 
 
-def test_a_new_label_counts_on_and_takes_another_colour(desk: Desk, server: LiveServer) -> None:
+def test_a_new_label_is_named_at_once_and_is_like_no_other(desk: Desk, server: LiveServer) -> None:
     server.request("PATCH", f"sequences/{SEQUENCE}/labels/2", json={"category": "pin"})
     desk.until("pb.state.palette.value[1].category === 'pin'")
     desk.press("2")
-    desk.page.get_by_role("button", name="New label").click()
-    desk.until("pb.state.palette.value.length === 3 && pb.state.activeLabel.value === 3")
+    # No pause: what is typed is the name, whether or not the server has answered.
+    desk.press("n")
+    desk.page.keyboard.type("next 2")
+    assert desk.ask("[pb.state.tool.value, pb.state.brush.value.shape]") == ["paint", "brush"]
     desk.page.keyboard.press("Enter")
-    fresh = label(server, 3)
-    assert (fresh["name"], fresh["category"]) == ("pin 3", "pin")
-    assert fresh["color"] not in ("#ff5d5d", "#2fd5e0")
+    desk.until("pb.state.palette.value.length === 3 && pb.state.activeLabel.value === 3")
+    assert has_become(server, 3, name="next 2", category="")
+    assert label(server, 3)["color"] not in ("#ff5d5d", "#2fd5e0")
+    desk.page.get_by_role("button", name="New label").click()
+    desk.page.keyboard.press("Escape")
+    desk.until("pb.state.palette.value.length === 3")
+    assert [row["id"] for row in labels(server)] == [1, 2, 3]
 
 
 def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServer) -> None:

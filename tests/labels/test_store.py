@@ -235,6 +235,17 @@ def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
     assert store.create_label(SEQ, "ann", name="x")[0].id == 41
 
 
+def test_a_distinct_label_has_a_name_and_a_colour_of_its_own(store: LabelStore) -> None:
+    for _ in range(3):
+        store.create_label(SEQ, "ann", name="pin 1", color="#ff5d5d", distinct=True)
+    store.create_label(SEQ, "bob", name="Pin 2", color="#FF5D5D", distinct=True)
+    store.create_label(SEQ, "bob", name="pin 1", color="#ff5d5d")
+    *distinct, asked = store.palette(SEQ)
+    assert [label.name for label in distinct] == ["pin 1", "pin 2", "pin 3", "Pin 4"]
+    assert len({label.color for label in distinct}) == 4
+    assert (asked.name, asked.color) == ("pin 1", "#ff5d5d")
+
+
 def test_since_brings_a_stale_copy_up_to_date(pins: LabelStore) -> None:
     rng = np.random.default_rng(7)
     copies: dict[int, np.ndarray[Any, Any]] = {0: pins.values(SEQ, 0).label}

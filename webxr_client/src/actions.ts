@@ -91,6 +91,8 @@ export interface Actions {
   selectNthLabel(n: number): void;
   /** Without a name or colour the next good one is taken; the new label becomes active. */
   createLabel(name?: string, color?: string, category?: string): Promise<number>;
+  /** The same at the desk: its name can be typed at once. */
+  newLabel(): Promise<void>;
   updateLabel(id: number, patch: LabelPatch): Promise<void>;
   renameLabel(id: number, name: string): Promise<void>;
   recolorLabel(id: number, color: string): Promise<void>;

@@ -10,6 +10,7 @@ from typing import Any
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import journal, palette, schema, undo
+from pointbrush.labels.distinct import free_name_and_color
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry
 from pointbrush.labels.state import SequenceState
@@ -43,15 +44,23 @@ def check_text(name: str, value: Any, limit: int) -> str:
 # ── palette ──────────────────────────────────────────────────────────────────────────────────
 
 
-def create(entry: Entry, label_id: int | None, fields: dict[str, Any]) -> Plan:
-    """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken."""
+def create(
+    entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool = False
+) -> Plan:
+    """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken.
+
+    ``distinct``: a name or colour that another label has by now gives way to a free one.
+    """
 
     def plan(draft: Draft) -> Entry:
         number = _free_id(draft) if label_id is None else label_id
         if number in draft.palette:
             raise ConflictError(f"label id: expected a free one, {number} is taken")
-        add_label(draft, Label(number, **{"color": palette.default_color(number), **fields}))
-        return entry
+        given = {"color": palette.default_color(number), **fields}
+        if distinct:
+            given |= free_name_and_color(given, draft.palette.values())
+        add_label(draft, Label(number, **given))
+        return replace(entry, summary=f"create label '{given['name']}'")
 
     return plan
 

@@ -151,14 +151,19 @@ class LabelStore:
         color: str | None = None,
         id: int | None = None,
         edit_id: str | None = None,
+        distinct: bool = False,
         **fields: Any,
     ) -> tuple[Label, Commit]:
-        """Add a label (also ``locked``, ``visible``); ConflictError when ``id`` is taken."""
+        """Add a label (also ``locked``, ``visible``); ConflictError when ``id`` is taken.
+
+        ``distinct``: a name or colour that another label has gives way to a free one.
+        """
         fields |= {"name": name, "category": category, "color": color}
         fields = palette.check_fields(fields)
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
-        commit = self._sessions.commit(sequence, entry.id, plans.create(entry, number, fields))
+        plan = plans.create(entry, number, fields, distinct)
+        commit = self._sessions.commit(sequence, entry.id, plan)
         with self._sessions.reading(sequence) as (connection, state):
             return palette.created_by(connection, state.number, commit.revision), commit
 

@@ -151,7 +151,10 @@ class LabelOut(BaseModel):
 
 
 class LabelBody(Body):
-    """A new label; ``id`` and ``color`` are chosen when absent."""
+    """A new label; ``id`` and ``color`` are chosen when absent.
+
+    ``distinct``: a name or colour that another label has gives way to a free one, "pin 2" say.
+    """
 
     name: Name
     category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
@@ -159,6 +162,7 @@ class LabelBody(Body):
     id: PaintId | None = None
     locked: bool = False
     visible: bool = True
+    distinct: bool = False
 
 
 class LabelPatch(Body):

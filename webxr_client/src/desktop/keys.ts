@@ -177,7 +177,7 @@ export const KEYS: readonly KeyBinding[] = [
     shown: 'N',
     what: 'New label',
     group: 'Labels',
-    run: () => void actions.createLabel(),
+    run: () => void actions.newLabel(),
   },
 
   {

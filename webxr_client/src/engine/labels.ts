@@ -4,6 +4,7 @@ import { suggestColor, suggestName } from '../panels/colors';
 import { api } from '../net/rest';
 import type { Label, Labels, Timeline } from '../protocol/messages';
 import { CELL_STATES, isStroke, state, type HistoryEntry, type TimelineRow } from '../state';
+import { beginLabel } from './new-label';
 import { attempt } from './recordings';
 
 type LabelActions = Pick<
@@ -11,6 +12,7 @@ type LabelActions = Pick<
   | 'selectLabel'
   | 'selectNthLabel'
   | 'createLabel'
+  | 'newLabel'
   | 'updateLabel'
   | 'renameLabel'
   | 'recolorLabel'
@@ -31,7 +33,7 @@ export function takeLabels(message: Labels): void {
   state.undo.value = message.undo;
   state.redo.value = message.redo;
   const active = state.activeLabel.peek();
-  if (!message.labels.some((label) => label.id === active)) {
+  if (making === 0 && !message.labels.some((label) => label.id === active)) {
     state.activeLabel.value = message.labels[0]?.id ?? 0;
   }
   const solo = state.solo.peek();
@@ -84,20 +86,29 @@ async function update(id: number, patch: LabelPatch): Promise<void> {
   });
 }
 
+/** How many labels are being made: until then nothing is painted with the one before. */
+let making = 0;
+
 async function create(name?: string, color?: string, category = ''): Promise<number> {
   const palette = state.palette.peek();
   const body = {
     name: name ?? suggestName(category, palette.map((label) => label.name)), // prettier-ignore
     color: color ?? suggestColor(palette.map((label) => label.color)),
     category,
+    // Somebody else may be making a label at this moment.
+    distinct: true,
   };
+  const before = state.activeLabel.peek();
+  state.activeLabel.value = 0;
+  making += 1;
   let id = 0;
   await attempt('The label was not made', async () => {
     const label = await api<Label>('POST', `${base()}/labels`, body);
     id = label.id;
     if (!find(id)) state.palette.value = [...state.palette.peek(), label];
-    state.activeLabel.value = id;
   });
+  making -= 1;
+  if (state.activeLabel.peek() === 0) state.activeLabel.value = id || before;
   return id;
 }
 
@@ -118,6 +129,7 @@ export const labelActions: LabelActions = {
     if (label) select(label.id);
   },
   createLabel: create,
+  newLabel: () => beginLabel(create),
   updateLabel: update,
   renameLabel: (id, name) => update(id, { name }),
   recolorLabel: (id, color) => update(id, { color }),

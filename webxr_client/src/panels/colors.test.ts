@@ -11,6 +11,16 @@ describe('suggested colours', () => {
     expect(difference(first!, second!)).toBeGreaterThan(0.2);
   });
 
+  it('go on with others that differ when all are in use', () => {
+    const taken: string[] = [];
+    for (let i = 0; i < 40; i++) taken.push(suggestColor(taken));
+    expect(new Set(taken).size).toBe(40);
+    for (const [i, color] of taken.entries()) {
+      expect(contrast(color, '#12161b')).toBeGreaterThan(4.5);
+      for (const other of taken.slice(0, i)) expect(difference(color, other)).toBeGreaterThan(0.03);
+    }
+  });
+
   it('are legible on the panels and under their own ink', () => {
     for (const color of LABEL_COLORS) {
       expect(contrast(color, '#12161b')).toBeGreaterThan(4.5);

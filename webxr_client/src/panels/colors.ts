@@ -66,6 +66,27 @@ function oklab(color: string): Rgb {
   ];
 }
 
+function fromOklab(lightness: number, a: number, b: number): string {
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  const channels = [
+    4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+    -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+    -0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s,
+  ];
+  return `#${channels.map(encoded).join('')}`;
+}
+
+/** Two hexadecimal digits of a linear channel. */
+function encoded(value: number): string {
+  const within = Math.min(1, Math.max(0, value));
+  const light = within <= 0.0031308 ? within * 12.92 : 1.055 * within ** (1 / 2.4) - 0.055;
+  return Math.round(light * 255)
+    .toString(16)
+    .padStart(2, '0');
+}
+
 /** How different two colours look; 0 is the same. */
 export function difference(one: string, other: string): number {
   const a = oklab(one);
@@ -73,11 +94,27 @@ export function difference(one: string, other: string): number {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/** The colour of the set that is farthest from all that are taken. */
+/** Lightness and chroma of further colours, in Oklab, and how many hues of each. */
+const FURTHER = [[0.72, 0.13], [0.82, 0.1], [0.66, 0.16]] as const; // prettier-ignore
+const HUES = 24;
+
+function furtherColors(): string[] {
+  return FURTHER.flatMap(([lightness, chroma]) =>
+    Array.from({ length: HUES }, (_, k) => {
+      const hue = (2 * Math.PI * k) / HUES;
+      return fromOklab(lightness, chroma * Math.cos(hue), chroma * Math.sin(hue));
+    }),
+  );
+}
+
+/** The colour of the set that is farthest from all that are taken; of further ones when all are. */
 export function suggestColor(taken: readonly string[]): string {
+  const used = new Set(taken.map((color) => color.toLowerCase()));
+  const all = LABEL_COLORS.every((color) => used.has(color));
   const distance = (color: string): number =>
     Math.min(Infinity, ...taken.map((other) => difference(color, other)));
-  return LABEL_COLORS.reduce((best, color) => (distance(color) > distance(best) ? color : best));
+  const choices: readonly string[] = all ? furtherColors() : LABEL_COLORS;
+  return choices.reduce((best, color) => (distance(color) > distance(best) ? color : best));
 }
 
 /** "pin 2" after "pin 1": counts on from the names that exist in a category. */

@@ -8,6 +8,7 @@ import { Button } from './controls';
 import { count, plural, shortCount } from './format';
 import { Icon } from './icon';
 import { LabelMenu } from './label-menu';
+import { NameField } from './name-field';
 import { renaming } from './renaming';
 
 const NUMBER_KEYS = 9;
@@ -33,7 +34,11 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
     >
       <ColorButton label={label} />
       <div class="label-text">
-        {editing ? <NameField label={label} /> : <span class="name">{label.name}</span>}
+        {editing ? (
+          <NameField name={label.name} onFinish={(name) => rename(label, name)} />
+        ) : (
+          <span class="name">{label.name}</span>
+        )}
         {!editing && label.category && <span class="category">{label.category}</span>}
       </div>
       {!editing && (
@@ -80,6 +85,11 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
       {menu && <LabelMenu label={label} anchor={more} onClose={() => setMenu(false)} />}
     </li>
   );
+}
+
+function rename(label: Label, name: string | null): void {
+  renaming.value = null;
+  if (name && name !== label.name) void actions.renameLabel(label.id, name);
 }
 
 function onKey(event: KeyboardEvent, id: number): void {
@@ -156,34 +166,5 @@ function Toggle({ on, icon, tip, disabled, onClick }: ToggleProps) {
     >
       <Icon name={icon} />
     </button>
-  );
-}
-
-function NameField({ label }: { label: Label }) {
-  const finish = (input: HTMLInputElement, keep: boolean): void => {
-    if (renaming.peek() !== label.id) return;
-    renaming.value = null;
-    const name = input.value.trim();
-    if (keep && name && name !== label.name) void actions.renameLabel(label.id, name);
-  };
-  return (
-    <input
-      class="field name-field"
-      aria-label="Name"
-      maxLength={80}
-      ref={(input) => {
-        if (!input || document.activeElement === input) return;
-        input.value = label.name;
-        input.focus();
-        input.select();
-      }}
-      onClick={(event) => event.stopPropagation()}
-      onBlur={(event) => finish(event.currentTarget, true)}
-      onKeyDown={(event) => {
-        event.stopPropagation();
-        if (event.key === 'Enter') finish(event.currentTarget, true);
-        if (event.key === 'Escape') finish(event.currentTarget, false);
-      }}
-    />
   );
 }

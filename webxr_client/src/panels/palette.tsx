@@ -1,13 +1,13 @@
 /** The labels, at the side. */
 import { computed } from '@preact/signals';
 import { actions } from '../actions';
+import { finishLabel, isNew, newLabel } from '../engine/new-label';
 import { canEdit, state } from '../state';
 import { Button } from './controls';
-import { suggestColor, suggestName } from './colors';
 import { count, plural } from './format';
 import { Icon } from './icon';
 import { LabelRow } from './label-row';
-import { renaming } from './renaming';
+import { NameField } from './name-field';
 
 export function Palette() {
   if (!state.sequence.value) return null;
@@ -24,32 +24,33 @@ export function Palette() {
           keys="N"
           small
           disabled={!canEdit.value}
-          onClick={() => void addLabel()}
+          onClick={() => void actions.newLabel()}
         />
       </div>
       <ul class="labels" role="listbox" aria-label="Labels">
-        {palette.map((label, index) => (
-          <LabelRow key={label.id} label={label} number={index + 1} />
-        ))}
-        {palette.length === 0 && <NoLabels />}
+        {palette.map((label, index) =>
+          isNew(newLabel.value, label) ? null : (
+            <LabelRow key={label.id} label={label} number={index + 1} />
+          ),
+        )}
+        <NewRow />
+        {palette.length === 0 && !newLabel.value && <NoLabels />}
       </ul>
       <Unlabeled />
     </>
   );
 }
 
-/** A new label in the active one's category, with its name ready to be typed over. */
-export async function addLabel(): Promise<void> {
-  const palette = state.palette.peek();
-  const active = palette.find((label) => label.id === state.activeLabel.peek());
-  const category = active?.category ?? '';
-  const name = suggestName(
-    category,
-    palette.map((label) => label.name),
+/** The row of a label whose name is typed for the first time. */
+function NewRow() {
+  const draft = newLabel.value;
+  if (!draft) return null;
+  return (
+    <li class="label-row" role="option" aria-selected aria-label={draft.name}>
+      <span class="color-button" style={{ '--color': draft.color }} />
+      <NameField name={draft.name} onFinish={(name) => void finishLabel(name)} />
+    </li>
   );
-  const color = suggestColor(palette.map((label) => label.color));
-  const id = await actions.createLabel(name, color, category);
-  if (typeof id === 'number') renaming.value = id;
 }
 
 function NoLabels() {
@@ -61,7 +62,7 @@ function NoLabels() {
         label="First label"
         kind="primary"
         disabled={!canEdit.value}
-        onClick={() => void addLabel()}
+        onClick={() => void actions.newLabel()}
       />
     </li>
   );
