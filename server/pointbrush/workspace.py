@@ -415,6 +415,13 @@ class Workspace:
         self.recording(sequence)
         return self.store.update_label(sequence, author, label_id, **fields)[0]
 
+    def arrange_labels(
+        self, sequence: str, author: str, order: Sequence[int], *, edit_id: str | None = None
+    ) -> Commit:
+        """Put the palette in an order of label ids, as one edit; the others follow."""
+        self.recording(sequence)
+        return self.store.arrange_labels(sequence, author, order, edit_id=edit_id)
+
     def delete_label(
         self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
     ) -> Commit:

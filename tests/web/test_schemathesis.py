@@ -31,6 +31,7 @@ SEMANTIC = (
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
     "POST /api/v1/sequences/{seq}/palette",
+    "PUT /api/v1/sequences/{seq}/palette/order",
     "PUT /api/v1/sequences/{seq}/review",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )

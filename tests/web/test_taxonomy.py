@@ -74,6 +74,10 @@ def test_palettes_of_templates_and_files_are_added_in_one_edit(served: Served) -
     url = f"{served.url}/api/v1/sequences/one/palette"
     palette = httpx.get(url, headers=served.headers).json()
     assert len(post("two", palette).json()["added"]) == len(palette["labels"])
+    order = httpx.put(f"{url}/order", json={"labels": [3, 1]}, headers=served.headers)
+    assert order.status_code == 200, order.text
+    shown = httpx.get(f"{served.url}/api/v1/sequences/one/labels", headers=served.headers).json()
+    assert [label["id"] for label in shown[:3]] == [3, 1, 2]
     undo = f"{served.url}/api/v1/sequences/two/undo"
     httpx.post(undo, headers=served.headers).raise_for_status()
     url = url.replace("/one/", "/two/")

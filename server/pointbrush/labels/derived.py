@@ -17,7 +17,7 @@ def derive(database: Database, draft: Draft, effect: Effect) -> None:
     """Bring the palette, the tracks, the counts and the frames' last changes up to date."""
     connection, number = draft.connection, draft.state.number
     set_labels = [label for label in draft.labels.values() if label is not None]
-    fields = ("id", "name", "category", "color", "locked", "visible", "instance")
+    fields = ("id", "name", "category", "color", "locked", "visible", "instance", "position")
     database.upsert(
         connection,
         schema.labels,

@@ -21,7 +21,7 @@ MOST_INSTANCE = 65_535
 """The greatest number of an instance: SemanticKITTI keeps it in 16 bits."""
 FIELDS: dict[str, type] = {
     "name": str, "category": str, "color": str, "locked": bool, "visible": bool,
-    "instance": int,
+    "instance": int, "position": int,
 }  # fmt: skip
 _COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 _GOLDEN = 0.618033988749895
@@ -46,6 +46,8 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
         raise BadInputError(
             f"label instance: expected 0 to {MOST_INSTANCE}, got {given['instance']}"
         )
+    if not 0 <= given.get("position", 0) <= HIGHEST:
+        raise BadInputError(f"label position: expected 0 to {HIGHEST}, got {given['position']}")
     if "name" in given and not given["name"].strip():
         raise BadInputError("label name: expected some text, got none")
     if "color" in given and not _COLOR.fullmatch(given["color"]):
@@ -62,6 +64,11 @@ def check_id(label_id: int) -> int:
     if not 1 <= label_id <= HIGHEST:
         raise BadInputError(f"label id: expected 1 to {HIGHEST}, got {label_id}")
     return label_id
+
+
+def in_order(palette: Iterable[Label]) -> list[Label]:
+    """Return labels as a palette shows them: by position, and those without one by id behind."""
+    return sorted(palette, key=lambda one: (one.position is None, one.position or 0, one.id))
 
 
 def default_color(label_id: int) -> str:

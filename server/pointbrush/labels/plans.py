@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import uuid
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -77,6 +77,24 @@ def change(entry: Entry, label_id: int, fields: dict[str, Any], made: list[Label
             draft.label_fields[label_id] = news
         what = ", ".join(news) or "nothing"
         return replace(entry, summary=f"change {what} of label '{label.name}'")
+
+    return plan
+
+
+def arrange(entry: Entry, order: Sequence[int]) -> Plan:
+    """Put labels in an order; those not named follow as they are.  Raises NotFoundError."""
+
+    def plan(draft: Draft) -> Entry:
+        for label_id in order:
+            palette.require(draft.palette, label_id)
+        named = set(order)
+        rest = [one.id for one in palette.in_order(draft.palette.values()) if one.id not in named]
+        for position, label_id in enumerate([*order, *rest]):
+            label = draft.palette[label_id]
+            if label.position != position:
+                draft.labels[label_id] = replace(label, position=position)
+                draft.label_fields[label_id] = {"position": position}
+        return entry
 
     return plan
 

@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0008"
+HEAD = "0009"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -139,6 +139,7 @@ labels = Table(
     Column("locked", Boolean, nullable=False),
     Column("visible", Boolean, nullable=False),
     Column("instance", Integer, nullable=True),
+    Column("position", Integer, nullable=True),
 )
 
 tracks = Table(

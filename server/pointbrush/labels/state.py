@@ -22,6 +22,7 @@ from pointbrush.labels.packing import (
     Change,
     States,
 )
+from pointbrush.labels.palette import in_order
 from pointbrush.labels.schema import (
     DROPPED,
     UNDONE,
@@ -101,13 +102,14 @@ class SequenceState:
                 bool(row.locked),
                 bool(row.visible),
                 row.instance,
+                row.position,
             )
             for row in rows
         )
 
     def set_palette(self, palette: Iterable[Label]) -> None:
         """Take over a palette."""
-        self.palette = {label.id: label for label in sorted(palette, key=lambda one: one.id)}
+        self.palette = {label.id: label for label in in_order(palette)}
         self.exists = exists_table(self.palette)
         self.locked = np.zeros(1 << 16, np.bool_)
         self.locked[[label.id for label in self.palette.values() if label.locked]] = True

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
 from pointbrush.labels import backup, check, history, integrity, palette, plans, reading, repair
 from pointbrush.labels.accounts import Accounts
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
@@ -122,7 +123,7 @@ class LabelStore:
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     def palette(self, sequence: str) -> list[Label]:
-        """The labels, by id."""
+        """The labels, in their order."""
         with self._sessions.reading(sequence) as (_, state):
             return list(state.palette.values())
 
@@ -186,6 +187,19 @@ class LabelStore:
             return made[0], commit
         with self._sessions.reading(sequence) as (_, state):
             return palette.require(state.palette, label_id), commit
+
+    def arrange_labels(
+        self, sequence: str, author: str, order: Sequence[int], *, edit_id: str | None = None
+    ) -> Commit:
+        """Put the palette in an order of label ids, as one edit; the others follow.
+
+        Raises BadInputError (an id twice), NotFoundError.
+        """
+        numbers = [palette.check_id(number) for number in order]
+        if len(set(numbers)) < len(numbers):
+            raise BadInputError("order: expected each label once, got one of them twice")
+        entry = new_entry(edit_id, author, "label", "arrange labels")
+        return self._sessions.commit(sequence, entry.id, plans.arrange(entry, numbers))
 
     def delete_label(
         self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None

@@ -32,7 +32,8 @@ class Label:
     """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb".
 
     ``instance`` 0..65535 is the number of an instance where it came from, 0 for a class without
-    instances; None: it came from nowhere.
+    instances; None: it came from nowhere.  ``position`` is its place in the palette; labels
+    without one follow by their ids.
     """
 
     id: int
@@ -42,6 +43,7 @@ class Label:
     locked: bool = False
     visible: bool = True
     instance: int | None = None
+    position: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -60,6 +60,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/redo"): "annotator",
     ("POST", "/sequences/{seq}/labels"): "annotator",
     ("POST", "/sequences/{seq}/palette"): "annotator",
+    ("PUT", "/sequences/{seq}/palette/order"): "annotator",
     ("PATCH", "/sequences/{seq}/labels/{id}"): "annotator",
     ("DELETE", "/sequences/{seq}/labels/{id}"): "annotator",
     ("POST", "/sequences/{seq}/floor"): "annotator",

@@ -9,11 +9,12 @@ from pydantic import BaseModel, Field
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import DATASETS, dataset_named
-from pointbrush.streaming.messages import Color
+from pointbrush.streaming.messages import Color, LabelId
 from pointbrush.web.auth import Caller
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body, Name
+from pointbrush.web.routes_labels import EditId
+from pointbrush.web.schemas import Body, EditOut, Name
 from pointbrush.workspace import NamedLabel
 
 router = APIRouter(tags=["labels"])
@@ -32,6 +33,12 @@ class PaletteBody(Body):
 
     template: Annotated[str, Field(max_length=64)] | None = None
     labels: Annotated[list[PaletteLabel], Field(max_length=65534, default_factory=list)]
+
+
+class OrderBody(Body):
+    """Ids of labels, first to last; labels that it does not name follow."""
+
+    labels: Annotated[list[LabelId], Field(max_length=65534)]
 
 
 class PaletteOut(BaseModel):
@@ -81,3 +88,11 @@ def add_palette(seq: SequenceId, body: PaletteBody, workspace: Ws, who: Caller) 
         return Added(added=workspace.add_template(seq, dataset, who.author))
     labels = [NamedLabel(each.name, each.category, each.color) for each in body.labels]
     return Added(added=workspace.add_labels(seq, labels, who.author))
+
+
+@router.put("/sequences/{seq}/palette/order", responses=responses(404, 409, 413))
+def arrange_palette(
+    seq: SequenceId, body: OrderBody, workspace: Ws, who: Caller, edit: EditId = None
+) -> EditOut:
+    """Put the labels in an order, as one edit."""
+    return EditOut.of(workspace.arrange_labels(seq, who.author, body.labels, edit_id=edit))
