@@ -63,6 +63,7 @@ from pointbrush.work.objects import (
     StaleCandidateError,
 )
 from pointbrush.work.palettes import NamedLabel
+from pointbrush.work.placing import Placement, placements
 from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
 from pointbrush.work.reviewing import Reviewing
@@ -76,6 +77,7 @@ __all__ = [
     "Event",
     "Listed",
     "NamedLabel",
+    "Placement",
     "Prepared",
     "Preview",
     "Provisional",
@@ -439,6 +441,19 @@ class Workspace:
             recording, given = self.recording(sequence), edit_id(stroke_id)
             return ObjectStroke(self._objects, self.store, recording, frame, brush, given)
         return LiveStroke(self.store, self.recording(sequence), frame, brush, edit_id(stroke_id))
+
+    def placements(
+        self, sequence: str, frame: int, before: int, after: int
+    ) -> tuple[list[Placement], NDArray[np.float64]]:
+        """Where frames round ``frame`` lie over it, and the recording's shift (3,) metres.
+
+        Of ``before`` frames before it and ``after`` after it, as far as there are so many.
+        """
+        recording = self.recording(sequence)
+        _ = recording[frame]
+        frames = range(max(0, frame - before), min(len(recording), frame + after + 1))
+        shift = np.asarray(recording.manifest.shift, np.float64)
+        return placements(self.store, recording, frame, frames), shift
 
     def stroke(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
         """Apply a whole stroke (the contract's fields); durable when this returns."""

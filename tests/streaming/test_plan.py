@@ -54,6 +54,17 @@ def test_a_paused_frame_comes_coarse_first_then_all_of_it_then_its_neighbours() 
     assert {piece.frame for piece in pieces} == {9, 10, 11, 12, 13, 14}
 
 
+def test_frames_laid_over_one_come_behind_it_and_before_its_neighbours() -> None:
+    plan = plan_with(1e9)
+    plan.seek(10, around=[30, 20])
+    order = []
+    while (piece := take(plan, 0.0)) is not None:
+        order.append(piece.frame)
+    assert list(dict.fromkeys(order))[:3] == [10, 30, 20]
+    plan.seek(12)
+    assert [frame for _, frame in plan.candidates(0.0)] == [12, 13, 14, 15, 16, 11]
+
+
 def test_prefetch_goes_where_the_finger_goes() -> None:
     plan = plan_with(1e9)
     plan.seek(50)

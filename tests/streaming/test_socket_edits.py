@@ -34,6 +34,41 @@ def test_a_stroke_reaches_every_viewer_of_the_frame(served: Served) -> None:
     run(scenario)
 
 
+def test_a_stroke_on_several_frames_is_one_edit_that_all_of_them_hear_of(served: Served) -> None:
+    async def scenario() -> None:
+        async with (
+            viewer(served.url, served.token) as anna,
+            viewer(served.url, served.token) as ben,
+        ):
+            await anna.open("wall", frame=4)
+            await ben.open("wall", frame=9)
+            await ben.until("frame", frame=9, final=True)
+            await anna.send(type="seek", frame=4, around=[9, 7])
+            missing = {4, 7, 9}
+            while missing:
+                message = await anna.until("frame", final=True)
+                missing.discard(message["frame"])
+            done = await paint(anna, 4, frames=[7, 9])
+            for client, frames in ((anna, (4, 7, 9)), (ben, (9,))):
+                for frame in frames:
+                    await asyncio.wait_for(settled(client, frame, done["revision"]), 5)
+                    values = stored_values(served, frame)
+                    np.testing.assert_array_equal(client.frames[frame].values, values)
+            # Sent again, as after a lost answer, it is answered and counts once.
+            await anna.send(
+                type="stroke_begin", id=done["id"], frame=4, brush={"label": 1, "frames": [7, 9]}
+            )
+            await anna.send(type="stroke_end", id=done["id"])
+            again = await anna.until("stroke_result", final=True, id=done["id"])
+            assert (again["revision"], again["changed"]) == (done["revision"], done["changed"])
+            undo = str(uuid.uuid4())
+            await anna.send(type="undo", id=undo)
+            undone = await anna.until("stroke_result", id=undo)
+            assert undone["changed"] == done["changed"]
+
+    run(scenario)
+
+
 def test_counts_timeline_and_undo_follow_an_edit(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:

@@ -12,10 +12,11 @@ if TYPE_CHECKING:
     from pointbrush.selection.pointset import PointSet
     from pointbrush.selection.selecting import Selector, first_hits, select
     from pointbrush.selection.shapes import SHAPES
-    from pointbrush.selection.stroke import TOOLS, Stroke
+    from pointbrush.selection.stroke import MAX_FRAMES, TOOLS, Stroke
     from pointbrush.selection.surface import Plane
 
 __all__ = [
+    "MAX_FRAMES",
     "SHAPES",
     "TOOLS",
     "Blocks",
@@ -37,6 +38,7 @@ _PLACES = {
     "first_hits": "pointbrush.selection.selecting",
     "select": "pointbrush.selection.selecting",
     "SHAPES": "pointbrush.selection.shapes",
+    "MAX_FRAMES": "pointbrush.selection.stroke",
     "TOOLS": "pointbrush.selection.stroke",
     "Stroke": "pointbrush.selection.stroke",
     "Plane": "pointbrush.selection.surface",

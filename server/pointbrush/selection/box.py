@@ -48,6 +48,22 @@ def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     )
 
 
+def quaternion_of(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the quaternion x, y, z, w of a rotation (3, 3)."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    # The greatest component of the four, squared and times four, divides the others (Shepperd).
+    parts = np.array(
+        [
+            [1 + a - e - i, d + b, c + g, h - f],
+            [d + b, 1 - a + e - i, h + f, c - g],
+            [c + g, h + f, 1 - a - e + i, d - b],
+            [h - f, c - g, d - b, 1 + a + e + i],
+        ]
+    )
+    row = parts[int(np.argmax(np.diag(parts)))]
+    return np.asarray(row / np.linalg.norm(row))
+
+
 @dataclass(frozen=True, slots=True)
 class _Rotation(Numbers):
     """A quaternion x, y, z, w of any length but zero."""
@@ -64,8 +80,13 @@ def _take(at: Selecting) -> Parts:
     return box(at.points, values["center"], values["size"], rotation_of(values["quaternion"]))
 
 
-def _moved(values: Values, shift: NDArray[np.float64]) -> Values:
-    return {**values, "center": values["center"] - shift}
+def _placed(values: Values, T_new_old: NDArray[np.float64]) -> Values:
+    turn = T_new_old[:3, :3]
+    center = turn @ values["center"] + T_new_old[:3, 3]
+    if (turn == np.eye(3)).all():
+        return {**values, "center": center}
+    quaternion = quaternion_of(turn @ rotation_of(values["quaternion"]))
+    return {**values, "center": center, "quaternion": quaternion}
 
 
 BOX = Shape(
@@ -78,5 +99,5 @@ BOX = Shape(
     ),
     take=_take,
     sampled=False,
-    moved=_moved,
+    placed=_placed,
 )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.selection.parameters import Numbers, Parameter, Vertices
 from pointbrush.selection.points import Points
+from pointbrush.selection.rigid import inverse
 from pointbrush.selection.shape import Parts, Selecting, Shape, Values
 
 
@@ -63,10 +64,8 @@ def _take(at: Selecting) -> Parts:
     return lasso(at.points, at.stroke.values["polygon"], at.stroke.values["matrix"])
 
 
-def _moved(values: Values, shift: NDArray[np.float64]) -> Values:
-    T_source_local = np.eye(4)
-    T_source_local[:3, 3] = shift
-    return {**values, "matrix": values["matrix"] @ T_source_local}
+def _placed(values: Values, T_new_old: NDArray[np.float64]) -> Values:
+    return {**values, "matrix": values["matrix"] @ inverse(T_new_old)}
 
 
 LASSO = Shape(
@@ -88,5 +87,5 @@ LASSO = Shape(
     ),
     take=_take,
     sampled=False,
-    moved=_moved,
+    placed=_placed,
 )

@@ -22,17 +22,20 @@ Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
 """Says of point numbers whether each can be hit (a deleted point cannot)."""
 
 
-def ray_balls(
-    points: Points,
-    origins: NDArray[np.float64],
-    directions: NDArray[np.float64],
-    radius: float,
-    alive: Alive | None = None,
-) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points within ``radius`` of the first hit of a ray; parts, each sorted."""
-    for run in runs(len(origins)):
-        hits = first_hits(points, origins[run], directions[run], radius, alive)
-        yield from balls(points, hits[np.isfinite(hits[:, 0])], radius)
+def ray_balls(at: Selecting) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the points within the radius of the first hit of a ray; parts, each sorted."""
+    for run in runs(len(at.stroke.origins)):
+        hits = places_met(at, run)
+        yield from balls(at.points, hits[np.isfinite(hits[:, 0])], at.stroke.radius)
+
+
+def places_met(at: Selecting, run: slice) -> NDArray[np.float64]:
+    """Where rays of the stroke meet the surface (n, 3) local metres, NaN where they meet none."""
+    stroke = at.stroke
+    if stroke.met is not None:
+        return stroke.met[run]
+    origins, directions = stroke.origins[run], stroke.directions[run]
+    return first_hits(at.points, origins, directions, stroke.radius, at.alive)
 
 
 def ray_tubes(
@@ -175,7 +178,7 @@ def _take(at: Selecting) -> Parts:
     stroke = at.stroke
     if stroke.values["through"]:
         return ray_tubes(at.points, stroke.origins, stroke.directions, stroke.radius)
-    return ray_balls(at.points, stroke.origins, stroke.directions, stroke.radius, at.alive)
+    return ray_balls(at)
 
 
 RAY = Shape(
@@ -183,4 +186,5 @@ RAY = Shape(
     "A ball round the first surface that each ray meets, or all along the ray.",
     (RADIUS, Parameter("through", Flag(), False, "all points along the ray, not the first met")),
     take=_take,
+    meets=lambda values: not values["through"],
 )

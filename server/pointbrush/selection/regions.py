@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.selection.parameters import RADIUS
 from pointbrush.selection.points import NOTHING, Points
-from pointbrush.selection.ray import Alive, first_hits, runs
+from pointbrush.selection.ray import Alive, places_met, runs
 from pointbrush.selection.shape import Parts, Selecting, Shape
 from pointbrush.selection.sphere import swept_ball
 
@@ -23,7 +23,7 @@ def region_shape(name: str, about: str, region: Region) -> Shape:
     def take(at: Selecting) -> Parts:
         points, stroke, radius = at.points, at.stroke, at.stroke.radius
         for run in runs(len(stroke.origins)):
-            hits = first_hits(points, stroke.origins[run], stroke.directions[run], radius, at.alive)
+            hits = places_met(at, run)
             for hit in hits[np.isfinite(hits[:, 0])]:
                 near = swept_ball(points, hit[None], radius)
                 # Dragging over a region that is already filled must not fill it again.
@@ -31,4 +31,4 @@ def region_shape(name: str, about: str, region: Region) -> Shape:
                     yield from region(points, hit, radius, at.alive)
             yield NOTHING
 
-    return Shape(name, about, (RADIUS,), take=take, fills=True)
+    return Shape(name, about, (RADIUS,), take=take, fills=True, meets=lambda _values: True)

@@ -68,10 +68,7 @@ class Selector:
         if not shape.sampled:
             return
         for start in range(0, len(samples.origins), SWEPT):
-            run = slice(start, start + SWEPT)
-            batch = replace(
-                samples, origins=samples.origins[run], directions=samples.directions[run]
-            )
+            batch = samples.run(slice(start, start + SWEPT))
             if shape.sweeps:
                 batch = replace(batch, origins=np.concatenate([self._end, batch.origins]))
                 self._end = batch.origins[-1:]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,8 +45,9 @@ class Shape:
 
     ``sampled``: it needs samples; else its parameters say all.  ``sweeps``: a batch of samples
     goes on from the last sample of the batch before.  ``fills``: a later sample takes nothing in
-    what an earlier one has taken.  ``moved`` turns parameters in source coordinates to local ones
-    (source minus shift), where they have a place.
+    what an earlier one has taken.  ``meets`` says of the parameters whether rays look for the
+    first surface.  ``placed`` turns parameters that have a place into other coordinates, by a
+    rigid transform (4, 4) from the old to the new ones.
     """
 
     name: str
@@ -56,7 +57,8 @@ class Shape:
     sampled: bool = True
     sweeps: bool = False
     fills: bool = False
-    moved: Callable[[Values, NDArray[np.float64]], Values] | None = None
+    meets: Callable[[Values], bool] = field(default=lambda _values: False)
+    placed: Callable[[Values, NDArray[np.float64]], Values] | None = None
 
     def read(self, fields: Mapping[str, Any]) -> Values:
         """Return the parameters among a stroke's fields.  Raises BadInputError."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.parameters import rows, unit
+from pointbrush.selection.rigid import transformed, translation
 from pointbrush.selection.shape import Shape, Values
 from pointbrush.selection.shapes import SHAPES
 
@@ -18,6 +19,8 @@ TOOLS = ("paint", "erase", "delete", "restore")
 MAX_SAMPLES = 65_536
 MAX_HIDDEN = 65_535
 """All label ids, and 0."""
+MAX_FRAMES = 1_000
+"""Frames that one stroke paints beside its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,9 @@ class Stroke:
     ``origins``, ``directions``  (S, 3) float64; directions are unit length.
     ``values`` holds the parameters of its shape by name.
     ``hidden`` are labels that only the viewer hides; 0: points without a label.
+    ``frames`` are painted beside the frame that the stroke is drawn in.
+    ``met``  (S, 3) where each sample's ray meets the surface, NaN where it meets none; None where
+    that is still to be found.
 
     Raises BadInputError, saying what was expected and what came.
     """
@@ -39,6 +45,8 @@ class Stroke:
     directions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     only_unlabeled: bool = False
     hidden: frozenset[int] = frozenset()
+    frames: tuple[int, ...] = ()
+    met: NDArray[np.float64] | None = None
 
     @classmethod
     def parse(cls, fields: Mapping[str, Any]) -> Stroke:
@@ -55,6 +63,7 @@ class Stroke:
             values=SHAPES[shape].read(fields),
             only_unlabeled=bool(fields.get("only_unlabeled", False)),
             hidden=_hidden(fields.get("hidden", ())),
+            frames=_frames(fields.get("frames", ())),
         )
         return stroke.with_samples(fields.get("samples") or [])
 
@@ -84,11 +93,25 @@ class Stroke:
 
     def to_local(self, shift: NDArray[np.float64]) -> Stroke:
         """The same stroke in local coordinates (source minus ``shift``)."""
-        if not shift.any():
-            return self
-        moved = self.kind.moved
-        values = self.values if moved is None else moved(self.values, shift)
-        return replace(self, origins=self.origins - shift, values=values)
+        return self if not shift.any() else self.placed(translation(-shift))
+
+    def placed(self, T_new_old: NDArray[np.float64]) -> Stroke:
+        """The same stroke in other coordinates, by a rigid transform (4, 4)."""
+        placed = self.kind.placed
+        return replace(
+            self,
+            origins=transformed(T_new_old, self.origins),
+            directions=self.directions @ T_new_old[:3, :3].T,
+            values=self.values if placed is None else placed(self.values, T_new_old),
+            met=None if self.met is None else transformed(T_new_old, self.met),
+        )
+
+    def run(self, samples: slice) -> Stroke:
+        """The same stroke with some of its samples only."""
+        met = None if self.met is None else self.met[samples]
+        return replace(
+            self, origins=self.origins[samples], directions=self.directions[samples], met=met
+        )
 
 
 def _label(value: object, tool: str) -> int:
@@ -106,3 +129,12 @@ def _hidden(values: object) -> frozenset[int]:
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= 65534:
             raise BadInputError(f"hidden: expected integers 0 to 65534, got {str(value)[:80]!r}")
     return frozenset(values)
+
+
+def _frames(values: object) -> tuple[int, ...]:
+    if not isinstance(values, list | tuple) or len(values) > MAX_FRAMES:
+        raise BadInputError(f"frames: expected at most {MAX_FRAMES:,} frame numbers in a list")
+    for value in values:
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise BadInputError(f"frames: expected frame numbers, got {str(value)[:80]!r}")
+    return tuple(values)

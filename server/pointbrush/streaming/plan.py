@@ -5,7 +5,7 @@ Pure decisions, no input or output: times come in, pieces go out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from pointbrush.streaming.clock import PlayClock
@@ -43,6 +43,8 @@ class Plan:
     """What the server has time for."""
     page: PageBudget = field(default_factory=PageBudget)
     focus: int = 0
+    around: tuple[int, ...] = ()
+    """Frames that are shown with the focus while time stands."""
     clock: PlayClock | None = None
     direction: int = 1
     held: dict[int, int] = field(default_factory=dict)
@@ -57,10 +59,10 @@ class Plan:
     _level: int = 0
     _level_time: float = float("-inf")
 
-    def seek(self, frame: int) -> None:
-        """Show one frame; playing goes on from there if it was."""
+    def seek(self, frame: int, around: Sequence[int] = ()) -> None:
+        """Show one frame, with those ``around`` laid over it."""
         self.direction = 1 if frame >= self.focus else -1
-        self.focus, self.clock = frame, None
+        self.focus, self.around, self.clock = frame, tuple(around), None
         self.damaged.discard(frame)
 
     def play(self, clock: PlayClock) -> None:
@@ -123,6 +125,8 @@ class Plan:
             yield from self.clock.ahead(now, LOOKAHEAD, max(0, self._step + self._had))
             return
         yield 0, self.focus
+        for frame in self.around:
+            yield 0, frame
         if self.load.strained:
             return
         for distance in range(1, PREFETCH_AHEAD + 1):

@@ -291,7 +291,8 @@ class ViewerSession(Viewer):
         self.outbox.wake.set()
 
     def _seek(self, message: messages.Seek) -> None:
-        self.plan.seek(self._require_frame(message.frame))
+        around = [self._require_frame(frame) for frame in message.around]
+        self.plan.seek(self._require_frame(message.frame), around)
         self.outbox.wake.set()
 
     def _credit(self, message: messages.Credit) -> None:

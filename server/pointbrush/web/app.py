@@ -30,6 +30,7 @@ from pointbrush.web import (
     routes_meta,
     routes_objects,
     routes_palette,
+    routes_placements,
     routes_review,
     routes_sequences,
     routes_taxonomy,
@@ -48,8 +49,8 @@ from pointbrush.workspace import StaleCandidateError, Workspace
 
 RESOURCES = (
     routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
-    routes_palette, routes_taxonomy, routes_edits, routes_objects, routes_annotations,
-    routes_tracking, routes_review, routes_export, routes_jobs,
+    routes_palette, routes_placements, routes_taxonomy, routes_edits, routes_objects,
+    routes_annotations, routes_tracking, routes_review, routes_export, routes_jobs,
 )  # fmt: skip
 
 

@@ -37,6 +37,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/frames/{i}/chunks"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/chunks/{c}"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/cameras"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/placements"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/images/{camera}"): "viewer",
     ("GET", "/sequences/{seq}/labels"): "viewer",
     ("GET", "/sequences/{seq}/labels/{id}"): "viewer",

@@ -1,4 +1,4 @@
-"""A stroke on a frame: which points it takes, and what its tool writes to them."""
+"""A stroke on one frame or several: which points it takes, and what its tool writes to them."""
 
 from __future__ import annotations
 
@@ -12,26 +12,11 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, Only
-from pointbrush.selection import Points, Selector, Stroke
-from pointbrush.sequences import LARGE_POINTS, StoredFrame
+from pointbrush.selection import Stroke
+from pointbrush.selection.overlay import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.changing import Changing
-from pointbrush.work.seen import Seen
-
-
-def frame_points(frame: StoredFrame) -> Points:
-    """The view of a stored frame that selection works on."""
-    levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
-    large, many = frame.large, frame.count > LARGE_POINTS
-    return Points(
-        xyz=frame.xyz,
-        blocks=frame.blocks,
-        rgb=frame.rgb,
-        # An octree's nodes are not global levels: there each block stands for itself.
-        levels=(0,) if many else tuple(first for _, first in levels) or (0,),
-        kdtree=None if large else lambda: frame.kdtree,
-        release=frame.release if large else None,
-    )
+from pointbrush.work.painted_frame import PaintedFrame
+from pointbrush.work.placing import placements
 
 
 def edit_id(given: object) -> str:
@@ -66,13 +51,18 @@ class LiveStroke:
         self._brush = self._source_brush.to_local(self._shift)
         if self._brush.tool == "paint":
             store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
-        if recording[frame].count == 0:
+        self._painted = [
+            PaintedFrame(store, recording, placement, self._brush)
+            for placement in placements(store, recording, frame, self._brush.frames)
+            if recording[placement.frame].count
+        ]
+        if not self._painted:
             raise BadInputError(f"frame {frame}: expected one with points to paint, it is empty")
-        points = frame_points(recording[frame])
-        self._seen = seen = Seen(store, recording.manifest.id, frame, self._brush.hidden)
-        self._touchable = seen.deleted if self._brush.tool == "restore" else seen.shown
-        self._selector = Selector(points, self._brush, self._touchable)
-        self._changing = Changing(store, recording.manifest.id, frame, self._brush)
+        layers = [(one, layer) for one in self._painted for layer in one.layers()]
+        self._of_layer = [one for one, _ in layers]
+        self._selector = OverlaySelector([layer for _, layer in layers], self._brush)
+        for k, numbers in self._selector.begun():
+            self._of_layer[k].take(numbers)
         self._sampled = False
 
     def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
@@ -86,32 +76,40 @@ class LiveStroke:
 
     def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
         """Take in samples part by part; between two parts somebody else may have a turn."""
-        self._recording[self.frame].look()
+        for one in self._painted:
+            one.look()
         if self._brush.tool == "paint":
             # A stroke ends where its label may not be painted with any more.
             sequence, brush = self._recording.manifest.id, self._brush
             self._store.require_paintable(sequence, brush.label, brush.hidden)
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
-        self._seen.renew()
-        for fresh in self._selector.add(stroke):
-            self._changing.add(fresh)
+        self._renew()
+        for k, fresh in self._selector.add(stroke):
+            self._of_layer[k].take(fresh)
             yield
+
+    def _renew(self) -> None:
+        for one in self._painted:
+            one.renew()
 
     @property
     def touched(self) -> int:
         """Points taken so far."""
-        return len(self._selector.taken)
+        return sum(len(one.taken) for one in self._painted)
 
     @property
     def changing(self) -> int:
         """Those of the points taken so far that the stroke will change; reads the store."""
-        return self._changing.count()
+        return sum(one.changing for one in self._painted)
 
     def previewed(self) -> NDArray[np.int64]:
-        """Return stored numbers of the points that the stroke would change now, ascending."""
-        parts = [self._changing.those(numbers) for numbers in self._selector.taken.parts()]
-        return np.concatenate([np.empty(0, np.int64), *parts])
+        """Return stored numbers of the points that the stroke would change now, ascending.
+
+        They are those of its own frame.
+        """
+        own = [one.those_changing() for one in self._painted if one.frame == self.frame]
+        return np.concatenate([np.empty(0, np.int64), *own])
 
     def commit(self, author: str) -> Commit:
         """Write the stroke as one edit, durable when this returns."""
@@ -119,23 +117,25 @@ class LiveStroke:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
-        self._seen.renew()
-        count = sum(
-            int(np.count_nonzero(self._touchable(numbers)))
-            for numbers in self._selector.taken.parts()
-        )
+        self._renew()
+        count = sum(one.touched() for one in self._painted)
         return self._store.apply(
             self._recording.manifest.id,
             edit_id=self.id,
             author=author,
             kind=self._brush.tool,
             writes=(
-                (self.frame, write_of(self._brush, numbers))
-                for numbers in self._selector.taken.parts()
+                (one.frame, write_of(self._brush, numbers))
+                for one in self._painted
+                for numbers in one.taken.parts()
             ),
-            summary=f"{self._brush.tool} {count:,} points{self._as_what()}",
+            summary=f"{self._brush.tool} {count:,} points{self._as_what()}{self._in_how_many()}",
             identity=self._recording.identity,
         )
+
+    def _in_how_many(self) -> str:
+        many = sum(len(one.taken) > 0 for one in self._painted)
+        return f" in {many} frames" if many > 1 else ""
 
     def _as_what(self) -> str:
         if self._brush.tool != "paint":

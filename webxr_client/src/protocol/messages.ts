@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '41fb7e1c13d5';
+export const SCHEMA_HASH = 'd1a667274b33';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -54,6 +54,8 @@ export interface Brush {
   only_unlabeled?: boolean;
   /** labels that only this viewer hides, beside those that the palette hides; 0: points without a label. Their points are left alone, and rays pass through them. */
   hidden?: number[];
+  /** painted beside the frame that the stroke is drawn in, as one edit: their points lie over it by the recording's poses, those of a tracked label by its track. */
+  frames?: number[];
 }
 
 /** Where this person is, in room coordinates (y up, metres); absent parts are null. */
@@ -140,10 +142,15 @@ export interface Sample {
   t?: number;
 }
 
-/** Show one frame: its first levels at once, then refinement up to all points. */
+/**
+ * Show one frame: its first levels at once, then refinement up to all points.
+ *
+ * ``around``: frames that are laid over it, sent as it is, after it and in this order.
+ */
 export interface Seek {
   type: 'seek';
   frame: number;
+  around?: number[];
 }
 
 /** A stroke starts; the same ``id`` sent again after a lost connection applies once. */

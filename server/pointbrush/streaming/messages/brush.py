@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
-from pointbrush.selection import SHAPES, TOOLS
+from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.parameters import (
     EditName,
     Flag,
@@ -19,7 +19,7 @@ from pointbrush.selection.parameters import (
     Vertices,
     Whole,
 )
-from pointbrush.streaming.messages.values import Finite, LabelId, Message, Sample, Uuid
+from pointbrush.streaming.messages.values import Finite, FrameIndex, LabelId, Message, Sample, Uuid
 
 
 def _type_of(kind: Kind) -> Any:
@@ -91,4 +91,9 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
         [],
         description="labels that only this viewer hides, beside those that the palette hides; 0: "
         "points without a label. Their points are left alone, and rays pass through them.",
+    )
+    frames: Annotated[list[FrameIndex], Field(max_length=MAX_FRAMES)] = Field(
+        [],
+        description="painted beside the frame that the stroke is drawn in, as one edit: their "
+        "points lie over it by the recording's poses, those of a tracked label by its track.",
     )

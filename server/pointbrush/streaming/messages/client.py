@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from pointbrush.selection import MAX_FRAMES
 from pointbrush.streaming.messages.brush import Brush
 from pointbrush.streaming.messages.values import (
     Color,
@@ -63,10 +64,14 @@ class Pause(Message):
 
 
 class Seek(Message):
-    """Show one frame: its first levels at once, then refinement up to all points."""
+    """Show one frame: its first levels at once, then refinement up to all points.
+
+    ``around``: frames that are laid over it, sent as it is, after it and in this order.
+    """
 
     type: Literal["seek"] = "seek"
     frame: FrameIndex
+    around: Annotated[list[FrameIndex], Field(max_length=MAX_FRAMES, default_factory=list)]
 
 
 class Credit(Message):

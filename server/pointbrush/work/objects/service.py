@@ -21,8 +21,8 @@ from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.clicks import Clicks, surface_hits
 from pointbrush.work.objects.options import ObjectOptions
 from pointbrush.work.objects.states import States
+from pointbrush.work.painted_frame import frame_points
 from pointbrush.work.seen import Seen
-from pointbrush.work.strokes import frame_points
 
 Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]

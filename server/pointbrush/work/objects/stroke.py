@@ -7,12 +7,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore
 from pointbrush.selection import Stroke
+from pointbrush.selection.near import near, reach_of
+from pointbrush.selection.rigid import inverse, transformed
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.objects.service import Level, Objects
+from pointbrush.work.painted_frame import PaintedFrame
+from pointbrush.work.placing import placements
 from pointbrush.work.strokes import write_of
 
 REPLACED = uuid.UUID("6f0a6f9e-7d0e-5a3c-9c77-6f626a656374")
@@ -33,6 +38,7 @@ class ObjectStroke:
     ) -> None:
         """``fields``: the contract's stroke of shape ``object`` without samples.
 
+        In further ``frames`` it takes what lies where the object's points are.
         ``replaces`` names this author's last edit, which is taken back first: an object that was
         refined by another click stays one undo.
         Raises BadInputError, NotFoundError (frame, label), LockedLabelError.
@@ -44,6 +50,7 @@ class ObjectStroke:
             raise BadInputError("tool: expected paint, erase or delete for an object, got restore")
         if self._brush.tool == "paint":
             store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
+        self._placed = placements(store, recording, frame, self._brush.frames)
         self._fields = fields
         self._samples: list[Mapping[str, Any]] = []
         self.touched = 0
@@ -70,17 +77,31 @@ class ObjectStroke:
         """
         level = self._level()
         self._take_back(author)
-        self.touched = len(level.numbers)
+        own = level.numbers.astype(np.int64)
+        taken = [(self.frame, own), *self._others(own)]
+        writes = [(frame, write_of(self._brush, numbers)) for frame, numbers in taken]
+        self.touched = sum(len(numbers) for _, numbers in taken)
         sequence = self._recording.manifest.id
         return self._store.apply(
             sequence,
             edit_id=self.id,
             author=author,
             kind=self._brush.tool,
-            writes=[(self.frame, write_of(self._brush, level.numbers.astype(np.int64)))],
-            summary=f"{self._brush.tool} an object of {len(level.numbers):,} points",
+            writes=writes,
+            summary=f"{self._brush.tool} an object of {len(own):,} points",
             identity=self._recording.identity,
         )
+
+    def _others(self, own: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Return the further frames, each with stored numbers of the points at the same place."""
+        xyz = self._recording[self.frame].xyz[own].astype(np.float64)
+        reach = reach_of(xyz) if self._placed[1:] else 0.0
+        for placement in self._placed[1:]:
+            if self._recording[placement.frame].count:
+                painted = PaintedFrame(self._store, self._recording, placement, self._brush)
+                for layer in painted.layers():
+                    there = transformed(inverse(layer.T_shown_layer), xyz)
+                    yield placement.frame, layer.own(near(layer.points, there, reach))
 
     def _level(self) -> Level:
         fields = self._fields

@@ -1,0 +1,110 @@
+"""One of the frames that a stroke paints: its points in layers, and what is taken of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels import LabelStore
+from pointbrush.ranges import by_block
+from pointbrush.selection import Points, PointSet, Stroke
+from pointbrush.selection.overlay import Layer
+from pointbrush.selection.ray import Alive
+from pointbrush.sequences import LARGE_POINTS, StoredFrame
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.changing import Changing
+from pointbrush.work.placing import Placement
+from pointbrush.work.seen import LAYER_BLOCK, Seen
+
+
+def frame_points(frame: StoredFrame) -> Points:
+    """The view of a stored frame that selection works on."""
+    levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
+    large, many = frame.large, frame.count > LARGE_POINTS
+    return Points(
+        xyz=frame.xyz,
+        blocks=frame.blocks,
+        rgb=frame.rgb,
+        # An octree's nodes are not global levels: there each block stands for itself.
+        levels=(0,) if many else tuple(first for _, first in levels) or (0,),
+        kdtree=None if large else lambda: frame.kdtree,
+        release=frame.release if large else None,
+    )
+
+
+class PaintedFrame:
+    """What a stroke sees and takes in one frame; ``frame`` is its number."""
+
+    def __init__(
+        self, store: LabelStore, recording: Recording, placement: Placement, brush: Stroke
+    ) -> None:
+        sequence = recording.manifest.id
+        self.frame, self._placement = placement.frame, placement
+        self._recording, self._store = recording, store
+        self._points = frame_points(recording[self.frame])
+        self._seen = Seen(store, sequence, self.frame, brush.hidden)
+        self._touchable = self._seen.deleted if brush.tool == "restore" else self._seen.shown
+        self._changing = Changing(store, sequence, self.frame, brush)
+        self._labels: dict[int, NDArray[np.uint16]] = {}
+        self.taken = PointSet()
+
+    def layers(self) -> list[Layer]:
+        """Return the frame's points that stand still, and those of each object that moves."""
+        moving = self._placement.moving
+        still = Layer(
+            self._points,
+            self._placement.T_shown_frame,
+            self._touchable,
+            self._labelled(frozenset(moving), among=False) if moving else None,
+        )
+        objects = [
+            Layer(self._points, T, self._touchable, self._labelled(frozenset({label}), among=True))
+            for label, T in moving.items()
+        ]
+        return [still, *objects]
+
+    def _labelled(self, labels: frozenset[int], *, among: bool) -> Alive:
+        """Say of stored numbers (n,) whether their label is ``among`` those, or is not."""
+        wanted = np.array(sorted(labels), np.uint16)
+
+        def part(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+            found = np.zeros(len(numbers), np.bool_)
+            for first, mine in by_block(numbers, LAYER_BLOCK):
+                found[mine] = np.isin(self._label_block(first)[numbers[mine] - first], wanted)
+            return found if among else ~found
+
+        return part
+
+    def _label_block(self, first: int) -> NDArray[np.uint16]:
+        # As it was when the stroke first met it: what the stroke sees does not move under it.
+        if first not in self._labels:
+            sequence = self._recording.manifest.id
+            values = self._store.values(sequence, self.frame, first, LAYER_BLOCK)
+            self._labels[first] = values.label
+        return self._labels[first]
+
+    def look(self) -> None:
+        """Raise DamagedError when the frame's files have been cut short."""
+        self._recording[self.frame].look()
+
+    def renew(self) -> None:
+        """Look at the store again for what can be touched."""
+        self._seen.renew()
+
+    def take(self, numbers: NDArray[np.int64]) -> None:
+        """Take in sorted stored numbers."""
+        self._changing.add(self.taken.add(numbers))
+
+    @property
+    def changing(self) -> int:
+        """How many of the points taken the stroke will change."""
+        return self._changing.count()
+
+    def those_changing(self) -> NDArray[np.int64]:
+        """Return stored numbers of the points taken that the stroke would change, ascending."""
+        parts = [self._changing.those(numbers) for numbers in self.taken.parts()]
+        return np.concatenate([np.empty(0, np.int64), *parts])
+
+    def touched(self) -> int:
+        """How many of the points taken can be touched now."""
+        return sum(int(np.count_nonzero(self._touchable(part))) for part in self.taken.parts())

@@ -1,0 +1,103 @@
+"""Where frames lie when they are laid over one of them: by the recording's poses and by tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.labels import LabelStore
+from pointbrush.selection.rigid import inverse, translation
+from pointbrush.sequences import Sequence as Recording
+
+Matrix = NDArray[np.float64]
+UNKNOWN = "lost"
+"""State of a track that does not say where its object is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where one frame lies over the one that is shown.
+
+    ``T_shown_frame`` (4, 4) from its local coordinates to the shown frame's; ``moving`` label →
+    the same for the points of that label, whose track says how they moved between the two.
+    """
+
+    frame: int
+    T_shown_frame: Matrix
+    moving: Mapping[int, Matrix] = field(default_factory=dict)
+
+
+def placements(
+    store: LabelStore, recording: Recording, shown: int, frames: Iterable[int]
+) -> list[Placement]:
+    """Return where ``frames`` lie over frame ``shown``, which comes first and need not be named.
+
+    A recording without poses stands still.  Raises NotFoundError (a frame), BadInputError (some of
+    them without a pose).
+    """
+    others = sorted(set(frames) - {shown})
+    for frame in (shown, *others):
+        if not 0 <= frame < len(recording):
+            raise NotFoundError(
+                f"frames: expected frames 0 to {len(recording) - 1}, got {str(frame)[:20]}"
+            )
+    if not others:
+        return [Placement(shown, np.eye(4))]
+    tracks = _Tracks(store.tracks(recording.manifest.id))
+    placed = [Placement(shown, np.eye(4))]
+    for frame in others:
+        T = _by_poses(recording, shown, frame)
+        placed.append(Placement(frame, T, tracks.between(shown, frame)))
+    return placed
+
+
+def _by_poses(recording: Recording, shown: int, frame: int) -> Matrix:
+    """``T_shown_frame`` in local coordinates of points that stand still in the world."""
+    manifest = recording.manifest
+    if all(pose is None for pose in manifest.poses):
+        return np.eye(4)
+    world = []
+    for number in (shown, frame):
+        pose = manifest.poses[number]
+        if pose is None:
+            raise BadInputError(f"frames: expected frames with a pose, frame {number} has none")
+        world.append(np.asarray(pose, np.float64).reshape(4, 4))
+    shift = np.asarray(manifest.shift, np.float64)
+    T_shown_frame = np.linalg.inv(world[0]) @ world[1]
+    return np.asarray(translation(-shift) @ T_shown_frame @ translation(shift))
+
+
+class _Tracks:
+    """Poses ``T_frame_start`` by frame and label, of tracks that know where their object is."""
+
+    def __init__(self, tracks: Iterable[Mapping[str, Any]]) -> None:
+        self._rows: dict[int, dict[int, Mapping[str, Any]]] = {}
+        for row in tracks:
+            if row.get("state") != UNKNOWN and row.get("pose") is not None:
+                self._rows.setdefault(int(row["frame"]), {})[int(row["label"])] = row
+
+    def between(self, shown: int, frame: int) -> dict[int, Matrix]:
+        """Return label → ``T_shown_frame`` of those known in both frames from one start."""
+        here, there = self._rows.get(shown, {}), self._rows.get(frame, {})
+        found = {}
+        for label in here.keys() | there.keys():
+            start = (here.get(label) or there[label]).get("start")
+            to_here = _pose(here.get(label), shown, start)
+            to_there = _pose(there.get(label), frame, start)
+            if to_here is not None and to_there is not None:
+                found[label] = to_here @ inverse(to_there)
+        return found
+
+
+def _pose(row: Mapping[str, Any] | None, frame: int, start: object) -> Matrix | None:
+    """``T_frame_start`` of a row of the run that began at ``start``; None where it has none."""
+    if row is None:
+        return np.eye(4) if frame == start else None
+    if row.get("start") != start:
+        return None
+    return np.asarray(row["pose"], np.float64).reshape(4, 4)
