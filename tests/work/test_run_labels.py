@@ -101,4 +101,5 @@ def test_a_run_that_nothing_disturbs_says_nothing_of_it(workspace: Workspace) ->
     job = track(workspace, lambda: None)
     assert job.result is not None
     assert job.result["left_out"] == []
+    assert job.message == "ball 1: 5 frames; ball 2: 5 frames"
     assert min(points(workspace, 1) + points(workspace, 2)) > 300

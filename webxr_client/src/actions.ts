@@ -115,7 +115,6 @@ export interface Actions {
   continueRun(): void;
   /** `keep`: what was found so far stays (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;
-  dismissJob(id: string): void;
 
   // the floor
   /** Stand the recording on what a ray meets, with the places pointed at just before. */

@@ -190,12 +190,30 @@ export function patch<T extends object>(target: Signal<T>, fields: Partial<T>): 
 
 let noticeId = 0;
 
-/** Show a message; `info` and `success` leave by themselves. */
-export function notify(kind: Notice['kind'], title: string, detail = ''): void {
-  const notice: Notice = { id: ++noticeId, kind, title, detail };
+/** Messages at once; of more the oldest goes that is no error. */
+const MOST_NOTICES = 3;
+const SHOWN_MS = 4000;
+/** So long one can still take back what happened. */
+const SHOWN_WITH_ACTION_MS = 12_000;
+
+/** Show a message, and return its id; `info` and `success` leave by themselves. */
+export function notify(
+  kind: Notice['kind'],
+  title: string,
+  detail = '',
+  action?: Notice['action'],
+): number {
+  const notice: Notice = { id: ++noticeId, kind, title, detail, ...(action && { action }) };
   const same = (other: Notice): boolean => other.title === title && other.detail === detail;
-  state.notices.value = [...state.notices.peek().filter((other) => !same(other)), notice].slice(-4);
-  if (kind !== 'error') setTimeout(() => dismiss(notice.id), 4000);
+  const notices = [...state.notices.peek().filter((other) => !same(other)), notice];
+  while (notices.length > MOST_NOTICES) {
+    const passing = notices.findIndex((other) => other.kind !== 'error');
+    notices.splice(Math.max(0, passing), 1);
+  }
+  state.notices.value = notices;
+  const shown = action ? SHOWN_WITH_ACTION_MS : SHOWN_MS;
+  if (kind !== 'error') setTimeout(() => dismiss(notice.id), shown);
+  return notice.id;
 }
 
 export function dismiss(id: number): void {

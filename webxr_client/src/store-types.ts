@@ -192,6 +192,8 @@ export interface Notice {
   readonly kind: 'info' | 'success' | 'error';
   readonly title: string;
   readonly detail: string;
+  /** What one can do about it: a button. */
+  readonly action?: { readonly label: string; readonly run: () => void };
 }
 
 /** Files on their way to the server, before the import job exists. */

@@ -12,7 +12,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import tracking
+from pointbrush.work import told, tracking
 from pointbrush.work.events import Event, Provisional, Retracted
 
 
@@ -85,10 +85,11 @@ class Runs:
 
         def finish(job: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled and job.id not in self._kept:
-                return dict(tracking.NOTHING)
+                return tracking.NOTHING | {MESSAGE: "no label was changed"}
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
             summary = f"tracked {labelled}, frames {start} to {stop}, {request.method}"
-            return _told(pending.commit(edit, author, summary), names)
+            outcome = told.counted(pending.results, start, names)
+            return _told(pending.commit(edit, author, summary), names, outcome)
 
         def done(job: Job) -> None:
             self._kept.discard(job.id)
@@ -110,11 +111,11 @@ class Runs:
             raise
 
 
-def _told(result: dict[str, Any], names: Mapping[int, str]) -> dict[str, Any]:
-    """A run's result, in which the labels that it left out have names, and a sentence says so."""
+def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dict[str, Any]:
+    """A run's result with ``outcome``, in which labels that it left out have names and reasons."""
     left_out: Mapping[int, str] = result["left_out"]
     if not left_out:
-        return result | {"left_out": []}
+        return result | {"left_out": [], MESSAGE: outcome}
     said = [f"'{names.get(number, number)}' was {why}" for number, why in left_out.items()]
     found = [
         {"label": number, "name": names.get(number, ""), "why": why}

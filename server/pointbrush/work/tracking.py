@@ -15,7 +15,14 @@ from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
-from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
+from pointbrush.tracking import (
+    METHODS,
+    FrameKnowledge,
+    FrameResult,
+    Seed,
+    TrackOptions,
+    TrackState,
+)
 from pointbrush.tracking.rules import FEWEST
 from pointbrush.worker import Channel
 
@@ -84,11 +91,14 @@ class Knowledge:
 
 def wants_look(found: FrameResult) -> bool:
     """Whether some label of a frame is lost, or found with little confidence."""
-    return any(
-        track.state == "lost"
-        or (track.state == "tracked" and track.points > 0 and track.confidence < UNSURE)
-        for track in found.tracks.values()
-    )
+    return any(map(doubtful, found.tracks.values()))
+
+
+def doubtful(track: TrackState) -> bool:
+    """Whether a label is lost in a frame, or found with little confidence."""
+    if track.state == "lost":
+        return True
+    return track.state == "tracked" and track.points > 0 and track.confidence < UNSURE
 
 
 def frame_order(start: int, stop: int) -> list[int]:

@@ -1,8 +1,9 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
-import type { Error as ErrorMessage, SequenceInfo } from '../protocol/messages';
-import { state } from '../state';
+import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
+import { CELL_STATES, state, type TimelineRow } from '../state';
 import { Inbox, type InboxDeps } from './inbox';
+import { runAsked } from './review';
 
 const closed = (sequence: string): ErrorMessage => ({
   type: 'error',
@@ -36,5 +37,59 @@ describe('a recording that somebody deletes', () => {
     inbox.receive({ t: 'message', message: closed('other') });
     expect(closeSequence).not.toHaveBeenCalled();
     expect(refreshSequences).toHaveBeenCalledOnce();
+  });
+});
+
+describe('the end of a run', () => {
+  const job: Job = {
+    type: 'job',
+    id: 'run',
+    kind: 'tracking',
+    sequence: 'wall',
+    state: 'done',
+    progress: 1,
+    message: 'pin: 2 frames, 1 doubtful',
+    frame: null,
+    error: null,
+    edit: 'edit',
+  };
+  const deps = { following: { job: vi.fn() }, viewer: { invalidate: vi.fn() } };
+  const inbox = new Inbox(deps as unknown as InboxDeps);
+  const said = (): string[] => state.notices.value.map((notice) => notice.title);
+  const row: TimelineRow = {
+    points: Uint32Array.of(9, 9, 9),
+    painted: Uint32Array.of(9, 0, 0),
+    confidence: Float32Array.of(1, 0.9, 0.2),
+    state: Uint8Array.of(0, 2, 2),
+  };
+
+  beforeEach(() => {
+    bindActions({ pause: vi.fn(), seek: vi.fn(), selectLabel: vi.fn() });
+    state.sequence.value = { id: 'wall' } as SequenceInfo;
+    state.notices.value = [];
+    state.jobs.value = [];
+    state.timeline.value = { rows: new Map() };
+    expect(CELL_STATES[2]).toBe('tracked');
+  });
+
+  it('is told once, in the words of its counts', () => {
+    inbox.receive({ t: 'message', message: job });
+    inbox.receive({ t: 'message', message: job });
+    expect(state.notices.value).toMatchObject([{ title: 'Tracked', detail: job.message }]);
+  });
+
+  it('is told once where it failed, too, until it is dismissed', () => {
+    inbox.receive({ t: 'message', message: { ...job, state: 'failed', error: 'no room' } });
+    expect(state.notices.value).toMatchObject([{ kind: 'error', detail: 'no room' }]);
+  });
+
+  it('is told by its doubt where it stopped for one', async () => {
+    const how = { method: 'auto', overwrite: 'tracked', stop_unsure: true } as const;
+    runAsked({ labels: [1], start: 0, stop: 2, ...how });
+    inbox.receive({ t: 'message', message: job });
+    expect(said()).toEqual(['Tracked']);
+    state.timeline.value = { rows: new Map([[1, row]]) };
+    await Promise.resolve();
+    expect(said()).toEqual(['Not sure of A label here']);
   });
 });

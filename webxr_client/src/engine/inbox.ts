@@ -174,15 +174,14 @@ export class Inbox {
     if (isActive(job) || (known && !isActive(known))) return;
     if (job.kind === 'tracking') {
       this.dropProvisional();
-      runEnded();
+      runEnded(tellRun(job));
     }
     if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
-    if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`);
+    if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`, kept(job));
     if (job.state === 'done') void this.jobDone(job);
   }
 
   private async jobDone(job: Extract<PlainMessage, { type: 'job' }>): Promise<void> {
-    if (job.kind === 'tracking') notify('success', 'Tracked', job.message);
     if (job.kind !== 'import') return;
     const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
     await actions.refreshSequences();
@@ -197,6 +196,16 @@ export class Inbox {
     this.provisional.clear();
     this.deps.viewer.invalidate();
   }
+}
+
+/** Say how a run ended well; the message's id, or null. */
+function tellRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
+  return job.state === 'done' ? notify('success', 'Tracked', job.message) : null;
+}
+
+/** What a stopped job leaves, in words. */
+function kept(job: Extract<PlainMessage, { type: 'job' }>): string {
+  return job.kind === 'tracking' ? job.message : '';
 }
 
 function takePresence(message: ServerPresence): void {

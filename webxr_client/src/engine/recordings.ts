@@ -14,7 +14,6 @@ type RecordingActions = Pick<
   | 'restoreSequence'
   | 'exportSequence'
   | 'cancelJob'
-  | 'dismissJob'
 >;
 
 /** Show what went wrong, in the server's words. */
@@ -129,7 +128,4 @@ export const recordingActions: RecordingActions = {
       const query = keep ? '?keep=true' : '';
       noteJob(jobOf(await api<Omit<Job, 'type' | 'frame'>>('DELETE', `jobs/${id}${query}`)));
     }),
-  dismissJob: (id) => {
-    state.jobs.value = state.jobs.peek().filter((job) => job.id !== id);
-  },
 };

@@ -3,7 +3,7 @@ import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { actions, type Actions, type TrackRequest } from '../actions';
 import { api } from '../net/rest';
 import { cellKind, doubtfulFrames, wantsLook } from '../panels/timeline-layout';
-import { notify, state, type TimelineRow } from '../state';
+import { dismiss, notify, state, type TimelineRow } from '../state';
 import { attempt } from './recordings';
 import { follow } from '../watch';
 
@@ -50,8 +50,8 @@ export function forgetRun(): void {
   halted.value = null;
 }
 
-/** A run has ended: go to where it stopped. */
-export function runEnded(): void {
+/** A run has ended: go to where it stopped, and say so in place of the message `told`. */
+export function runEnded(told: number | null): void {
   const request = asked;
   asked = null;
   if (!request) return;
@@ -65,6 +65,7 @@ export function runEnded(): void {
     done = true;
     queueMicrotask(() => {
       stopLooking();
+      if (told !== null) dismiss(told);
       halt(request, found);
     });
   });

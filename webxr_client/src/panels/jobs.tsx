@@ -4,12 +4,11 @@ import type { Job } from '../protocol/messages';
 import { isActive, state } from '../state';
 import { Button, Progress } from './controls';
 import { bytes } from './format';
-import { Icon } from './icon';
 
 const TITLE = { import: 'Importing', tracking: 'Tracking', export: 'Exporting' } as const;
 
 export function JobCards() {
-  const jobs = state.jobs.value.filter((job) => isActive(job) || job.state === 'failed');
+  const jobs = state.jobs.value.filter(isActive);
   return (
     <>
       {state.uploads.value.map((upload) => (
@@ -23,7 +22,9 @@ export function JobCards() {
           <Progress share={upload.sent / Math.max(1, upload.total)} label={upload.name} />
         </div>
       ))}
-      {jobs.map((job) => (job.state === 'failed' ? <Failed job={job} /> : <Running job={job} />))}
+      {jobs.map((job) => (
+        <Running key={job.id} job={job} />
+      ))}
     </>
   );
 }
@@ -31,7 +32,7 @@ export function JobCards() {
 function Running({ job }: { job: Job }) {
   const tracking = job.kind === 'tracking';
   return (
-    <div key={job.id} class="card job" role="status">
+    <div class="card job" role="status">
       <div class="job-head">
         <strong>{TITLE[job.kind]}</strong>
         <span class="soft name">
@@ -54,20 +55,6 @@ function Running({ job }: { job: Job }) {
           onClick={() => void actions.cancelJob(job.id)}
         />
       </div>
-    </div>
-  );
-}
-
-function Failed({ job }: { job: Job }) {
-  return (
-    <div key={job.id} class="card job failed" role="alert">
-      <div class="job-head">
-        <Icon name="warning" />
-        <strong>{TITLE[job.kind]} failed</strong>
-        <span class="spacer" />
-        <Button icon="close" tip="Dismiss" small onClick={() => actions.dismissJob(job.id)} />
-      </div>
-      <p>{job.error ?? job.message}</p>
     </div>
   );
 }

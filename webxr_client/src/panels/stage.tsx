@@ -17,9 +17,10 @@ export function Stage() {
   return (
     <>
       {state.sequence.value ? <InRecording /> : <Welcome />}
-      <div class="corner">
-        <Toasts />
+      <div class="bottom">
         <JobCards />
+        <Toasts />
+        {state.sequence.value && <ObjectBar />}
       </div>
       {dropping.value && <DropTarget />}
     </>
@@ -34,7 +35,6 @@ function InRecording() {
       {empty && <Opening />}
       {!empty && state.shown.value.total === 0 && <EmptyFrame />}
       <Readout />
-      <ObjectBar />
       <Views />
     </>
   );

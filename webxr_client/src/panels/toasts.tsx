@@ -1,4 +1,4 @@
-/** What happened: short messages in the corner. */
+/** What happened: short messages at the bottom of the canvas. */
 import { actions } from '../actions';
 import { state, type Notice } from '../state';
 import { Button } from './controls';
@@ -26,6 +26,7 @@ export function Toasts() {
             <strong>{notice.title}</strong>
             {notice.detail && <p>{notice.detail}</p>}
           </div>
+          {notice.action && <Action notice={notice} action={notice.action} />}
           <Button
             icon="close"
             tip="Dismiss"
@@ -36,4 +37,12 @@ export function Toasts() {
       ))}
     </ul>
   );
+}
+
+function Action({ notice, action }: { notice: Notice; action: NonNullable<Notice['action']> }) {
+  const take = (): void => {
+    actions.dismissNotice(notice.id);
+    action.run();
+  };
+  return <Button label={action.label} kind="outlined" small onClick={take} />;
 }

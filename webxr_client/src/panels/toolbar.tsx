@@ -186,7 +186,7 @@ function VrButton() {
   const { supported, session, passthrough, enters, detail } = state.xr.value;
   if (supported === null) return null;
   if (!supported) {
-    const why = (): void => notify('info', 'No headset here', detail);
+    const why = (): void => void notify('info', 'No headset here', detail);
     return <Button icon="headset" tip={`No headset here. ${detail}`} onClick={why} />;
   }
   if (session === 'running') {
