@@ -168,6 +168,12 @@ def parser() -> argparse.ArgumentParser:
     )
     _settings(check_, "workspace", "database", "database_password_file")
 
+    suspicious = _command(commands, "check-labels", "list suspicious labels, frame by frame")
+    suspicious.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    suspicious.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    suspicious.add_argument("--all", action="store_true", help="what a reviewer has accepted too")
+    _settings(suspicious, "workspace", "database", "database_password_file")
+
     backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
     _settings(backup_, "workspace", "database", "database_password_file")

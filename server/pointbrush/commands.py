@@ -286,6 +286,21 @@ def check(given: argparse.Namespace, settings: Settings) -> None:
             print("other users of this machine may read the workspace: chmod -R go= it")
 
 
+def check_labels(given: argparse.Namespace, settings: Settings) -> None:
+    """Print the suspicious things in the labels of a recording, one a line."""
+    with closing(Workspace(settings)) as workspace:
+        checked = workspace.reviewing.checks(given.sequence, given.frames)
+        found = [each for each in checked.findings if given.all or not each.settled]
+        for each in found:
+            frames = "palette" if each.first is None else f"frame {each.first}"
+            if each.last != each.first:
+                frames = f"frames {each.first} to {each.last}"
+            print(f"{frames}: {each.text}")
+        for sentence in checked.unchecked:
+            print(f"not looked at: {sentence}", file=sys.stderr)
+        print(f"{len(found)} suspicious")
+
+
 def backup(given: argparse.Namespace, settings: Settings) -> None:
     """Copy recordings and labels into a new folder."""
     with closing(Workspace(settings)) as workspace:

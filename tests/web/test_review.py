@@ -78,6 +78,26 @@ def test_a_label_is_judged_in_a_frame_and_as_a_whole(
     assert [line["label"] for line in get(served, "review")["labels"]] == [label]
 
 
+def test_suspicious_things_come_in_order_with_their_places(served: Served) -> None:
+    names = [served.workspace.create_label("wall", "ada", name="door").id for _ in range(2)]
+    stroke = {"label": names[1], "radius": 0.3, "samples": [{"origin": [0, 0, 3]}]}
+    url = f"{served.url}/api/v1/sequences/wall/frames/3/strokes"
+    httpx.post(url, json=stroke, headers=served.headers).raise_for_status()
+    checked = get(served, "checks")
+    assert checked["unchecked"] == []
+    (double,) = (each for each in checked["findings"] if each["kind"] == "name")
+    assert (double["labels"], double["first"], double["settled"]) == (names, 3, False)
+    assert double["place"] == pytest.approx([0, 0, 3], abs=0.4)
+    assert get(served, "checks", frames="0:2")["findings"] != checked["findings"]
+    bad = httpx.get(
+        f"{served.url}/api/v1/sequences/wall/checks",
+        params={"frames": "2:9"},
+        headers=served.headers,
+    )
+    assert bad.status_code == 422
+    assert "0:4" in bad.json()["detail"]
+
+
 @pytest.mark.parametrize(
     ("role", "body", "status", "said"),
     [

@@ -33,6 +33,7 @@ SEMANTIC = (
     "POST /api/v1/sequences/{seq}/palette",
     "PUT /api/v1/sequences/{seq}/palette/order",
     "PUT /api/v1/sequences/{seq}/review",
+    "GET /api/v1/sequences/{seq}/checks",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )
 """Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""

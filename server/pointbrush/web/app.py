@@ -21,6 +21,7 @@ from pointbrush.web import (
     problems,
     routes_annotations,
     routes_cameras,
+    routes_checks,
     routes_edits,
     routes_export,
     routes_frames,
@@ -50,7 +51,8 @@ from pointbrush.workspace import StaleCandidateError, Workspace
 RESOURCES = (
     routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
     routes_palette, routes_placements, routes_taxonomy, routes_edits, routes_objects,
-    routes_annotations, routes_tracking, routes_review, routes_export, routes_jobs,
+    routes_annotations, routes_tracking, routes_export, routes_jobs,
+    routes_review, routes_checks,
 )  # fmt: skip
 
 

@@ -49,6 +49,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/review"): "viewer",
     ("GET", "/sequences/{seq}/review/history"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/review"): "viewer",
+    ("GET", "/sequences/{seq}/checks"): "viewer",
     ("GET", "/taxonomy"): "viewer",
     ("GET", "/jobs"): "viewer",
     ("GET", "/jobs/{id}"): "viewer",

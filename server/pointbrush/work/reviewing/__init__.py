@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
+from pointbrush.work.reviewing.checking import Checked
+from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
 from pointbrush.work.reviewing.reviewing import Reviewing
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, State
 
-__all__ = ["STATES", "Overview", "Reviewing", "Standing", "State"]
+__all__ = [
+    "KINDS",
+    "STATES",
+    "Checked",
+    "Finding",
+    "Kind",
+    "Overview",
+    "Reviewing",
+    "Standing",
+    "State",
+]

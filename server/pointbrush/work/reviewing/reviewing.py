@@ -9,8 +9,11 @@ from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.labels import LabelStore, Review
 from pointbrush.labels.accounts import require_name
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import states
-from pointbrush.work.reviewing.states import STATES, Overview, Standing
+from pointbrush.work.reviewing.checking import Checked, Checker
+from pointbrush.work.reviewing.checks.finding import Finding
+from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 
 SETTLED = ("open", "accepted")
 """States in which an earlier note has been seen to."""
@@ -23,6 +26,7 @@ class Reviewing:
 
     def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
         self._store, self._recording = store, recording
+        self._checker = Checker(store)
 
     def overview(self, sequence: str) -> Overview:
         """Return how each frame and label stands; raises NotFoundError."""
@@ -70,6 +74,17 @@ class Reviewing:
             review = replace(review, note="")
         self._store.reviews.add(sequence, recording.identity, author, review)
 
+    def checks(self, sequence: str, frames: str | None = None) -> Checked:
+        """Return suspicious things in frames ``I:J``, all unless given, in their order.
+
+        Raises NotFoundError, BadInputError for a range that cannot be.
+        """
+        recording = self._recording(sequence)
+        found = self._checker.check(recording, parse_frames(frames, len(recording)))
+        overview = self.overview(sequence)
+        settled = [replace(one, settled=_is_settled(one, overview)) for one in found.findings]
+        return replace(found, findings=settled)
+
     def _require_undecided(self, sequence: str, review: Review) -> None:
         overview = self.overview(sequence)
         if review.first is None or review.last is None:
@@ -84,6 +99,18 @@ class Reviewing:
 
     def _named(self, standing: Standing) -> Standing:
         return replace(standing, by=self._name(standing.by)) if standing.by else standing
+
+
+def _is_settled(finding: Finding, overview: Overview) -> bool:
+    """Whether a reviewer has accepted its frames, or each of its labels, as they are."""
+    if finding.first is None or finding.last is None:
+        accepted = {each.label for each in overview.labels if each.state == "accepted"}
+        return bool(finding.labels) and accepted.issuperset(finding.labels)
+    return any(
+        all(accepted_all(overview, finding.first, finding.last, label) for label in layer)
+        for layer in ((0,), finding.labels)
+        if layer
+    )
 
 
 def _check_frames(review: Review, frames: int) -> None:

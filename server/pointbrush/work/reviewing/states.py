@@ -103,6 +103,17 @@ def overlapping(overview: Overview, first: int, last: int, label: int) -> Iterat
             yield each
 
 
+def accepted_all(overview: Overview, first: int, last: int, label: int) -> bool:
+    """Whether all of the frames, or a label in them, are accepted and unchanged since."""
+    good = sum(
+        min(last, each.last) - max(first, each.first) + 1
+        for each in overlapping(overview, first, last, label)
+        if each.state == "accepted" and not each.changed
+        if each.first is not None and each.last is not None
+    )
+    return good == last - first + 1
+
+
 def _marks(size: int) -> Marks:
     return {name: np.full(size, -1, np.int32) for name in _FIELDS}
 

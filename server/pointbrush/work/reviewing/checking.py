@@ -1,0 +1,140 @@
+"""All checks of a recording, with as little looked at again as has not changed."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import DamagedError
+from pointbrush.labels import Label, LabelStore
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.reviewing.checks import counting, placing
+from pointbrush.work.reviewing.checks.counting import Counts
+from pointbrush.work.reviewing.checks.finding import KINDS, Finding, grouped
+from pointbrush.work.reviewing.checks.options import CheckOptions
+from pointbrush.work.reviewing.checks.sketch import Sketch, sketch_frame
+
+REMEMBERED = 8
+"""Recordings whose sketches are kept."""
+EXCUSED = ("occluded", "painted")
+"""States of a track without points that a person, or the tracker, is sure of."""
+Sketches = dict[int, Mapping[int, Sketch]]
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """Findings in the order to go through them, and sentences about what was not looked at."""
+
+    findings: Sequence[Finding]
+    unchecked: Sequence[str] = field(default_factory=tuple)
+
+
+class Checker:
+    """Runs the checks; keeps what it knows of frames until they change.  Thread-safe."""
+
+    def __init__(self, store: LabelStore, options: CheckOptions | None = None) -> None:
+        self._store, self._options = store, options or CheckOptions()
+        self._known: OrderedDict[str, dict[int, tuple[int, Mapping[int, Sketch]]]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def check(self, recording: Recording, frames: range) -> Checked:
+        """Return the suspicious things in ``frames`` of a recording."""
+        sequence, count = recording.manifest.id, len(recording)
+        palette = self._store.palette(sequence)
+        counts = _counts(self._store, sequence, palette, count)
+        sketches, unchecked = self._sketches(recording, counts, frames)
+        found = [
+            *counting.same_names(palette, counts),
+            *counting.few_points(palette, counts, self._options),
+            *counting.unlike_neighbours(
+                palette, counts, count, _excused(self._store.tracks(sequence)), self._options
+            ),
+            *placing.stray_points(palette, sketches),
+            *placing.jumps(palette, sketches, self._options),
+        ]
+        inside = [each for each in found if each.first is None or each.first in frames]
+        placed = [_placed(each, sketches) for each in grouped(inside)]
+        return Checked(sorted(placed, key=_order), unchecked)
+
+    def _sketches(
+        self, recording: Recording, counts: Mapping[int, Counts], frames: range
+    ) -> tuple[Sketches, list[str]]:
+        """Look at the frames that have labels, and at as many beside as are neighbours."""
+        if recording.manifest.large:
+            return {}, ["frames of an octree: places of points were not looked at"]
+        beside = self._options.window + 1
+        near = range(max(0, frames.start - beside), min(len(recording), frames.stop + beside))
+        found: Sketches = {}
+        unchecked: list[str] = []
+        changes = self._store.frame_changes(recording.manifest.id)
+        for frame in near:
+            if not any(mine[frame] for mine in counts.values()):
+                continue
+            try:
+                found[frame] = self._sketch(recording, frame, changes.get(frame, 0))
+            except DamagedError as error:
+                unchecked.append(str(error))
+        return found, unchecked
+
+    def _sketch(self, recording: Recording, frame: int, changed: int) -> Mapping[int, Sketch]:
+        with self._lock:
+            known = self._known.setdefault(recording.identity, {})
+            self._known.move_to_end(recording.identity)
+            if len(self._known) > REMEMBERED:
+                self._known.popitem(last=False)
+            there = known.get(frame)
+        if there is not None and there[0] == changed:
+            return there[1]
+        values = self._store.values(recording.manifest.id, frame)
+        stored = recording[frame]
+        label = np.where(values.deleted, np.uint16(0), values.label)
+        shift = np.array(recording.manifest.shift)
+        made = sketch_frame(stored.xyz, label, stored.pose, shift, self._options)
+        with self._lock:
+            known[frame] = values.changed, made
+        return made
+
+
+def _counts(
+    store: LabelStore, sequence: str, palette: Sequence[Label], frames: int
+) -> dict[int, Counts]:
+    counts = {label.id: np.zeros(frames, np.int64) for label in palette}
+    for (frame, label), (points, _) in store.counts(sequence).items():
+        if label in counts:
+            counts[label][frame] = points
+    return counts
+
+
+def _excused(tracks: Sequence[Mapping[str, Any]]) -> dict[int, set[int]]:
+    found: dict[int, set[int]] = {}
+    for track in tracks:
+        if track["state"] in EXCUSED:
+            found.setdefault(int(track["label"]), set()).add(int(track["frame"]))
+    return found
+
+
+def _placed(finding: Finding, sketches: Sketches) -> Finding:
+    """Where it has no place of its own, that of a label of it, in its frame or one beside."""
+    if finding.place is not None or finding.first is None or finding.last is None:
+        return finding
+    for place in _places(finding, sketches):
+        return replace(finding, place=place)
+    return finding
+
+
+def _places(finding: Finding, sketches: Sketches) -> Iterator[tuple[float, float, float]]:
+    assert finding.first is not None and finding.last is not None  # noqa: S101, PT018
+    for frame in (finding.first, finding.first - 1, finding.last + 1):
+        for label in reversed(finding.labels):
+            if label in sketches.get(frame, {}):
+                yield sketches[frame][label].center
+
+
+def _order(finding: Finding) -> tuple[bool, int, int]:
+    """What is about the palette, then by frames."""
+    return finding.first is not None, finding.first or 0, KINDS.index(finding.kind)

@@ -1,0 +1,103 @@
+"""Checks that need the palette and the counts alone."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels import Label
+from pointbrush.work.reviewing.checks.finding import Finding
+from pointbrush.work.reviewing.checks.options import CheckOptions
+
+Counts = NDArray[np.int64]
+"""Points of a label (F,) in each frame."""
+
+
+def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterator[Finding]:
+    """Yield labels that have the name of another, whatever their categories."""
+    by_name: dict[str, list[Label]] = defaultdict(list)
+    for label in palette:
+        by_name[label.name.strip().casefold()].append(label)
+    for labels in by_name.values():
+        if len(labels) > 1:
+            ids = tuple(label.id for label in labels)
+            where = [int(np.flatnonzero(counts[n])[0]) for n in ids if counts[n].any()]
+            frame = where[-1] if where else None
+            text = f"{len(labels)} labels are called “{labels[0].name}”"
+            yield Finding("name", text, ids, frame, frame)
+
+
+def few_points(
+    palette: Sequence[Label], counts: Mapping[int, Counts], options: CheckOptions
+) -> Iterator[Finding]:
+    """Yield labels with hardly a point in a frame, and those that have none anywhere."""
+    for label in palette:
+        mine = counts[label.id]
+        if not mine.any():
+            yield Finding("few", f"“{label.name}” has no points in any frame", (label.id,))
+        for frame in np.flatnonzero((mine > 0) & (mine <= options.few_points)).tolist():
+            points = "1 point" if mine[frame] == 1 else f"{mine[frame]} points"
+            yield Finding("few", f"“{label.name}” has only {points}", (label.id,), frame, frame)
+
+
+def empty_frames(counts: Mapping[int, Counts], frames: int, options: CheckOptions) -> list[int]:
+    """Return the frames without labels between frames that have some."""
+    some = np.zeros(frames, bool)
+    for mine in counts.values():
+        some |= mine > 0
+    return _holes(some, options.gap)
+
+
+def unlike_neighbours(
+    palette: Sequence[Label],
+    counts: Mapping[int, Counts],
+    frames: int,
+    excused: Mapping[int, set[int]],
+    options: CheckOptions,
+) -> Iterator[Finding]:
+    """Yield frames without labels, labels that are missing, and counts unlike those beside them.
+
+    ``excused``: for each label, the frames that it is known not to be seen in.
+    """
+    empty = empty_frames(counts, frames, options)
+    for frame in empty:
+        yield Finding("unlike", "no labels here, the frames beside have some", (), frame, frame)
+    for label in palette:
+        mine = counts[label.id]
+        known = excused.get(label.id, set()) | set(empty)
+        for frame in _holes(mine > 0, options.gap):
+            if frame not in known:
+                text = f"“{label.name}” is missing here, the frames beside have it"
+                yield Finding("unlike", text, (label.id,), frame, frame)
+        yield from _odd_counts(label, mine, known, options)
+
+
+def _odd_counts(
+    label: Label, mine: Counts, known: set[int], options: CheckOptions
+) -> Iterator[Finding]:
+    for frame in np.flatnonzero(mine > options.few_points).tolist():
+        near = mine[max(0, frame - options.window) : frame + options.window + 1]
+        others = np.delete(near, min(frame, options.window))
+        others = others[others > 0]
+        if len(others) < options.window or frame in known:
+            continue
+        usual = float(np.median(others))
+        if max(usual, mine[frame]) < options.sizable:
+            continue
+        if not options.share <= mine[frame] / usual <= 1 / options.share:
+            text = f"“{label.name}” has {mine[frame]:,} points here, about {usual:,.0f} beside"
+            yield Finding("unlike", text, (label.id,), frame, frame)
+
+
+def _holes(there: NDArray[np.bool_], longest: int) -> list[int]:
+    """Indices in runs of at most ``longest`` False between True."""
+    at = np.flatnonzero(there)
+    return [
+        frame
+        for before, after in zip(at[:-1].tolist(), at[1:].tolist(), strict=True)
+        if after - before - 1 <= longest
+        for frame in range(before + 1, after)
+    ]
