@@ -128,3 +128,15 @@ def test_what_cannot_be_is_refused_in_words(
     answer = put(served, people[role], "review", **body)
     assert (answer.status_code, said in answer.json()["detail"]) == (status, True), answer.text
     assert get(served, "review/history") == before
+
+
+def test_agreement_with_another_recording(served: Served) -> None:
+    found = get(served, "agreement", **{"with": "wall"})
+    assert all(label["iou"] == 1 for label in found["labels"])
+    assert [frame["differ"] for frame in found["frames"]] == [0] * 4
+    url = f"{served.url}/api/v1/sequences/wall/frames/0/agreement"
+    answer = httpx.get(url, params={"with": "wall"}, headers=served.headers)
+    assert answer.headers["Content-Type"] == "image/png"
+    assert answer.content.startswith(b"\x89PNG")
+    missing = httpx.get(url, params={"with": "none"}, headers=served.headers)
+    assert missing.status_code == 404

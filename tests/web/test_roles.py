@@ -75,7 +75,7 @@ def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
         method,
         f"{served.url}{PREFIX}{path}",
         headers={"Authorization": f"Bearer {secret}"},
-        params={"format": "ply"} if path.endswith("/export") else {},
+        params={"format": "ply", "with": "none"},
         content=b"{}" if method in ("POST", "PUT", "PATCH") else None,
     )
 

@@ -34,6 +34,8 @@ SEMANTIC = (
     "PUT /api/v1/sequences/{seq}/palette/order",
     "PUT /api/v1/sequences/{seq}/review",
     "GET /api/v1/sequences/{seq}/checks",
+    "GET /api/v1/sequences/{seq}/agreement",
+    "GET /api/v1/sequences/{seq}/frames/{i}/agreement",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )
 """Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""

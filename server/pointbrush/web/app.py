@@ -19,6 +19,7 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import (
     page,
     problems,
+    routes_agreement,
     routes_annotations,
     routes_cameras,
     routes_checks,
@@ -52,7 +53,7 @@ RESOURCES = (
     routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
     routes_palette, routes_placements, routes_taxonomy, routes_edits, routes_objects,
     routes_annotations, routes_tracking, routes_export, routes_jobs,
-    routes_review, routes_checks,
+    routes_review, routes_checks, routes_agreement,
 )  # fmt: skip
 
 

@@ -50,6 +50,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/review/history"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/review"): "viewer",
     ("GET", "/sequences/{seq}/checks"): "viewer",
+    ("GET", "/sequences/{seq}/agreement"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/agreement"): "viewer",
     ("GET", "/taxonomy"): "viewer",
     ("GET", "/jobs"): "viewer",
     ("GET", "/jobs/{id}"): "viewer",

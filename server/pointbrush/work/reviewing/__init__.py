@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from pointbrush.work.reviewing.checking import Checked
 from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
+from pointbrush.work.reviewing.comparing import By
+from pointbrush.work.reviewing.confusion import Agreement
 from pointbrush.work.reviewing.reviewing import Reviewing
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, State
 
 __all__ = [
     "KINDS",
     "STATES",
+    "Agreement",
+    "By",
     "Checked",
     "Finding",
     "Kind",

@@ -10,9 +10,11 @@ from pointbrush.labels import LabelStore, Review
 from pointbrush.labels.accounts import require_name
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.exporting import parse_frames
-from pointbrush.work.reviewing import states
+from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.checking import Checked, Checker
 from pointbrush.work.reviewing.checks.finding import Finding
+from pointbrush.work.reviewing.comparing import By
+from pointbrush.work.reviewing.confusion import Agreement
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 
 SETTLED = ("open", "accepted")
@@ -84,6 +86,22 @@ class Reviewing:
         overview = self.overview(sequence)
         settled = [replace(one, settled=_is_settled(one, overview)) for one in found.findings]
         return replace(found, findings=settled)
+
+    def agreement(
+        self, sequence: str, other: str, by: By = "name", frames: str | None = None
+    ) -> Agreement:
+        """Return how far the labels of another recording of the same points agree.
+
+        Raises NotFoundError, BadInputError for a recording of other points.
+        """
+        first, second = self._recording(sequence), self._recording(other)
+        return comparing.compare(self._store, first, second, by, parse_frames(frames, len(first)))
+
+    def difference(self, sequence: str, other: str, frame: int, by: By = "name") -> bytes:
+        """Return a PNG of a frame from above: where the labels differ; raises as ``agreement``."""
+        first, second = self._recording(sequence), self._recording(other)
+        _ = first[frame]
+        return comparing.picture(self._store, first, second, by, frame)
 
     def _require_undecided(self, sequence: str, review: Review) -> None:
         overview = self.overview(sequence)
