@@ -13,7 +13,7 @@ import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
-import { noteJob } from './recordings';
+import { deletedHere, noteJob } from './recordings';
 import { runEnded } from './review';
 
 export interface InboxDeps {
@@ -140,7 +140,7 @@ export class Inbox {
   private sendOut(sequence: string, detail: string): void {
     if (state.sequence.peek()?.id === sequence) actions.closeSequence();
     void actions.refreshSequences();
-    notify('info', 'The recording was closed', detail);
+    if (!deletedHere.has(sequence)) notify('info', 'The recording was closed', detail);
   }
 
   private async welcomed(): Promise<void> {

@@ -1,6 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { SequenceInfo } from '../protocol/messages';
+import type { SequenceInfo, ServerMessage } from '../protocol/messages';
+import { bindActions } from '../actions';
 import { state } from '../state';
+import { Inbox, type InboxDeps } from './inbox';
 import { recordingActions } from './recordings';
 
 const click = vi.fn();
@@ -34,5 +36,49 @@ describe('an export', () => {
     await recordingActions.exportSequence('ply');
     expect(click).toHaveBeenCalledOnce();
     expect(state.notices.value).toMatchObject([{ kind: 'success' }]);
+  });
+});
+
+describe('a recording that is deleted here', () => {
+  const asked: string[] = [];
+  const opened = vi.fn();
+  const closeSequence = (): void => {
+    state.sequence.value = null;
+  };
+
+  beforeEach(() => {
+    asked.length = 0;
+    bindActions({ closeSequence, openSequence: opened });
+    vi.stubGlobal('document', { baseURI: 'http://host/' });
+    vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
+      asked.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
+      return Promise.resolve(
+        Response.json(
+          method === 'POST' ? { id: 'wall', name: 'Wall' } : method === 'GET' ? [] : {},
+        ),
+      );
+    });
+    const wall = { id: 'wall', name: 'Wall', frames: 1, fps: 1, points: 1, damaged: null };
+    state.sequences.value = [wall];
+  });
+
+  it('is told once, and comes back as it was by Undo', async () => {
+    await recordingActions.deleteSequence('wall');
+    const closed = {
+      type: 'error',
+      title: '',
+      detail: '',
+      status: 404,
+      about: null,
+      closed: 'wall',
+    };
+    const inbox = new Inbox({} as InboxDeps);
+    inbox.receive({ t: 'message', message: closed as ServerMessage as never });
+    expect(state.sequence.value).toBe(null);
+    expect(state.notices.value).toMatchObject([{ title: 'Deleted Wall' }]);
+    state.notices.value[0]!.action!.run();
+    await vi.waitFor(() => expect(opened).toHaveBeenCalledWith('wall'));
+    expect(asked).toContain('DELETE sequences/wall');
+    expect(asked).toContain('POST sequences/wall/restore');
   });
 });

@@ -97,6 +97,36 @@ async function exportSequence(format: string, frames = ''): Promise<void> {
   notify('success', 'Export started', 'The browser saves it among its downloads.');
 }
 
+/** Recordings that are deleted from here: it need not be told twice. */
+export const deletedHere = new Set<string>();
+
+async function remove(id: string): Promise<void> {
+  const name = state.sequences.peek()?.find((row) => row.id === id)?.name ?? id;
+  deletedHere.add(id);
+  try {
+    await api('DELETE', sequencePath(id));
+  } catch (error) {
+    deletedHere.delete(id);
+    throw error;
+  }
+  const wasOpen = state.sequence.peek()?.id === id;
+  if (wasOpen) actions.closeSequence();
+  const run = (): void => void attempt('The recording was not restored', () => bring(id, wasOpen));
+  notify('info', `Deleted ${name}`, 'It can be restored for 30 days.', { label: 'Undo', run });
+  await refreshSequences();
+  await refreshDeleted();
+}
+
+/** Bring a deleted recording back, by its import or its id, and open it again if it was. */
+async function bring(key: string, open = false): Promise<void> {
+  const restored = await api<{ id: string; name: string }>('POST', `${sequencePath(key)}/restore`);
+  deletedHere.delete(restored.id);
+  notify('success', 'Restored', restored.name);
+  await refreshSequences();
+  await refreshDeleted();
+  if (open && !state.sequence.peek()) actions.openSequence(restored.id);
+}
+
 export const recordingActions: RecordingActions = {
   refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
   renameSequence: (id, name) =>
@@ -106,21 +136,9 @@ export const recordingActions: RecordingActions = {
       if (info?.id === id) state.sequence.value = { ...info, name };
       await refreshSequences();
     }),
-  deleteSequence: (id) =>
-    attempt('The recording was not deleted', async () => {
-      await api('DELETE', sequencePath(id));
-      if (state.sequence.peek()?.id === id) actions.closeSequence();
-      await refreshSequences();
-      await refreshDeleted();
-    }),
+  deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
   refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
-  restoreSequence: (identity) =>
-    attempt('The recording was not restored', async () => {
-      const restored = await api<{ name: string }>('POST', `${sequencePath(identity)}/restore`);
-      notify('success', 'Restored', restored.name);
-      await refreshSequences();
-      await refreshDeleted();
-    }),
+  restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
   exportSequence: (format, frames) =>
     attempt('The export did not start', () => exportSequence(format, frames)),
   cancelJob: (id, keep = false) =>

@@ -3,11 +3,12 @@ import { useRef } from 'preact/hooks';
 
 interface NameFieldProps {
   name: string;
+  maxLength?: number;
   /** What was typed, without space around it; null: given up. */
   onFinish: (name: string | null) => void;
 }
 
-export function NameField({ name, onFinish }: NameFieldProps) {
+export function NameField({ name, maxLength = 80, onFinish }: NameFieldProps) {
   const finished = useRef(false);
   const finish = (result: string | null): void => {
     if (finished.current) return;
@@ -18,7 +19,7 @@ export function NameField({ name, onFinish }: NameFieldProps) {
     <input
       class="field name-field"
       aria-label="Name"
-      maxLength={80}
+      maxLength={maxLength}
       ref={(input) => {
         if (!input || document.activeElement === input) return;
         input.value = name;

@@ -7,6 +7,7 @@ import { pickFiles } from './import-files';
 import { plural, shortCount } from './format';
 import { Icon } from './icon';
 import { Popover } from './popover';
+import { RecordingName, renamingRecording, RecordingTools } from './recording-tools';
 
 const open = signal(false);
 const close = (): void => {
@@ -82,8 +83,15 @@ export function SequenceMenu() {
 
 function SequenceRow({ row }: { row: SequenceSummary }) {
   const current = state.sequence.value?.id === row.id;
+  if (renamingRecording.value === row.id) {
+    return (
+      <li class="recording-line">
+        <RecordingName row={row} />
+      </li>
+    );
+  }
   return (
-    <li>
+    <li class="recording-line">
       <button
         type="button"
         class="menu-item"
@@ -99,6 +107,7 @@ function SequenceRow({ row }: { row: SequenceSummary }) {
           {plural(row.frames, 'frame')} · {shortCount(row.points)}
         </span>
       </button>
+      <RecordingTools row={row} {...(current && { onDelete: close })} />
     </li>
   );
 }

@@ -6,6 +6,7 @@ import { Button } from './controls';
 import { clock, plural, shortCount } from './format';
 import { Icon } from './icon';
 import { pickFiles } from './import-files';
+import { RecordingName, renamingRecording, RecordingTools } from './recording-tools';
 
 export function Welcome() {
   const { state: connection, detail } = state.connection.value;
@@ -79,26 +80,35 @@ function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
       </header>
       <ul class="recordings">
         {sequences.map((row) => (
-          <li key={row.id}>
-            <button
-              type="button"
-              class="recording"
-              disabled={row.damaged !== null}
-              onClick={() => actions.openSequence(row.id)}
-            >
-              <Icon name={row.damaged === null ? 'points' : 'warning'} />
-              <strong class="name">{row.name}</strong>
-              {row.damaged !== null && <span class="soft">Damaged: {row.damaged}</span>}
-              <span class="soft number" hidden={row.damaged !== null}>
-                {plural(row.frames, 'frame')}
-                {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
-                {shortCount(row.points)} points
-              </span>
-              <Icon name="next" />
-            </button>
+          <li key={row.id} class="recording-line">
+            {renamingRecording.value === row.id ? <RecordingName row={row} /> : <Row row={row} />}
           </li>
         ))}
       </ul>
+    </>
+  );
+}
+
+function Row({ row }: { row: SequenceSummary }) {
+  return (
+    <>
+      <button
+        type="button"
+        class="recording"
+        disabled={row.damaged !== null}
+        onClick={() => actions.openSequence(row.id)}
+      >
+        <Icon name={row.damaged === null ? 'points' : 'warning'} />
+        <strong class="name">{row.name}</strong>
+        {row.damaged !== null && <span class="soft">Damaged: {row.damaged}</span>}
+        <span class="soft number" hidden={row.damaged !== null}>
+          {plural(row.frames, 'frame')}
+          {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
+          {shortCount(row.points)} points
+        </span>
+        <Icon name="next" />
+      </button>
+      <RecordingTools row={row} />
     </>
   );
 }
