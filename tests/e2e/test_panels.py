@@ -95,6 +95,7 @@ def test_a_new_label_is_named_at_once_and_is_like_no_other(desk: Desk, server: L
     server.request("PATCH", f"sequences/{SEQUENCE}/labels/2", json={"category": "pin"})
     desk.until("pb.state.palette.value[1].category === 'pin'")
     desk.press("2")
+    before = desk.page.locator("#view").bounding_box()
     # No pause: what is typed is the name, whether or not the server has answered.
     desk.press("n")
     desk.page.keyboard.type("next 2")
@@ -106,6 +107,14 @@ def test_a_new_label_is_named_at_once_and_is_like_no_other(desk: Desk, server: L
     desk.page.get_by_role("button", name="New label").click()
     desk.page.keyboard.press("Escape")
     desk.until("pb.state.palette.value.length === 3")
+    assert desk.page.locator("#view").bounding_box() == before, "the picture moved"
+    handle = desk.page.get_by_role("separator", name="Height of the timeline")
+    handle.focus()
+    handle.press("ArrowUp")
+    after = desk.page.locator("#view").bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["height"] == before["height"] - 18
     assert [row["id"] for row in labels(server)] == [1, 2, 3]
 
 

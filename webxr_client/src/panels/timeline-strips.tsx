@@ -10,7 +10,8 @@ import { follow } from '../watch';
 
 const RULER = 26;
 const ROW = 18;
-const MAX_ROWS = 6;
+/** Pixels below the last strip. */
+const FOOT = 6;
 const GUTTER_NARROW = 136;
 
 /** Labels that have points somewhere, the active one always. */
@@ -27,7 +28,6 @@ export function Strips({ frames }: { frames: number }) {
   const scroll = useSignal(0);
   const size = useSignal({ width: 0, height: 0 });
   const rows = shownLabels().length;
-  const height = RULER + Math.min(MAX_ROWS, Math.max(1, rows)) * ROW + 6;
 
   useEffect(() => {
     span.value = { first: 0, length: frames };
@@ -42,6 +42,13 @@ export function Strips({ frames }: { frames: number }) {
     observer.observe(element);
     const following = follow(() => {
       span.value = reveal(span.peek(), state.frame.value, frames);
+    });
+    const choosing = follow(() => {
+      const row = shownLabels().findIndex((label) => label.id === state.activeLabel.value);
+      const fit = rowsIn(size.peek().height);
+      if (row >= 0 && fit > 0) {
+        scroll.value = Math.min(row, Math.max(scroll.peek(), row - fit + 1));
+      }
     });
     let request = 0;
     const redraw = follow(() => {
@@ -74,6 +81,7 @@ export function Strips({ frames }: { frames: number }) {
     return () => {
       observer.disconnect();
       following();
+      choosing();
       redraw();
       cancelAnimationFrame(request);
     };
@@ -93,7 +101,7 @@ export function Strips({ frames }: { frames: number }) {
       const by = (event.deltaX || event.deltaY) / Math.max(1, width - gutter);
       span.value = pan(span.peek(), by * span.peek().length, frames);
     } else {
-      const most = Math.max(0, rows - MAX_ROWS);
+      const most = Math.max(0, rows - rowsIn(size.peek().height));
       scroll.value = Math.min(most, Math.max(0, scroll.peek() + Math.sign(event.deltaY)));
     }
   };
@@ -107,7 +115,6 @@ export function Strips({ frames }: { frames: number }) {
     <canvas
       ref={canvas}
       class="strips"
-      style={{ height: `${height}px` }}
       role="slider"
       tabIndex={0}
       aria-label="Playhead"
@@ -118,6 +125,11 @@ export function Strips({ frames }: { frames: number }) {
       onDblClick={() => (frameRange.value = null)}
     />
   );
+}
+
+/** Strips that a height has room for. */
+function rowsIn(height: number): number {
+  return Math.floor((height - RULER - FOOT) / ROW);
 }
 
 function sizesOf({ width, height }: { width: number; height: number }): TimelineSizes {

@@ -6,6 +6,7 @@ import { Doubt } from './doubt';
 import { clock, plural } from './format';
 import { frameRange, ordered } from './range';
 import { doubtfulFrames } from './timeline-layout';
+import { TimelineHandle } from './timeline-height';
 import { Strips } from './timeline-strips';
 import { trackOpen } from './track-form';
 
@@ -16,6 +17,7 @@ export function Timeline() {
   if (!sequence) return null;
   return (
     <>
+      <TimelineHandle />
       <div class="transport">
         <Transport />
         <span class="divider" />
