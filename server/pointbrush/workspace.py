@@ -39,7 +39,16 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
-from pointbrush.work import accepting, checking, exporting, flooring, layers, palettes, place
+from pointbrush.work import (
+    accepting,
+    checking,
+    exporting,
+    flooring,
+    layers,
+    palettes,
+    place,
+    thumbnails,
+)
 from pointbrush.work.annotating import LabelImports, LabelRequest
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
@@ -184,6 +193,11 @@ class Workspace:
     def recording(self, sequence: str) -> Recording:
         """The stored recording; raises NotFoundError, DamagedError."""
         return self.library.recording(sequence)
+
+    def thumbnail(self, sequence: str, frame: int) -> bytes:
+        """A small picture of a frame, JPEG; raises NotFoundError, DamagedError."""
+        recording = self.recording(sequence)
+        return thumbnails.thumbnail(recording[frame], recording.manifest.T_room_local)
 
     def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
         """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""

@@ -562,3 +562,15 @@ def test_large_headers_and_odd_methods(anyone: httpx.Client) -> None:
     response = anyone.request("BREW", "/api/v1/sequences")
     assert response.status_code == 405
     assert anyone.options("/api/v1/sequences").status_code == 405
+
+
+def test_the_list_tells_what_a_start_page_shows(api: httpx.Client) -> None:
+    label = new_label(api)
+    api.post("/sequences/wall/frames/1/strokes", json=stroke(label)).raise_for_status()
+    listed = {each["id"]: each for each in api.get("/sequences").json()}["wall"]
+    assert listed["labelled"] == 1
+    assert listed["created"].endswith(("Z", "+00:00"))
+    picture = api.get("/sequences/wall/frames/0/thumbnail")
+    assert picture.headers["content-type"] == "image/jpeg"
+    assert picture.content[:3] == b"\xff\xd8\xff"
+    assert api.get("/sequences/wall/frames/99/thumbnail").status_code == 404

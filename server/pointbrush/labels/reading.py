@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, distinct, func, select
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import schema
@@ -69,3 +69,15 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
         .order_by(table.frame, table.label)
     )
     return [json.loads(data) for label, data in connection.execute(query) if label in state.palette]
+
+
+def labelled_frames(connection: Connection) -> dict[str, int]:
+    """How many frames of each live sequence have points with a label, where any has."""
+    counts, sequences = schema.counts, schema.sequences
+    query = (
+        select(sequences.c.id, func.count(distinct(counts.c.frame)))
+        .join(counts, counts.c.sequence == sequences.c.number)
+        .where(sequences.c.deleted.is_(None), counts.c.label > 0, counts.c.points > 0)
+        .group_by(sequences.c.id)
+    )
+    return {str(name): int(frames) for name, frames in connection.execute(query)}

@@ -331,6 +331,11 @@ class LabelStore:
         with self._database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
+    def labelled_frames(self) -> dict[str, int]:
+        """How many frames of each sequence have labelled points, where any has."""
+        with self._database.read() as connection:
+            return reading.labelled_frames(connection)
+
     def require_answer(self) -> None:
         """Raise UnavailableError unless the database answers."""
         self._database.ping()

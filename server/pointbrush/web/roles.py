@@ -33,6 +33,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences"): "viewer",
     ("GET", "/sequences/{seq}"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/points"): "viewer",
+    ("GET", "/sequences/{seq}/frames/{i}/thumbnail"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/annotation"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/chunks"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/chunks/{c}"): "viewer",

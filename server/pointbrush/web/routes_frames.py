@@ -29,6 +29,7 @@ WIDEST = 8
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 REVALIDATED = "private, no-cache"
+HOUR = "private, max-age=3600"
 
 
 @router.get(
@@ -189,3 +190,15 @@ def get_chunk(
     if tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     return Response(bytes(data), media_type="application/octet-stream", headers=headers)
+
+
+@router.get(
+    "/sequences/{seq}/frames/{i}/thumbnail",
+    response_class=Response,
+    responses={200: {"description": "A JPEG", "content": {"image/jpeg": BINARY}}, **responses(404)},
+)
+def get_thumbnail(seq: SequenceId, i: FramePath, workspace: Ws) -> Response:
+    """A small picture of the frame, from the sensor or over all of it."""
+    return Response(
+        workspace.thumbnail(seq, i), media_type="image/jpeg", headers={"Cache-Control": HOUR}
+    )

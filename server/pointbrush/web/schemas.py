@@ -70,6 +70,8 @@ class SequenceOut(BaseModel):
     dropped: list[int]
     large: bool
     source: str
+    created: Annotated[datetime | None, Field(description="when it was imported")] = None
+    labelled: Annotated[int, Field(description="frames with labelled points")] = 0
     damaged: Annotated[str | None, Field(description="what is wrong with it")] = None
     identity: Annotated[str | None, Field(description="tells this import from others")] = None
     deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
@@ -80,7 +82,8 @@ class SequenceOut(BaseModel):
         """From the list of recordings; of a damaged one perhaps only the id is known."""
         if entry.manifest is None:
             return cls.unreadable(entry.id, entry.revision, entry.damaged)
-        return cls.of(entry.manifest, entry.revision).model_copy(update={"damaged": entry.damaged})
+        more = {"damaged": entry.damaged, "labelled": entry.labelled}
+        return cls.of(entry.manifest, entry.revision).model_copy(update=more)
 
     @classmethod
     def removed(cls, entry: Deleted) -> SequenceOut:
@@ -121,6 +124,7 @@ class SequenceOut(BaseModel):
             points=list(manifest.points), fields=list(manifest.fields),
             position_error=manifest.position_error, dropped=list(manifest.dropped),
             large=manifest.large, source=manifest.source, identity=manifest.identity,
+            created=datetime.fromisoformat(manifest.created),
         )  # fmt: skip
 
 

@@ -16,12 +16,16 @@ from pointbrush.work.library import LABELS_ALONE, Library
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None."""
+    """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
+
+    ``labelled`` is the number of its frames with labelled points.
+    """
 
     id: str
     revision: int
     manifest: Manifest | None
     damaged: str | None
+    labelled: int = 0
 
     @property
     def name(self) -> str:
@@ -41,8 +45,9 @@ def listing(
         imports.complete([one.manifest for one in found if one.manifest is not None])
         revisions = store.sequences()
     importing = store.guards.importing() if revisions.keys() != {one.id for one in found} else ()
+    labelled = store.labelled_frames()
     entries = [
-        Listed(one.id, revisions.get(one.id, 0), one.manifest, one.damaged)
+        Listed(one.id, revisions.get(one.id, 0), one.manifest, one.damaged, labelled.get(one.id, 0))
         for one in found
         if one.id in revisions or one.id not in importing
     ]
