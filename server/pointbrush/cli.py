@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Here, since help and usage errors need none of it.
         command: Command = getattr(import_module("pointbrush.commands"), _function(given.command))
         # What is exported is its user's to share.
-        with nullcontext() if given.command == "export" else private_files():
+        with nullcontext() if given.command in ("export", "report") else private_files():
             command(given, Settings.load(chosen))
     except PointbrushError as error:
         print(f"pointbrush: {error.whole}", file=sys.stderr)
@@ -173,6 +173,14 @@ def parser() -> argparse.ArgumentParser:
     suspicious.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
     suspicious.add_argument("--all", action="store_true", help="what a reviewer has accepted too")
     _settings(suspicious, "workspace", "database", "database_password_file")
+
+    report_ = _command(commands, "report", "write how far a recording is, and who spent what")
+    report_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    report_.add_argument("--out", required=True, type=Path, help="a file: .html, or .csv")
+    report_.add_argument(
+        "--table", choices=("frames", "labels", "people"), default="frames", help="of a .csv"
+    )
+    _settings(report_, "workspace", "database", "database_password_file")
 
     backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")

@@ -24,6 +24,7 @@ from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
 from pointbrush.work.place import own_url
 from pointbrush.work.previewing import Preview, PreviewRequest, preview
+from pointbrush.work.reviewing import to_csv, to_html
 from pointbrush.workspace import Listed, Workspace
 
 AUTHOR = "command line"
@@ -299,6 +300,18 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> None:
         for sentence in checked.unchecked:
             print(f"not looked at: {sentence}", file=sys.stderr)
         print(f"{len(found)} suspicious")
+
+
+def report(given: argparse.Namespace, settings: Settings) -> None:
+    """Write a report of a recording's labels."""
+    suffix = given.out.suffix.lower()
+    if suffix not in (".html", ".csv"):
+        raise BadInputError(f"--out: expected a file .html or .csv, got {given.out.name!r}")
+    with closing(Workspace(settings)) as workspace:
+        found = workspace.reviewing.report(given.sequence)
+    text = to_html(found) if suffix == ".html" else to_csv(found, given.table)
+    given.out.write_text(text, encoding="utf-8")
+    print(f"wrote {given.out}")
 
 
 def backup(given: argparse.Namespace, settings: Settings) -> None:

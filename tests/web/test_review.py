@@ -140,3 +140,15 @@ def test_agreement_with_another_recording(served: Served) -> None:
     assert answer.content.startswith(b"\x89PNG")
     missing = httpx.get(url, params={"with": "none"}, headers=served.headers)
     assert missing.status_code == 404
+
+
+def test_the_report_is_a_page_under_a_policy_of_its_own_and_a_table(served: Served) -> None:
+    url = f"{served.url}/api/v1/sequences/wall/report"
+    page = httpx.get(url, headers=served.headers)
+    assert page.headers["Content-Type"] == "text/html; charset=utf-8"
+    assert "default-src 'none'; style-src 'sha256-" in page.headers["Content-Security-Policy"]
+    assert "People" in page.text
+    query = {"format": "csv", "table": "labels"}
+    table = httpx.get(url, params=query, headers=served.headers)
+    assert table.headers["Content-Type"] == "text/csv; charset=utf-8"
+    assert table.text.startswith("label,name,")

@@ -33,6 +33,7 @@ from pointbrush.web import (
     routes_objects,
     routes_palette,
     routes_placements,
+    routes_report,
     routes_review,
     routes_sequences,
     routes_taxonomy,
@@ -53,7 +54,7 @@ RESOURCES = (
     routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
     routes_palette, routes_placements, routes_taxonomy, routes_edits, routes_objects,
     routes_annotations, routes_tracking, routes_export, routes_jobs,
-    routes_review, routes_checks, routes_agreement,
+    routes_review, routes_checks, routes_agreement, routes_report,
 )  # fmt: skip
 
 

@@ -52,6 +52,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/frames/{i}/review"): "viewer",
     ("GET", "/sequences/{seq}/checks"): "viewer",
     ("GET", "/sequences/{seq}/agreement"): "viewer",
+    ("GET", "/sequences/{seq}/report"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/agreement"): "viewer",
     ("GET", "/taxonomy"): "viewer",
     ("GET", "/jobs"): "viewer",

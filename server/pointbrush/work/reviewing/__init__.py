@@ -6,12 +6,16 @@ from pointbrush.work.reviewing.checking import Checked
 from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
 from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.confusion import Agreement
+from pointbrush.work.reviewing.report.html import POLICY, to_html
+from pointbrush.work.reviewing.report.table import TABLES, Table, to_csv
 from pointbrush.work.reviewing.reviewing import Reviewing
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, State
 
 __all__ = [
     "KINDS",
+    "POLICY",
     "STATES",
+    "TABLES",
     "Agreement",
     "By",
     "Checked",
@@ -21,4 +25,7 @@ __all__ = [
     "Reviewing",
     "Standing",
     "State",
+    "Table",
+    "to_csv",
+    "to_html",
 ]

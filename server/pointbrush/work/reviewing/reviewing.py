@@ -15,6 +15,7 @@ from pointbrush.work.reviewing.checking import Checked, Checker
 from pointbrush.work.reviewing.checks.finding import Finding
 from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.confusion import Agreement
+from pointbrush.work.reviewing.report.gather import Report, gather
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 
 SETTLED = ("open", "accepted")
@@ -102,6 +103,11 @@ class Reviewing:
         first, second = self._recording(sequence), self._recording(other)
         _ = first[frame]
         return comparing.picture(self._store, first, second, by, frame)
+
+    def report(self, sequence: str) -> Report:
+        """Return progress, points, confidence and effort of a recording."""
+        recording = self._recording(sequence)
+        return gather(self._store, recording, self.overview(sequence), self._name)
 
     def _require_undecided(self, sequence: str, review: Review) -> None:
         overview = self.overview(sequence)
