@@ -122,7 +122,7 @@ def test_eraser_and_deleting_noise(desk: Desk, server: LiveServer, truth: Truth)
     name_person(desk, server)
     paint_person(desk, truth, dx=0.2)
     before = painted(server, 0, 1)
-    desk.press("e")
+    desk.press("c")
     desk.until("pb.state.tool.value === 'erase'")
     paint_person(desk, truth, dx=0.0)
     assert 0 < painted(server, 0, 1) < before
@@ -164,7 +164,7 @@ def test_fill_takes_the_region_under_the_cursor(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
     name_person(desk, server)
-    desk.press("f")
+    desk.press("k")
     desk.paint([truth(0, PERSON)])
     desk.settled()
     shows_paint(desk, server, 50)

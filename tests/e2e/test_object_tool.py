@@ -25,7 +25,7 @@ def hover(desk: Desk, point: list[float], until: str = READY) -> None:
 
 def with_object_tool(desk: Desk, server: LiveServer) -> Desk:
     name_person(desk, server)
-    desk.press("q")
+    desk.press("j")
     desk.page.get_by_role("radio", name="Object").wait_for()
     return desk
 
@@ -109,7 +109,7 @@ def test_the_eraser_removes_from_what_was_taken(
         hover(desk, place, "pb.state.object.value?.ready")
         desk.page.mouse.click(*desk.place(place))
         eventually(lambda index=index: stored()[: index + 1] == [1] * (index + 1), 30)
-    desk.press("e")
+    desk.press("c")
     desk.page.mouse.click(*desk.place(places[1]))
     eventually(lambda: stored() == [1, 0], 30)
 
@@ -163,7 +163,7 @@ def test_fill_and_ground_take_what_was_lit(desk: Desk, server: LiveServer, truth
     floor = server.points(SEQUENCE, 0)
     low = floor[np.abs(floor[:, 0] - x - 0.6) + np.abs(floor[:, 2] - z) < 0.4]
     spot = [float(v) for v in low[np.argmax(low[:, 1])]]
-    for key in ("g", "f"):
+    for key in ("g", "k"):
         desk.press(key)
         desk.page.mouse.move(*desk.place(spot))
         desk.until("(pb.labels()[65534] ?? 0) > 0")
@@ -204,7 +204,7 @@ def test_frames_of_no_point_of_one_and_of_five_million(browser: Browser, tmp_pat
     try:
         label = server.create_label("odd", "ball", "#ff5d5d")
         desk.until(f"window.__pointbrush && pb.state.activeLabel.value === {label}")
-        desk.press("q")
+        desk.press("j")
         desk.until("pb.shown().total > 4000000 && pb.shown().drawn > 10000")
         hover(desk, [0.0, 1.0, 0.0], "pb.state.object.value?.levels > 0")
         desk.page.mouse.down()

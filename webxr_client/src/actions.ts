@@ -2,6 +2,7 @@
  * What a user can ask for, from a button, a key or a controller.  The engine implements these
  * (`bindActions`); before it does, they do nothing.
  */
+import type { Bookmark } from './engine/bookmarks';
 import type { BrushShape, Tool, ViewSettings } from './state';
 import type { PointerSample } from './tools/sample';
 
@@ -74,6 +75,9 @@ export interface Actions {
   nudgeRadius(notches: number): void;
   /** Give up the stroke or outline in progress; false when there is none. */
   cancelStroke(): boolean;
+  /** Close the polygon that is drawn, or take back its last corner; false when there is none. */
+  closeOutline(): boolean;
+  takeBackCorner(): boolean;
   /** Erase if painting, paint if erasing. */
   toggleEraser(): void;
   /** Levels of the object tool: 1 towards the group, −1 towards the part; false when none shows. */
@@ -84,6 +88,13 @@ export interface Actions {
   endObject(): void;
   setView(settings: Partial<ViewSettings>): void;
   viewFrom(preset: ViewPreset): void;
+  /** Between perspective and an orthographic picture. */
+  toggleOrthographic(): void;
+  /** Fly to a label's object (the active one's), where need be in the nearest frame that has it. */
+  goToObject(label?: number): void;
+  /** Keep how one looks now, and look so again. */
+  keepView(): void;
+  goToView(bookmark: Bookmark): void;
 
   // labels
   selectLabel(id: number): void;

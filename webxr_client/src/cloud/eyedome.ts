@@ -1,6 +1,6 @@
 /** Eye-dome lighting: points go to a texture first, and come to the screen with their edges shaded. */
-import { BufferAttribute, BufferGeometry, DepthTexture, GLSL3, Mesh, NearestFilter, RawShaderMaterial, UnsignedIntType, Vector2, WebGLRenderTarget } from 'three'; // prettier-ignore
-import type { PerspectiveCamera } from 'three';
+import { BufferAttribute, BufferGeometry, DepthTexture, GLSL3, Mesh, NearestFilter, RawShaderMaterial, UnsignedIntType, Vector2, Vector3, WebGLRenderTarget } from 'three'; // prettier-ignore
+import type { Lens } from './lens';
 import { EYE_DOME_FRAGMENT, SCREEN_VERTEX } from './shaders';
 
 export class EyeDome {
@@ -26,7 +26,7 @@ export class EyeDome {
         points: { value: this.target.texture },
         depths: { value: this.target.depthTexture },
         texel: { value: new Vector2() },
-        clip: { value: new Vector2() },
+        clip: { value: new Vector3() },
         strength: { value: 4 },
       },
     });
@@ -42,7 +42,10 @@ export class EyeDome {
     texel.set(pixelRatio / width, pixelRatio / height);
   }
 
-  setCamera(camera: PerspectiveCamera): void {
-    (this.quad.material.uniforms['clip']!.value as Vector2).set(camera.near, camera.far);
+  setCamera(camera: Lens): void {
+    const { near, far, halfHeight } = camera;
+    // As deep as the same picture in perspective, where a depth counts by its ratio.
+    const flat = halfHeight && 1 / (Math.LN2 * camera.distanceOf(halfHeight));
+    (this.quad.material.uniforms['clip']!.value as Vector3).set(near, far, flat);
   }
 }

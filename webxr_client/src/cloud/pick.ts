@@ -1,4 +1,5 @@
 /** What a ray or a ball meets among the points on the page; blocks of points are culled whole. */
+import { Matrix4, Quaternion } from 'three';
 import { BLOCK } from './blocks';
 import { densityFactor, type CloudFrame } from './frame';
 import { blocksOf, DELETED, spacingAt, type Piece } from './piece';
@@ -96,7 +97,7 @@ export function inCapsule(
   }
   measures[RADIUS] = radius;
   measures[LENGTH2] = way[0]! * way[0]! + way[1]! * way[1]! + way[2]! * way[2]!;
-  eachPoint(frame, boxMeetsCapsule, capsuleHolds, found);
+  eachPoint(frame, boxMeetsBounds, capsuleHolds, found);
 }
 
 /** Call `found` with each point within `radius` of the half-line. */
@@ -115,12 +116,49 @@ export function alongRay(
   eachPoint(frame, boxMeetsRay, rayHolds, found);
 }
 
+/** Call `found` with each point in a box: full edges `size`, turned by a quaternion x, y, z, w. */
+export function inBox(
+  frame: CloudFrame,
+  center: Vec,
+  size: Vec,
+  quaternion: readonly [number, number, number, number],
+  found: (point: number) => void,
+): void {
+  const matrix = new Matrix4().makeRotationFromQuaternion(new Quaternion(...quaternion)).elements;
+  for (let k = 0; k < 3; k++) {
+    from[k] = center[k]!;
+    halves[k] = size[k]! / 2;
+    for (let axis = 0; axis < 3; axis++) axes[3 * axis + k] = matrix[4 * axis + k]!;
+  }
+  for (let k = 0; k < 3; k++) {
+    let reach = 0;
+    for (let axis = 0; axis < 3; axis++) reach += Math.abs(axes[3 * axis + k]!) * halves[axis]!;
+    min[k] = from[k]! - reach;
+    max[k] = from[k]! + reach;
+  }
+  eachPoint(frame, boxMeetsBounds, boxHolds, found);
+}
+
+function boxHolds(): boolean {
+  const x = at[0]! - from[0]!;
+  const y = at[1]! - from[1]!;
+  const z = at[2]! - from[2]!;
+  for (let axis = 0; axis < 3; axis++) {
+    const along = x * axes[3 * axis]! + y * axes[3 * axis + 1]! + z * axes[3 * axis + 2]!;
+    if (Math.abs(along) > halves[axis]!) return false;
+  }
+  return true;
+}
+
 // What is looked for, and where the search is.  All of it stays in typed arrays: V8 would box
 // each fractional number that is handed on, three for every point that is looked at.
 const from = new Float64Array(3);
 const way = new Float64Array(3);
 const min = new Float64Array(3);
 const max = new Float64Array(3);
+/** Of a box: its axes one after another, and half its edges. */
+const axes = new Float64Array(9);
+const halves = new Float64Array(3);
 const measures = new Float64Array(2);
 const [RADIUS, LENGTH2] = [0, 1] as const;
 const lo = new Float64Array(3);
@@ -186,7 +224,7 @@ function blockBounds(piece: Piece, blocks: Uint16Array, block: number): void {
   }
 }
 
-function boxMeetsCapsule(boxLo: Corner, boxHi: Corner): boolean {
+function boxMeetsBounds(boxLo: Corner, boxHi: Corner): boolean {
   return (
     min[0]! <= boxHi[0]! && max[0]! >= boxLo[0]! &&
     min[1]! <= boxHi[1]! && max[1]! >= boxLo[1]! &&

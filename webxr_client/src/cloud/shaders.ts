@@ -189,15 +189,19 @@ precision highp sampler2D;
 uniform sampler2D points;
 uniform sampler2D depths;
 uniform vec2 texel;
-uniform vec2 clip;       // near, far
+uniform vec3 clip;       // near, far; orthographic: what a metre counts, else 0
 uniform float strength;
 in vec2 uv;
 out vec4 result;
 
+float depthOf(float z) {
+  if (clip.z > 0.0) return z * (clip.y - clip.x) * clip.z;
+  return log2(clip.x * clip.y / (clip.y - z * (clip.y - clip.x)));
+}
+
 float logDistance(vec2 at) {
   float z = texture(depths, at).r;
-  if (z >= 1.0) return -1.0;
-  return log2(clip.x * clip.y / (clip.y - z * (clip.y - clip.x)));
+  return z >= 1.0 ? -1.0 : depthOf(z);
 }
 
 float behind(float here, vec2 offset) {
@@ -209,7 +213,7 @@ float behind(float here, vec2 offset) {
 void main() {
   float z = texture(depths, uv).r;
   if (z >= 1.0) discard;
-  float here = log2(clip.x * clip.y / (clip.y - z * (clip.y - clip.x)));
+  float here = depthOf(z);
   float sum = 0.0;
   sum += behind(here, vec2(1.4, 0.0)) + behind(here, vec2(-1.4, 0.0));
   sum += behind(here, vec2(0.0, 1.4)) + behind(here, vec2(0.0, -1.4));

@@ -1,5 +1,5 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
-import { BufferGeometry, Group, PerspectiveCamera, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
+import { BufferGeometry, Group, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../protocol/messages';
 import { Listeners, tellFailure } from '../listeners';
 import type { ViewSettings } from '../state';
@@ -10,6 +10,7 @@ import { EyeDome } from './eyedome';
 import { ALL_POINTS, type CloudFrame } from './frame';
 import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth';
 import { LargeCloud } from './large';
+import { Lens } from './lens';
 import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { Slots } from './slots';
@@ -21,7 +22,7 @@ const POINTS_LAYER = 3;
 export class Viewer {
   readonly renderer: WebGLRenderer;
   readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(55, 1, 0.05, 500);
+  readonly camera = new Lens(55, 1, 0.05, 500);
   /** Moved, turned and scaled by a person in the headset; identity at the desk. */
   readonly world = new Group();
   /** `T_room_local`: stands the recording on the floor. */
@@ -52,6 +53,8 @@ export class Viewer {
   private shown: CloudFrame | null = null;
   /** The headset's pictures have reversed depth. */
   readonly reversible: boolean;
+  /** Of the recording, in the room. */
+  readonly middle = new Vector3();
   /** The recording's diagonal, metres. */
   private extent = 0;
   private eyeDomeOn = true;
@@ -142,6 +145,7 @@ export class Viewer {
     this.uniforms.setHeight(this.room.matrix, low.y, high.y);
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
     this.extent = low.distanceTo(high);
+    this.middle.copy(low).add(high).multiplyScalar(0.5);
     this.invalidate();
   }
 

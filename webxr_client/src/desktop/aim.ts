@@ -39,11 +39,13 @@ export class Aim {
   ray(x = this.x, y = this.y): PointerSample {
     const { camera, room } = this.viewer;
     camera.updateMatrixWorld();
-    const far = this.scratch
-      .set((x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2, 0.5)
-      .unproject(camera);
+    const [u, v] = [(x / this.canvas.clientWidth) * 2 - 1, 1 - (y / this.canvas.clientHeight) * 2];
+    const far = this.scratch.set(u, v, 0.5).unproject(camera);
     this.toLocal.copy(room.matrixWorld).invert();
-    const eye = new Vector3().copy(camera.position).applyMatrix4(this.toLocal);
+    const eye = new Vector3().copy(camera.position);
+    // Rays of an orthographic picture are parallel: each has an origin of its own.
+    if (camera.orthographic) eye.set(u, v, -1).unproject(camera);
+    eye.applyMatrix4(this.toLocal);
     const direction = far.applyMatrix4(this.toLocal).sub(eye).normalize();
     return {
       origin: [eye.x, eye.y, eye.z],
@@ -75,8 +77,7 @@ export class Aim {
 
   /** Metres that a pixel takes at a distance. */
   pixelAt(distance: number): number {
-    const half = Math.tan((this.viewer.camera.fov * Math.PI) / 360) * distance;
-    return half / (this.canvas.clientHeight / 2);
+    return this.viewer.camera.halfHeightAt(distance) / (this.canvas.clientHeight / 2);
   }
 
   /** Row-major `clip_from_source` of what is on screen. */

@@ -62,6 +62,11 @@ function sensorView(points: readonly Vector3[], room: Matrix4): View | null {
   return { eye, target: sensor };
 }
 
+/** Whether a preset is a plan: orthographic, straight along an axis of the room. */
+export function isPlan(preset: ViewPreset): boolean {
+  return preset !== 'sensor' && preset !== 'fit';
+}
+
 /** The view that a preset asks for; room coordinates. */
 export function viewOf(
   preset: ViewPreset,
@@ -93,13 +98,13 @@ export function viewOf(
 function directionOf(preset: ViewPreset): Vector3 {
   switch (preset) {
     case 'top':
-      return new Vector3(0, 1, 0.001);
+      return new Vector3(0, 1, 0);
     case 'front':
-      return new Vector3(0, 0.05, 1).normalize();
+      return new Vector3(0, 0, 1);
     case 'left':
-      return new Vector3(-1, 0.05, 0).normalize();
+      return new Vector3(-1, 0, 0);
     case 'right':
-      return new Vector3(1, 0.05, 0).normalize();
+      return new Vector3(1, 0, 0);
     default:
       return new Vector3(0.45, 0.5, 0.75).normalize();
   }

@@ -1,5 +1,7 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../actions';
+import { isStroke, state, type BrushShape } from '../state';
+import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';
 
 export interface KeyBinding {
@@ -13,6 +15,13 @@ export interface KeyBinding {
   readonly repeats?: boolean;
   /** False: there was nothing to do, and the key is the browser's. */
   readonly run: (key: string) => unknown;
+}
+
+/** The lasso's key, pressed again, changes how the outline is drawn. */
+function chooseShape(shape: BrushShape): void {
+  const again = shape === 'lasso' && state.brush.peek().shape === shape;
+  if (again && isStroke(state.tool.peek())) nextOutlineKind();
+  else actions.setShape(shape);
 }
 
 export const KEYS: readonly KeyBinding[] = [
@@ -96,14 +105,28 @@ export const KEYS: readonly KeyBinding[] = [
       actions.setShape('brush');
     },
   },
-  { keys: ['e'], shown: 'E', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
+  { keys: ['c'], shown: 'C', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
   ...DESK_WAYS.filter(({ shape }) => shape !== 'brush').map(({ shape, desk }): KeyBinding => ({
     keys: [desk.key.toLowerCase()],
     shown: desk.key,
     what: desk.label,
     group: 'Tools',
-    run: () => actions.setShape(shape),
+    run: () => chooseShape(shape),
   })),
+  {
+    keys: ['enter'],
+    shown: 'Enter',
+    what: 'Close the polygon',
+    group: 'Tools',
+    run: () => actions.closeOutline(),
+  },
+  {
+    keys: ['backspace'],
+    shown: 'Backspace',
+    what: 'Take back the polygon’s last corner',
+    group: 'Tools',
+    run: () => actions.takeBackCorner(),
+  },
   {
     keys: ['escape'],
     shown: 'Esc',
@@ -194,6 +217,20 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'View',
     run: () => actions.viewFrom('top'),
   },
+  {
+    keys: ['f'],
+    shown: 'F',
+    what: 'Go to the active label’s object',
+    group: 'View',
+    run: () => actions.goToObject(),
+  },
+  {
+    keys: ['p'],
+    shown: 'P',
+    what: 'Perspective or orthographic',
+    group: 'View',
+    run: () => actions.toggleOrthographic(),
+  },
 
   {
     keys: ['ctrl+z'],
@@ -215,7 +252,7 @@ export const KEYS: readonly KeyBinding[] = [
 
 /** Held keys that walk (handled by the camera, listed for the help). */
 export const WALK_KEYS = {
-  shown: 'W A S D',
-  what: 'Walk; hold Shift to run',
+  shown: 'W A S D · E Q',
+  what: 'Walk · up and down; hold Shift to run',
   group: 'View',
 } as const;

@@ -5,8 +5,9 @@ import { type CloudFrame } from '../cloud/frame';
 import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import { isStroke, state } from '../state';
-import { brushColor, brushFor } from '../tools/brush';
-import { LassoOutline } from '../tools/lasso';
+import type { AheadPreview } from '../tools/ahead';
+import { brushColor, brushFor, brushNow } from '../tools/brush';
+import { LassoOutline, outlineKind } from '../tools/lasso';
 import type { ObjectTool } from '../tools/object';
 import { Path } from '../tools/path';
 import type { RegionPreview } from '../tools/region';
@@ -23,6 +24,7 @@ export interface PointerDeps {
   readonly strokes: Strokes;
   readonly objects: ObjectTool;
   readonly regions: RegionPreview;
+  readonly ahead: AheadPreview;
   /** The frame on screen. */
   readonly frame: () => CloudFrame | null;
 }
@@ -69,6 +71,7 @@ export class DeskPointer {
     });
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
+    on('dblclick', () => this.closeOutline());
     on('contextmenu', (event) => event.preventDefault());
   }
 
@@ -105,6 +108,10 @@ export class DeskPointer {
     const removes = event.altKey && event.button === 0 && this.clicksObjects();
     if (event.button === 1 || (event.altKey && !removes)) return this.pivotUnderCursor('turn');
     if (event.button !== 0) return null;
+    if (this.lasso.open) {
+      if (this.lasso.corner(this.aim.x, this.aim.y)) this.closeOutline();
+      return null;
+    }
     const tool = state.tool.peek();
     if (tool === 'navigate') return this.pivotUnderCursor('turn');
     if (!isStroke(tool)) {
@@ -147,7 +154,8 @@ export class DeskPointer {
       for (const part of event.getCoalescedEvents()) this.dabsTo(part.offsetX, part.offsetY);
       this.dabsTo(event.offsetX, event.offsetY);
     }
-    if (this.drag === 'lasso') this.lasso.add(event.offsetX, event.offsetY);
+    const draws = this.drag === 'lasso' || (this.drag === null && this.lasso.open);
+    if (draws) this.lasso.add(event.offsetX, event.offsetY);
     this.last.x = event.offsetX;
     this.last.y = event.offsetY;
     this.deps.viewer.invalidate();
@@ -169,7 +177,7 @@ export class DeskPointer {
   /** Give up the stroke or outline in progress; false when there is none. */
   cancel(): boolean {
     const { drag } = this;
-    if (drag !== 'stroke' && drag !== 'lasso') return false;
+    if (drag !== 'stroke' && drag !== 'lasso' && !this.lasso.open) return false;
     this.stroke?.cancel();
     this.stroke = null;
     this.lasso.cancel();
@@ -179,7 +187,7 @@ export class DeskPointer {
 
   /** What is on screen, or may be painted, is another: a stroke ends here, an outline is void. */
   interrupt(): void {
-    if (this.drag === 'lasso') this.cancel();
+    if (this.drag === 'lasso' || this.lasso.open) this.cancel();
     if (this.drag !== 'stroke') return;
     this.stroke?.end();
     this.stroke = null;
@@ -256,7 +264,7 @@ export class DeskPointer {
     this.deps.regions.leave();
     if (way.samples === 'drawn') {
       this.lasso.begin(this.aim.x, this.aim.y, brushColor());
-      return 'lasso';
+      return outlineKind.peek() === 'polygon' ? null : 'lasso';
     }
     this.stroke = this.deps.strokes.begin(frame, brush, info.shift);
     const ray = this.aim.ray();
@@ -290,8 +298,32 @@ export class DeskPointer {
     return state.brush.peek().radius / this.aim.pixelAt(distance);
   }
 
+  /** Close the polygon that is drawn; false when there is none. */
+  closeOutline(): boolean {
+    if (!this.lasso.open) return false;
+    this.endLasso();
+    return true;
+  }
+
+  /** Take back the last corner of the polygon that is drawn; false when there is none. */
+  takeBackCorner(): boolean {
+    return this.lasso.takeBack();
+  }
+
+  /** Show what the outline takes as it is drawn. */
+  private lookAhead(): void {
+    this.lasso.changed = false;
+    const polygon = this.lasso.outline();
+    const frame = this.aim.frame();
+    const info = state.sequence.peek();
+    const brush = brushNow(deskWay(), state.brush.peek().radius);
+    if (!polygon || !frame || !info || !brush) this.deps.ahead.hide();
+    else this.deps.ahead.show(frame, { ...brush, polygon, matrix: this.aim.clipFromSource(info) });
+  }
+
   private endLasso(): void {
     const polygon = this.lasso.end();
+    this.deps.ahead.hide();
     const frame = this.aim.frame();
     const info = state.sequence.peek();
     const brush = polygon && brushFor(deskWay(), state.brush.peek().radius);
@@ -311,11 +343,13 @@ export class DeskPointer {
   /** Settings changed: the brush must be drawn anew although the mouse is still. */
   refresh(): void {
     this.aim.moved = true;
+    this.lasso.changed ||= this.lasso.open;
     this.deps.viewer.invalidate();
   }
 
   /** Before each picture: light up the points under the brush. */
   update(): void {
+    if (this.lasso.changed) this.lookAhead();
     if (!this.aim.moved || this.drag === 'turn' || this.drag === 'pan') return;
     this.aim.moved = false;
     this.light.update();

@@ -108,6 +108,10 @@ export class Detail {
     view.eye.setFromMatrixPosition(camera.matrixWorld);
     view.eye.applyMatrix4(matrix.copy(room.matrixWorld).invert());
     view.pixels = Math.max(1, viewHeight / 2) * camera.projectionMatrix.elements[5];
+    // The eye of an orthographic picture is about as far from everything.
+    if (camera.orthographic && !renderer.xr.isPresenting) {
+      view.pixels *= camera.position.distanceTo(this.viewer.middle);
+    }
   }
 
   /** Make room: what is not worth it goes, the finest first. */

@@ -4,27 +4,31 @@ import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
-import { viewOf } from '../desktop/framing';
+import { isPlan, viewOf } from '../desktop/framing';
 import { listenToKeys } from '../desktop/keyboard';
 import { DeskPointer } from '../desktop/pointer';
 import { DeskPresence } from '../desktop/presence';
 import { Listeners } from '../listeners';
+import { orthographic } from '../desktop/views';
 import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
 import { activeLabel as active, canPaint, dismiss, isActive, state, type Shown } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
+import { AheadPreview } from '../tools/ahead';
 import { brushNow } from '../tools/brush';
 import { ObjectTool } from '../tools/object';
 import { RegionPreview } from '../tools/region';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { roomWay, wayOf } from '../tools/ways';
 import { follow, watch } from '../watch';
+import { addBookmark, openBookmarks } from './bookmarks';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { floorActions } from './floor';
 import { Following } from './following';
+import { Going } from './going';
 import { Inbox } from './inbox';
 import { labelActions } from './labels';
 import { Pacing } from './pacing';
@@ -53,6 +57,7 @@ export class Engine {
   private readonly pointer: DeskPointer;
   private readonly presence: DeskPresence;
   private readonly detail: Detail;
+  private readonly going: Going;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
   /** What was on screen when the mouse last looked. */
@@ -63,10 +68,12 @@ export class Engine {
     this.viewer = new Viewer(canvas);
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
+    const locked = (label: number): boolean => this.viewer.palette.isSpared(label);
+    const seen = seenIn(this.viewer.palette);
     this.strokes = new Strokes({
       send: (message) => this.link.send(message),
-      locked: (label) => this.viewer.palette.isSpared(label),
-      seen: seenIn(this.viewer.palette),
+      locked,
+      seen,
       hidden: hiddenHere,
       changed: () => this.viewer.invalidate(),
       now: () => performance.now(),
@@ -100,9 +107,12 @@ export class Engine {
     const region = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
     this.regions = new RegionPreview({ send, frame, shift, changed, brush: region });
     const { objects, regions } = this;
-    this.pointer = new DeskPointer({ viewer, camera, strokes, objects, regions, frame });
+    const ahead = new AheadPreview({ locked, seen, shift, changed });
+    this.pointer = new DeskPointer({ viewer, camera, strokes, objects, regions, ahead, frame });
     this.presence = new DeskPresence(this.link);
     this.detail = new Detail(this.viewer, this.playback, this.link);
+    const seek = (index: number): void => actions.seek(index);
+    this.going = new Going({ viewer, camera, frame, seek });
     const { playback, link } = this;
     const opened = (): void => {
       this.pacing.reset();
@@ -168,6 +178,8 @@ export class Engine {
       this.pointer.refresh();
       this.viewer.invalidate();
     }
+    this.going.update();
+    orthographic.value = this.viewer.camera.orthographic;
     this.pointer.update();
     this.presence.update(now, this.pointer.brushAt);
   }
@@ -188,6 +200,7 @@ export class Engine {
       this.objects.end();
       this.regions.leave();
     });
+    follow(() => openBookmarks(state.sequence.value?.id ?? null));
     watch([state.tool], () => {
       this.objects.retool(state.tool.peek());
       this.regions.leave();
@@ -199,6 +212,7 @@ export class Engine {
   // ── actions ────────────────────────────────────────────────────────────────────────────────
 
   private bind(): void {
+    const { camera, viewer } = this;
     bindActions(recordingActions);
     bindActions(importActions);
     bindActions(labelActions);
@@ -208,7 +222,19 @@ export class Engine {
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
+      toggleOrthographic: () => {
+        camera.toggleOrthographic();
+        viewer.invalidate();
+      },
+      keepView: () => addBookmark(camera.view, state.frame.peek()),
+      goToView: ({ frame, view }) => {
+        if (frame !== state.frame.peek()) actions.seek(frame);
+        camera.restore(view);
+      },
+      goToObject: (label = state.activeLabel.peek()) => this.going.goTo(label),
       cancelStroke: () => this.pointer.cancel() || this.objects.end(),
+      closeOutline: () => this.pointer.closeOutline(),
+      takeBackCorner: () => this.pointer.takeBackCorner(),
       undo: () => this.travel('undo'),
       redo: () => this.travel('redo'),
       stepObject: (levels) => this.objects.step(levels),
@@ -244,9 +270,10 @@ export class Engine {
     camera.far = Math.max(100, size * 6);
     camera.updateProjectionMatrix();
     this.camera.walkSpeed = Math.max(0.5, size / 8);
+    this.camera.depth = Math.max(10, 2 * size);
     // A brush for what one sees: 5 cm in a room, as much larger in a street.
     if (jump) setRadius(Math.min(1, Math.max(0.02, eye.distanceTo(target) / 60)));
-    this.camera.lookAt(eye, target, jump);
+    this.camera.lookAt(eye, target, jump, isPlan(preset));
     this.viewer.invalidate();
   }
 

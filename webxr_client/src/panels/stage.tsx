@@ -1,6 +1,7 @@
 /** What lies over the canvas: states, progress, what is under the pointer. */
 import { useEffect, useState } from 'preact/hooks';
-import { actions, type ViewPreset } from '../actions';
+import { actions } from '../actions';
+import { orthographic } from '../desktop/views';
 import { activeLabel, isStroke, state } from '../state';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
@@ -9,6 +10,7 @@ import { Icon } from './icon';
 import { JobCards } from './jobs';
 import { ObjectBar } from './object-bar';
 import { Toasts } from './toasts';
+import { Views } from './views';
 import { Welcome } from './welcome';
 
 export function Stage() {
@@ -112,7 +114,7 @@ function Readout() {
           {label && <span class="swatch" style={{ '--color': label.color }} />}
           {label?.name ?? 'Unlabeled'}
           <span class="soft">
-            {metres(hover.distance)}
+            {!orthographic.value && metres(hover.distance)}
             {painting && hover.points > 0 ? ` · ${plural(hover.points, 'point')} in the brush` : ''}
           </span>
         </span>
@@ -125,33 +127,6 @@ function Readout() {
       {state.tool.value === 'paint' && !activeLabel.value && total > 0 && (
         <span>Choose or create a label to paint</span>
       )}
-    </div>
-  );
-}
-
-const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
-  ['sensor', 'Sensor', 'Look from where the sensor stood', 'R'],
-  ['top', 'Top', 'Look from above', 'T'],
-  ['front', 'Front', 'Look from the front', ''],
-  ['left', 'Side', 'Look from the side', ''],
-  ['fit', 'Fit', 'Show everything', ''],
-];
-
-function Views() {
-  return (
-    <div class="views" role="group" aria-label="View">
-      {VIEWS.map(([preset, name, tip, keys]) => (
-        <button
-          key={preset}
-          type="button"
-          class="button"
-          data-tip={tip}
-          data-keys={keys || undefined}
-          onClick={() => actions.viewFrom(preset)}
-        >
-          {name}
-        </button>
-      ))}
     </div>
   );
 }

@@ -5,6 +5,7 @@ import { actions } from '../actions';
 import { floorPlaces } from '../engine/floor';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
 import { DESK_WAYS, deskWay } from '../tools/ways';
+import { OutlineKinds } from './outline-kinds';
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
@@ -93,6 +94,7 @@ function BrushOptions() {
           </button>
         ))}
       </div>
+      {way.name === 'lasso' && <OutlineKinds />}
       {way.size !== null && (
         <Slider
           label={way.size}

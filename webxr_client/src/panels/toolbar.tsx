@@ -31,7 +31,7 @@ const TOOLS: readonly ToolEntry[] = [
     keys: 'V',
   },
   { tool: 'paint', icon: 'brush', label: 'Paint', tip: 'Paint the active label', keys: 'B' },
-  { tool: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'E' },
+  { tool: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'C' },
   {
     tool: 'pick',
     icon: 'picker',

@@ -1,7 +1,8 @@
 /** What a stroke will paint, found on the page's own points, shown until the server has answered. */
 import { type CloudFrame } from '../cloud/frame';
 import { DELETED } from '../cloud/piece';
-import { alongRay, firstHit, inCapsule } from '../cloud/pick';
+import { insideOutline } from '../cloud/inside';
+import { alongRay, firstHit, inBox, inCapsule, type Vec } from '../cloud/pick';
 import type { Brush } from '../protocol/messages';
 import type { PointerSample } from './sample';
 import type { Seen } from './seen';
@@ -22,10 +23,34 @@ export class StrokePreview {
     private readonly brush: Brush,
     private readonly locked: Locked,
     private readonly seen: Seen,
+    /** Source minus local coordinates. */
+    shift: Vec,
   ) {
     const { tool, label } = brush;
     const value = tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0;
     this.values = Uint16Array.of(value);
+    this.take(shift);
+  }
+
+  /** Points that the stroke would change, as far as they were shown. */
+  get points(): number {
+    return this.touched.size;
+  }
+
+  /** The points of a shape that needs no samples. */
+  private take([x, y, z]: Vec): void {
+    const { shape, polygon, matrix, center, size, quaternion } = this.brush;
+    if (shape === 'lasso' && polygon && matrix) {
+      const clip = [...matrix];
+      for (let row = 0; row < 16; row += 4) {
+        clip[row + 3]! += matrix[row]! * x + matrix[row + 1]! * y + matrix[row + 2]! * z;
+      }
+      insideOutline(this.frame, polygon, clip, this.touch);
+    }
+    if (shape === 'box' && center && size) {
+      const local: Vec = [center[0] - x, center[1] - y, center[2] - z];
+      inBox(this.frame, local, size, quaternion ?? [0, 0, 0, 1], this.touch);
+    }
   }
 
   /** Take in a sample. */

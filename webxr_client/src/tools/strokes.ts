@@ -90,7 +90,7 @@ class LiveStroke implements Stroke {
   ) {
     this.batch = new Batch(deps.now());
     this.message = { type: 'stroke_samples', id, samples: [] };
-    this.preview = new StrokePreview(id, frame, brush, deps.locked, deps.seen);
+    this.preview = new StrokePreview(id, frame, brush, deps.locked, deps.seen, shift);
     const hidden = deps.hidden();
     deps.send({ type: 'stroke_begin', id, frame: frame.index, brush: { ...brush, hidden } });
   }
