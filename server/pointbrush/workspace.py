@@ -42,6 +42,7 @@ from pointbrush.tracking import TrackOptions
 from pointbrush.work import (
     accepting,
     checking,
+    copying,
     exporting,
     flooring,
     layers,
@@ -552,6 +553,33 @@ class Workspace:
         """Make what tracking found of ``labels`` in a frame count as painted; see ``accept``."""
         self.recording(sequence)
         return accepting.accept(self.store, sequence, frame, labels, author, edit_id(edit))
+
+    def copy_labels(
+        self,
+        sequence: str,
+        frame: int,
+        source: int,
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
+    ) -> Commit:
+        """Label points of ``frame`` as points at their place in ``source``; see ``copy_labels``."""
+        recording = self.recording(sequence)
+        return copying.copy_labels(
+            self.store, recording, frame, source, labels, author, edit_id(edit)
+        )
+
+    def clear_labels(
+        self,
+        sequence: str,
+        frames: Sequence[int],
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
+    ) -> Commit:
+        """Take labels from all of their points in frames, as one edit."""
+        recording = self.recording(sequence)
+        return copying.clear_labels(self.store, recording, frames, labels, author, edit_id(edit))
 
     def accept_range(
         self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str

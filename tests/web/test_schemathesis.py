@@ -32,6 +32,8 @@ SEMANTIC = (
     "PUT /api/v1/taxonomy",
     "POST /api/v1/sequences/{seq}/palette",
     "PUT /api/v1/sequences/{seq}/palette/order",
+    "POST /api/v1/sequences/{seq}/frames/{i}/copy",
+    "POST /api/v1/sequences/{seq}/frames/{i}/clear",
     "PUT /api/v1/sequences/{seq}/review",
     "GET /api/v1/sequences/{seq}/checks",
     "GET /api/v1/sequences/{seq}/agreement",

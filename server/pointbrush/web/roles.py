@@ -76,6 +76,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("PUT", "/sequences/{seq}/frames/{i}/review"): "annotator",
     ("DELETE", "/jobs/{id}"): "annotator",
     ("POST", "/sequences/{seq}/frames/{i}/accept"): "reviewer",
+    ("POST", "/sequences/{seq}/frames/{i}/copy"): "annotator",
+    ("POST", "/sequences/{seq}/frames/{i}/clear"): "annotator",
     ("PUT", "/taxonomy"): "manager",
     ("POST", "/sequences"): "manager",
     ("POST", "/imports/preview"): "manager",

@@ -8,7 +8,14 @@ from pointbrush.web.auth import Caller
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut
-from pointbrush.web.schemas_work import AcceptBody, JobOut, TrackingBody, TrackOut
+from pointbrush.web.schemas_work import (
+    AcceptBody,
+    ClearBody,
+    CopyBody,
+    JobOut,
+    TrackingBody,
+    TrackOut,
+)
 
 router = APIRouter(tags=["tracking"])
 
@@ -39,6 +46,20 @@ def start_tracking(
 def accept(seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Caller) -> EditOut:
     """Make what tracking found of the labels in this frame count as painted; one edit."""
     return EditOut.of(workspace.accept(seq, i, body.labels, who.author, body.id))
+
+
+@router.post("/sequences/{seq}/frames/{i}/copy", responses=responses(404, 409))
+def copy(seq: SequenceId, i: FramePath, body: CopyBody, workspace: Ws, who: Caller) -> EditOut:
+    """Label points as points at the same place in another frame are; one edit."""
+    return EditOut.of(workspace.copy_labels(seq, i, body.source, body.labels, who.author, body.id))
+
+
+@router.post("/sequences/{seq}/frames/{i}/clear", responses=responses(404, 409))
+def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Caller) -> EditOut:
+    """Take labels from all of their points in a range of frames; one edit."""
+    stop = i if body.stop is None else body.stop
+    frames = range(min(i, stop), max(i, stop) + 1)
+    return EditOut.of(workspace.clear_labels(seq, frames, body.labels, who.author, body.id))
 
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))

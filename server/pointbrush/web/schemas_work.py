@@ -101,6 +101,22 @@ class AcceptBody(Body):
     id: Uuid | None = None
 
 
+class CopyBody(Body):
+    """Labels to copy from another frame."""
+
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)]
+    source: FrameIndex
+    id: Uuid | None = None
+
+
+class ClearBody(Body):
+    """Labels to take from their points, in this frame or up to ``stop`` (included)."""
+
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)]
+    stop: FrameIndex | None = None
+    id: Uuid | None = None
+
+
 class TrackOut(BaseModel):
     """A label's track in one frame."""
 
