@@ -12,12 +12,12 @@ import pytest
 
 from pointbrush.selection import Stroke, select
 from pointbrush.streaming import edits
-from pointbrush.work.strokes import frame_points
+from pointbrush.work.painted_frame import frame_points
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
 
-SAMPLES = 4_000
+SAMPLES = 1_200
 TURNS = 5
 """Turns that a long stroke takes at least, on any machine."""
 
