@@ -30,7 +30,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from functools import partial
 
 import numpy as np
 from tracking_ablation import IDEAS, without
@@ -40,6 +40,7 @@ from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
 from pointbrush.tracking.interface import Method
+from pointbrush.tracking.registry import with_options
 
 OURS = ("icp", "color-icp", "auto")
 ALL = ("nn-copy", *OURS, *PEERS)
@@ -74,9 +75,7 @@ def measure(
     scores = {name: Score() for name in makers}
     for frames in recordings(kind, given):
         for name, make in makers.items():
-            idea = name.removeprefix("without ")
-            with without(idea) if idea in IDEAS else nullcontext():
-                scores[name].run(frames, make())
+            scores[name].run(frames, make())
     return scores
 
 
@@ -107,8 +106,8 @@ def main() -> None:
     if given.real:
         kinds = [scene for scene in SCENES if (REAL / scene).is_dir()]
     if given.ablation:
-        names = ["auto", *(f"without {idea}" for idea in IDEAS)]
-        makers, absent = dict.fromkeys(names, METHODS["auto"]), {}
+        makers = {f"without {idea}": partial(with_options, without(idea)) for idea in IDEAS}
+        makers, absent = {"auto": METHODS["auto"], **makers}, {}
     else:
         makers, absent = ready(given.methods.split(","))
     print("| kind | method | IoU | frames until < 0.5 | never | at the end | ms | p95 |")

@@ -19,8 +19,11 @@ from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.segmentation.findings import Findings
+
+OPTIONS = TrackerOptions()
 
 SKIN, BLUE, GREEN = (210, 160, 130), (40, 90, 200), (60, 160, 70)
 TURN = 0.5
@@ -108,7 +111,7 @@ def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
     def some(colour: np.ndarray, count: int) -> np.ndarray:
         return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
 
-    worn = ColourHistogram.of(some(blue, 400))
+    worn = ColourHistogram.of(some(blue, 400), options=OPTIONS)
     beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
     rather = worn.rather(beside)
     assert rather[:20].mean() > 0.8

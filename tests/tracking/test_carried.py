@@ -17,9 +17,12 @@ from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F32
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +36,9 @@ def followed(carried: list[scenes.Frame]) -> list[FrameResult]:
 
 
 def test_the_way_of_a_camera_is_found_in_its_pictures(carried: list[scenes.Frame]) -> None:
-    way = find_trajectory([replace(f, pose=None) for f in carried].__getitem__, range(len(carried)))
+    way = find_trajectory(
+        [replace(f, pose=None) for f in carried].__getitem__, range(len(carried)), options=OPTIONS
+    )
     assert way is not None
     for number, frame in enumerate(carried):
         scene = frame.xyz[frame.truth == 0].astype(np.float64)
@@ -44,18 +49,18 @@ def test_the_way_of_a_camera_is_found_in_its_pictures(carried: list[scenes.Frame
 
 def test_a_camera_at_rest_is_not_moved_by_who_passes_close_by(passing: list[scenes.Frame]) -> None:
     frames = [replace(f, xyz=f.xyz - np.float32([0.0, 1.0, 0.0]), viewpoint=None) for f in passing]
-    assert find_lens(frames[0], moves=True) is not None
-    assert find_trajectory(frames.__getitem__, range(len(frames))) is None
+    assert find_lens(frames[0], moves=True, options=OPTIONS) is not None
+    assert find_trajectory(frames.__getitem__, range(len(frames)), options=OPTIONS) is None
 
 
 def test_the_scene_is_charted_without_who_moves_and_who_is_labelled(
     carried: list[scenes.Frame],
 ) -> None:
-    lens = find_lens(carried[0], moves=True)
+    lens = find_lens(carried[0], moves=True, options=OPTIONS)
     back = inverse(carried[0].pose)
-    views = [View(i, f, lens, back @ f.pose) for i, f in enumerate(carried)]
+    views = [View(i, f, lens, OPTIONS, back @ f.pose) for i, f in enumerate(carried)]
     views[0].labels = {n: np.flatnonzero(carried[0].truth == n) for n in (1, 2)}
-    chart = chart_of(views, DepthNoise(0.001, 0.001))
+    chart = chart_of(views, DepthNoise(0.001, 0.001), options=OPTIONS)
     for view, frame in zip(views, carried, strict=True):
         cell, depth = view.cells
         there = depth > chart.drawn(view)[cell] - 0.05
@@ -80,11 +85,11 @@ def test_people_are_followed_before_a_camera_that_is_carried(
 def test_what_comes_into_the_picture_is_nobody_unless_beside_who_was_labelled(
     carried: list[scenes.Frame],
 ) -> None:
-    lens = find_lens(carried[0], moves=True)
-    first, later = (View(i, carried[i], lens, carried[i].pose) for i in (0, 5))
+    lens = find_lens(carried[0], moves=True, options=OPTIONS)
+    first, later = (View(i, carried[i], lens, OPTIONS, carried[i].pose) for i in (0, 5))
     first.labels = {n: np.flatnonzero(carried[0].truth == n) for n in (1, 2)}
     nothing = SurfaceMap(np.empty((0, 3)), np.empty((0, 3)))
-    background = MapBackground(_reach, DepthNoise(0.001, 0.001), nothing)
+    background = MapBackground(OPTIONS, _reach, DepthNoise(0.001, 0.001), nothing)
     background.learn(first, first=True)
     every = np.arange(len(later.xyz))
     stands, truth = background.furniture(later, every), carried[5].truth

@@ -7,8 +7,11 @@ import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.objects.free_space import Glimpse, carved, remember
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 CENTRE = np.array([0.0, 1.0, 1.6])
 
@@ -22,7 +25,7 @@ def turned(angle: float) -> tuple[View, np.ndarray]:
     )
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = R, CENTRE - R @ CENTRE
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     view.labels = {1: np.flatnonzero(frame.truth == 1)}
     return view, pose
 

@@ -26,7 +26,10 @@ from pointbrush.tracking.geometry.grid import numbered, perhaps_near
 from pointbrush.tracking.geometry.near import RUN, close_to, in_box, runs_of
 from pointbrush.tracking.geometry.paths import paths_over, reach
 from pointbrush.tracking.geometry.registration import Target, excess
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.connectivity import Limits, flood
+
+OPTIONS = TrackerOptions()
 
 # No two points are apart by one of the reaches below, so that rounding decides nothing.
 COORDINATE = st.floats(-3, 3, width=32).map(lambda x: round(x, 2))
@@ -86,7 +89,7 @@ def test_what_lies_just_beside_a_surface(
 ) -> None:
     away = apart(points, surface).min(axis=1)
     on, beside = np.sum(away < 3 * 0.1504), np.sum((away >= 3 * 0.1504) & (away < 6 * 0.1504))
-    found = excess(surface, Target(points, NONE, 0.0), 0.1504)
+    found = excess(surface, Target(points, NONE, 0.0), 0.1504, options=OPTIONS)
     assert found == pytest.approx(0.3 * min(1.0, beside / max(on, 1)))
 
 

@@ -13,7 +13,10 @@ from runs import follow
 from pointbrush.tracking import TrackState, auto
 from pointbrush.tracking.objects.confidence import Evidence, likelihood
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.update.settle import settle
+
+OPTIONS = TrackerOptions()
 
 GOOD = Evidence(
     inliers=1.0,
@@ -27,57 +30,96 @@ GOOD = Evidence(
     whole=False,
     share=0.4,
     worn=0.0,
+    usual=1.2,
+    points=300,
 )
 
 
 def test_what_shows_few_points_is_trusted_less() -> None:
     """Small things are taken for each other; a lidar's hardly ever show more."""
-    assert likelihood(replace(GOOD, points=1000)) > 0.9
-    assert likelihood(replace(GOOD, points=40)) < likelihood(replace(GOOD, points=150)) < 0.9
+    assert likelihood(replace(GOOD, points=1000), options=OPTIONS) > 0.9
+    assert (
+        likelihood(replace(GOOD, points=40), options=OPTIONS)
+        < likelihood(replace(GOOD, points=150), options=OPTIONS)
+        < 0.9
+    )
     few = replace(GOOD, points=40, pixels=False)
-    assert likelihood(few) == likelihood(replace(few, points=1000))
+    assert likelihood(few, options=OPTIONS) == likelihood(
+        replace(few, points=1000), options=OPTIONS
+    )
 
 
 def test_what_bends_and_shrinks_is_not_trusted() -> None:
     half = replace(GOOD, size=0.5)
-    assert likelihood(replace(half, soft=True)) < 0.5 < likelihood(half)
+    assert (
+        likelihood(replace(half, soft=True), options=OPTIONS)
+        < 0.5
+        < likelihood(half, options=OPTIONS)
+    )
 
 
 def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     """Half a car, and a car whose neighbour was taken for it, leave points unclaimed beside it."""
     alone = replace(GOOD, pixels=False, scans=True, left=0.01, others=0.1)
-    assert likelihood(alone) > 0.9
-    assert likelihood(replace(alone, left=1.0)) < 0.5
-    assert likelihood(replace(alone, left=0.1, bend=0.2)) < likelihood(alone)
+    assert likelihood(alone, options=OPTIONS) > 0.9
+    assert likelihood(replace(alone, left=1.0), options=OPTIONS) < 0.5
+    assert likelihood(replace(alone, left=0.1, bend=0.2), options=OPTIONS) < likelihood(
+        alone, options=OPTIONS
+    )
     crowded = replace(alone, others=1.0)
-    assert likelihood(replace(alone, left=1.0)) < likelihood(crowded) < likelihood(alone)
+    assert (
+        likelihood(replace(alone, left=1.0), options=OPTIONS)
+        < likelihood(crowded, options=OPTIONS)
+        < likelihood(alone, options=OPTIONS)
+    )
 
 
 def test_what_is_not_as_tall_before_a_lidar_as_it_was_is_trusted_less() -> None:
     """Half of somebody in a group leaves only the others beside him."""
     group = replace(GOOD, pixels=False, scans=True, left=0.2, others=1.0)
-    assert likelihood(replace(group, tall=0.5)) < 0.5 < likelihood(group)
+    assert (
+        likelihood(replace(group, tall=0.5), options=OPTIONS)
+        < 0.5
+        < likelihood(group, options=OPTIONS)
+    )
 
 
 def test_what_suddenly_changes_before_a_lidar_is_trusted_less() -> None:
     """Who takes another's place shows more or less of himself, and what the model does not know."""
     before = replace(GOOD, pixels=False, scans=True, left=0.2, others=0.2)
-    assert likelihood(replace(before, change=0.4)) < likelihood(before) - 0.1
-    assert likelihood(replace(before, change=2.5)) < likelihood(before) - 0.1
-    assert likelihood(replace(before, grown=0.6)) < likelihood(before) - 0.1
+    assert (
+        likelihood(replace(before, change=0.4), options=OPTIONS)
+        < likelihood(before, options=OPTIONS) - 0.1
+    )
+    assert (
+        likelihood(replace(before, change=2.5), options=OPTIONS)
+        < likelihood(before, options=OPTIONS) - 0.1
+    )
+    assert (
+        likelihood(replace(before, grown=0.6), options=OPTIONS)
+        < likelihood(before, options=OPTIONS) - 0.1
+    )
 
 
 def test_what_is_all_in_one_place_is_not_trusted() -> None:
     """Points that are the same are told from nothing else that is there."""
     for seen in (GOOD, replace(GOOD, pixels=False, scans=True)):
-        assert likelihood(replace(seen, coarse=1.0)) == 0.0
+        assert likelihood(replace(seen, coarse=1.0), options=OPTIONS) == 0.0
 
 
 def test_colours_that_always_differ_so_much_are_not_held_against_a_thing() -> None:
     dear = replace(GOOD, cost=2.4)
-    assert likelihood(dear) < 0.9 < likelihood(replace(dear, usual=2.4))
-    assert likelihood(replace(dear, cost=4.8, usual=2.4)) == likelihood(dear)
-    assert likelihood(replace(GOOD, usual=0.5)) == likelihood(GOOD)
+    assert (
+        likelihood(dear, options=OPTIONS)
+        < 0.9
+        < likelihood(replace(dear, usual=2.4), options=OPTIONS)
+    )
+    assert likelihood(replace(dear, cost=4.8, usual=2.4), options=OPTIONS) == likelihood(
+        dear, options=OPTIONS
+    )
+    assert likelihood(replace(GOOD, usual=0.5), options=OPTIONS) == likelihood(
+        GOOD, options=OPTIONS
+    )
 
 
 def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air(

@@ -11,8 +11,11 @@ import scenes
 from pointbrush.tracking.fitting import fit
 from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 
 @pytest.mark.parametrize("moves", [True, False])
@@ -20,7 +23,8 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     tabletop: list[scenes.Frame], moves: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     frame = tabletop[0]
-    view = View(1, frame, find_lens(frame))
+    always = replace(OPTIONS, register=replace(OPTIONS.register, doubt=0.0))
+    view = View(1, frame, find_lens(frame, options=always), options=always)
     points = np.flatnonzero(frame.truth == 1)
     none = Rivals.none()
     thing = begin(view, 2, points, 0.002, none)
@@ -31,6 +35,5 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
         thing.motion.add(pose)
     asked = []
     monkeypatch.setattr(fit, "proposals", lambda *_: asked.append(1) or [])
-    monkeypatch.setattr(fit, "DOUBT", -1.0)
     fit.register(search_among(thing, view, points))
     assert bool(asked) == moves

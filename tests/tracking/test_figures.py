@@ -13,12 +13,15 @@ from runs import follow
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.bodies import undisputed
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.returning import reclaim, recognised
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 STEP = 0.01
 SIZE = 3 * STEP
@@ -72,7 +75,7 @@ class Strip:
         xyz = np.stack([self.x, y.ravel()[keep], np.full(len(self.x), 2.0)], axis=1)
         red = colour(self.x)[:, None]
         rgb = np.where(red, RED, BLUE).astype(np.uint8)
-        view = View(0, scenes.Frame(xyz.astype(np.float32), rgb), None)
+        view = View(0, scenes.Frame(xyz.astype(np.float32), rgb), None, options=OPTIONS)
         self.cells = Foreground.of(view, np.arange(len(xyz)), SIZE)
 
     def spread(
@@ -86,7 +89,9 @@ class Strip:
         none = np.zeros(len(self.x), np.bool_)
         sure = np.full(len(self.x), certain)
         nobody, others = none if outside is None else outside, none if other is None else other
-        clothes = dict.fromkeys(cores, ColourHistogram.of(np.empty((0, 3), np.float32)))
+        clothes = dict.fromkeys(
+            cores, ColourHistogram.of(np.empty((0, 3), np.float32), options=OPTIONS)
+        )
         longest = dict.fromkeys(cores, far)
         return self.cells.spread(cores, nobody, others, sure, longest, clothes)
 
@@ -138,7 +143,7 @@ def test_a_leg_behind_the_other_is_found_by_its_colour(alike: bool) -> None:
 
 
 def thing_of(frame: scenes.Frame, number: int, label: int) -> tuple[Thing, np.ndarray]:
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     points = np.flatnonzero(frame.truth == number)
     return begin(view, label, points, 0.002, NO_RIVALS), points
 
@@ -159,7 +164,7 @@ def test_a_body_that_two_want_goes_whole_to_the_likelier(
     both = len(points) // 2
     wanted = {1: points[: both + 100], 2: points[100:]}
     claims = {n: claim_of(p, 0.004 if n == likelier else 0.008) for n, p in wanted.items()}
-    result = undisputed(claims, things)
+    result = undisputed(claims, things, options=OPTIONS)
     loser = 3 - likelier
     np.testing.assert_array_equal(result[likelier].indices, wanted[likelier])
     np.testing.assert_array_equal(
@@ -172,17 +177,17 @@ def test_a_touch_and_small_things_are_no_dispute(passing: list[scenes.Frame]) ->
     other, _ = thing_of(passing[0], 1, 2)
     third = len(points) // 3
     touch = {1: claim_of(points[: third + 20], 0.004), 2: claim_of(points[third:], 0.008)}
-    assert undisputed(touch, {1: one, 2: other}) == touch
+    assert undisputed(touch, {1: one, 2: other}, options=OPTIONS) == touch
     other.unit = other.span
     same = {1: claim_of(points, 0.004), 2: claim_of(points, 0.008)}
-    assert undisputed(same, {1: one, 2: other}) == same
+    assert undisputed(same, {1: one, 2: other}, options=OPTIONS) == same
 
 
 def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Frame]) -> None:
     thing, _ = thing_of(passing[0], 2, 2)
     thing.missing = 3
     last = passing[-1]
-    view = View(1, last, find_lens(last))
+    view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
     found = reclaim(view, {2: thing}, np.flatnonzero(last.truth > 0))[2]
     assert overlap(found, last.truth == 2) > 0.7
     assert not (last.truth[found] == 1).any()
@@ -195,7 +200,7 @@ def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Fr
 def test_people_are_large_also_before_a_noisy_sensor(
     passing: list[scenes.Frame], noise: float, large: bool
 ) -> None:
-    view = View(0, passing[0], find_lens(passing[0]))
+    view = View(0, passing[0], find_lens(passing[0], options=OPTIONS), options=OPTIONS)
     points = np.flatnonzero(passing[0].truth == 1)
     assert begin(view, 1, points, noise, NO_RIVALS).body == large
 
@@ -203,7 +208,7 @@ def test_people_are_large_also_before_a_noisy_sensor(
 def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scenes.Frame]) -> None:
     things = {label: thing_of(passing[0], label, label)[0] for label in (1, 2)}
     last = passing[-1]
-    view = View(1, last, find_lens(last))
+    view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
     for label in (1, 2):
         seen = np.flatnonzero(last.truth == label)
         assert recognised(label, things, view, seen)

@@ -12,12 +12,15 @@ from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 SKIN, UNIT = (210, 160, 130), 0.01
 
@@ -43,10 +46,10 @@ def test_where_pixels_hold_several_points_none_is_taken_to_be_flying() -> None:
     views.put(view, top, view.xyz[top] + 0.04 * (view.xyz[top] - view.eye))
     turn = Rotation.from_euler("xyz", (0.2, 0.3, 0.1)).as_matrix()
     view.frame.xyz[:] = view.frame.xyz @ turn.T
-    lens = find_lens(view.frame)
+    lens = find_lens(view.frame, options=OPTIONS)
     assert lens is not None
     assert not lens.lattice
-    assert not flying(View(1, view.frame, lens), own, UNIT).any()
+    assert not flying(View(1, view.frame, lens, options=OPTIONS), own, UNIT).any()
 
 
 @pytest.mark.parametrize(("colour", "taken"), [(views.BLUE, True), (SKIN, False)])
@@ -73,7 +76,7 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     claims = {1: claim(view, core, world, thing.model.colour, thing.weight, 0.05)}
     unknown = np.full_like(view.depth, np.nan)
     still = ImageBackground(
-        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+        OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     free = np.ones(len(view.xyz), np.bool_)
     grown, _ = grow({1: thing}, Findings(view, still, free, places, claims))

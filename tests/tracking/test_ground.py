@@ -11,10 +11,13 @@ import pytest
 from pointbrush.tracking.fitting.fit import find
 from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.belong import own_points
 from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
 from pointbrush.tracking.sensor.ground import on_ground
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 NO_RIVALS = Rivals.none()
 KERB = 0.13
@@ -35,7 +38,7 @@ def street() -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_kerb_is_ground_and_what_stands_on_it_is_none() -> None:
     xyz, truth = street()
-    low = on_ground(xyz)
+    low = on_ground(xyz, options=OPTIONS)
     kerb = (xyz[:, 1] > 5) & (xyz[:, 1] < 7.5) & (truth == 0)
     road = xyz[:, 1] < 3
     assert low[kerb].mean() > 0.95
@@ -48,7 +51,7 @@ def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it:
     xyz, truth = street()
     beside = (np.hypot(xyz[:, 0] - 2, xyz[:, 1] - 5.5) < 0.35) & (truth == 0)
     frame = SimpleNamespace(xyz=xyz, rgb=None, intensity=None, viewpoint=None, pose=None)
-    view = View(1, frame, None, np.eye(4), np.zeros(3))
+    view = View(1, frame, None, OPTIONS, np.eye(4), np.zeros(3))
     mine = np.flatnonzero((truth == 1) | (beside if with_it else False))
     thing = begin(view, 1, mine, 0.05, NO_RIVALS)
     grounded = painted_with_ground(view, mine)

@@ -19,17 +19,20 @@ from pointbrush.tracking.geometry.mean_field import agreed
 from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, mistakable
-from pointbrush.tracking.people.exchanges import FRAMES, exchange, exchanged
+from pointbrush.tracking.people.exchanges import exchange, exchanged
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.group import SPREAD, Group, astray, cell_size, outcome
+from pointbrush.tracking.people.group import Group, astray, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
-from pointbrush.tracking.people.person import UNLIKE, Person
+from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
 from pointbrush.tracking.people.vertical import across, upright
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 RATE = 5.0
 SURE = PersonEvidence(
@@ -124,10 +127,10 @@ def test_what_they_hold_and_they_share_the_points_where_they_touch() -> None:
 def outlined(frame: scenes.Frame, painted: bool) -> tuple[scenes.Frame, np.ndarray]:
     """Every fifth pixel at the outlines lies 30 cm behind, as its truth if ``painted``; and which
     those are."""
-    lens = find_lens(frame)
+    lens = find_lens(frame, options=OPTIONS)
     assert lens is not None
     assert frame.truth is not None
-    cell = lens.cells(frame.xyz)[0]
+    cell = lens.cells(frame.xyz, options=OPTIONS)[0]
     image = np.zeros(lens.shape, np.bool_)
     image.ravel()[cell] = frame.truth > 0
     rim = (image & ~minimum_filter(image, 3)).ravel()[cell]
@@ -151,7 +154,7 @@ def test_flying_pixels_are_somebodys_where_he_was_painted_with_them(painted: boo
 
 def test_a_flying_pixel_between_two_people_is_one_of_theirs() -> None:
     frame = crossing(stranger=False, frames=1)[0]
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     assert frame.truth is not None
     left, right = np.array_split(np.flatnonzero(frame.truth == 1), 2)
     both = np.flatnonzero((view.around(left) & view.around(right))[view.cells[0]])
@@ -167,7 +170,15 @@ def test_what_touches_agrees_unless_it_costs_too_much() -> None:
     start = np.array([0, 1, 3, 5, 7, 8])
     end = np.array([1, 0, 2, 1, 3, 2, 4, 3])
     apart = np.array([1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 1.0, 1.0])
-    assert agreed(cost, Paths(start, end, apart)).argmax(axis=1).tolist() == [0, 0, 0, 1, 1]
+    assert agreed(
+        cost,
+        Paths(start, end, apart),
+        OPTIONS.mean_field.sweeps,
+        OPTIONS.mean_field.settled_change,
+        OPTIONS.mean_field.same_change,
+        OPTIONS.mean_field.neighbour_weight,
+        OPTIONS.mean_field.full_neighbours,
+    ).argmax(axis=1).tolist() == [0, 0, 0, 1, 1]
 
 
 def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same() -> None:
@@ -177,7 +188,18 @@ def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same
     start = np.concatenate([[0], np.cumsum(np.r_[1, np.full(count - 2, 2), 1])])
     end = np.array([j for i in range(count) for j in (i - 1, i + 1) if 0 <= j < count])
     links = Paths(start, end, np.full(len(end), 1.0))
-    found, share = agreed(cost, links), np.exp(-cost)
+    found, share = (
+        agreed(
+            cost,
+            links,
+            OPTIONS.mean_field.sweeps,
+            OPTIONS.mean_field.settled_change,
+            OPTIONS.mean_field.same_change,
+            OPTIONS.mean_field.neighbour_weight,
+            OPTIONS.mean_field.full_neighbours,
+        ),
+        np.exp(-cost),
+    )
     share /= share.sum(axis=1, keepdims=True)
     for sweep in range(30):
         for i in range(count) if sweep % 2 == 0 else reversed(range(count)):
@@ -202,8 +224,11 @@ def test_cells_whose_neighbours_settled_are_asked_no_more_and_share_out_the_same
     ids=lambda change: next(iter(change)),
 )
 def test_what_fits_badly_is_trusted_less(change: dict[str, float]) -> None:
-    assert SURE.likelihood() > 0.9
-    assert replace(SURE, **change).likelihood() < SURE.likelihood() - 0.02
+    assert SURE.likelihood(options=OPTIONS) > 0.9
+    assert (
+        replace(SURE, **change).likelihood(options=OPTIONS)
+        < SURE.likelihood(options=OPTIONS) - 0.02
+    )
 
 
 def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
@@ -212,9 +237,11 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
     flat = np.eye(3)[:, [0, 2]]
     owner = np.ones(10, np.int64)
-    sight = SimpleNamespace(owner=owner, cells=cells, ground=middle @ flat, flat=flat)
+    sight = SimpleNamespace(
+        options=OPTIONS, owner=owner, cells=cells, ground=middle @ flat, flat=flat
+    )
     sight.cells_of, sight.area = lambda _: np.arange(10), len
-    person = Person.met(1, middle, middle.astype(np.float32), 0)
+    person = Person.met(OPTIONS, 1, middle, middle.astype(np.float32), 0)
     person.missing = 1
     person.follow(cast(Observation, sight), np.zeros(3), 1)
     assert len(person.xyz) == 5
@@ -236,8 +263,9 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Obs
     middle, colour = (np.vstack(each) for each in zip(*bodies, strict=True))
     many = np.full(len(middle), 5)
     cell = np.repeat(np.arange(len(middle)), 5)
-    cells = Foreground(np.arange(len(cell)), cell, many, middle, colour, 0.1, many)
+    cells = Foreground(OPTIONS, np.arange(len(cell)), cell, many, middle, colour, 0.1, many)
     view = SimpleNamespace(
+        options=OPTIONS,
         frame=SimpleNamespace(rgb=True if coloured else None),
         xyz=middle[cell],
         colour=lambda points: colour[cell[points]],
@@ -250,7 +278,9 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Obs
 
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
     middle, tints = body(right, colour)
-    person = Person.met(label, middle, tints, 0, ColourHistogram.of(tints))
+    person = Person.met(
+        OPTIONS, label, middle, tints, 0, ColourHistogram.of(tints, options=OPTIONS)
+    )
     person.well, person.area = well, 30 * 5 * 9.0
     return person
 
@@ -280,7 +310,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     sight = staged(body(0.1, RED))
     sight.owner[:] = 1
     assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
-    group = Group([found, gone], 0.1, 0.01, sight.flat, UP, 30.0, 10)
+    group = Group(OPTIONS, [found, gone], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, found, SURE)
     assert found.identity.doubts == ({2} if doubted else set())
     assert gone.identity.doubts == ({1} if doubted else set())
@@ -299,7 +329,7 @@ def test_doubts_end_when_clothes_tell() -> None:
     one.doubt(two)
     sight = staged(body(0.0, RED), body(1.0, RED))
     sight.owner[:] = np.repeat([1, 2], 30)
-    group = Group([one, two], 0.1, 0.01, sight.flat, UP, 30.0, 10)
+    group = Group(OPTIONS, [one, two], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, one, SURE)
     group.doubt(sight, two, replace(SURE, like=-2.0))
     assert (one.identity.doubts, two.identity.doubts) == (set(), {1})
@@ -318,8 +348,8 @@ def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is
         person.doubt(somebody(2, 1.0, RED, well=5))
     sight = staged(legs, shirt)
     sight.owner[:] = 1
-    assert person.likeness(shirt[1]) < -UNLIKE
-    group = Group([person], 0.1, 0.01, sight.flat, UP, 30.0, 10)
+    assert person.likeness(shirt[1]) < -OPTIONS.body.unlike_log
+    group = Group(OPTIONS, [person], 0.1, 0.01, sight.flat, UP, 30.0, 10)
     group.doubt(sight, person, replace(SURE, touching=touching))
     assert (person.likeness(shirt[1]) > -0.3) == told
     assert person.likeness(legs[1]) > -0.3
@@ -327,7 +357,7 @@ def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is
 
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
-    group = Group([both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
+    group = Group(OPTIONS, [both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
     sight = staged(body(0.0, RED), body(0.3, RED))
     sight.owner[:30] = 1
     group.doubt(sight, both, replace(SURE, size=1.0))
@@ -348,7 +378,7 @@ def test_cells_that_touch_anothers_are_counted() -> None:
 
 def test_who_has_two_bodies_is_spread_wider_than_one() -> None:
     sight = staged(body(0.0, RED), body(0.9, RED))
-    assert sight.spread(np.arange(30)) < SPREAD < sight.spread(np.arange(60))
+    assert sight.spread(np.arange(30)) < OPTIONS.body.spread_m < sight.spread(np.arange(60))
 
 
 def test_who_is_where_another_was_expected_is_astray() -> None:
@@ -364,8 +394,8 @@ def test_who_is_where_another_was_expected_is_astray() -> None:
 def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
     noise: float, size: float
 ) -> None:
-    view = SimpleNamespace(cells=(None, np.full(5, 3.0)), labels={1: np.arange(5)})
-    thing = SimpleNamespace(label=1, unit=0.01, span=0.9)
+    view = SimpleNamespace(options=OPTIONS, cells=(None, np.full(5, 3.0)), labels={1: np.arange(5)})
+    thing = SimpleNamespace(options=OPTIONS, label=1, unit=0.01, span=0.9)
     background = SimpleNamespace(waver=lambda depth: np.full(len(depth), noise))
     found = cell_size(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
     assert found == pytest.approx(size, rel=0.02)
@@ -391,7 +421,7 @@ def test_what_somebody_leaves_behind_is_made_scenery() -> None:
     people = [somebody(label, 0.0, RED, 0) for label in (1, 2, -1)]
     for person, stride in zip(people, (0.3, 0.1, 0.3), strict=True):
         person.ways.extend(np.array([stride * i, 0.0]) for i in range(4))
-    group = Group(people, 0.1, 0.01, sight.flat, sight.up, 30.0)
+    group = Group(OPTIONS, people, 0.1, 0.01, sight.flat, sight.up, 30.0)
     group.leave_behind(cast(ImageBackground, background))
     assert told == [(1, 2, pytest.approx(0.6))]
 
@@ -444,7 +474,7 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     one.went = np.array([0.5, 0.0, 0.0])
     sight = staged(body(0.0, wear), body(1.0, RED))
     sight.owner[:] = np.repeat([1, 2], 30)
-    for now in range(10, 10 + FRAMES):
+    for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
         assert sight.owner[0] == 1
         assert bool(one.identity.doubts) == (told and now > 10)
         one.well = two.well = now - 1
@@ -480,7 +510,7 @@ def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubte
     one.identity.sure, stranger.since = 4, 6
     sight = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
     sight.owner[:] = np.repeat([1, -1], 30)
-    for now in range(10, 10 + FRAMES):
+    for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
         one.well = stranger.well = now
         exchange(sight, [one, stranger], now)
     assert sight.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
@@ -491,7 +521,7 @@ def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubte
 
 def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -> None:
     one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, 0.2)
-    group = Group([one, two], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
+    group = Group(OPTIONS, [one, two], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
     for tall, doubts in ((0.2, {2}), (0.0, set())):
         sight = staged(body(0.0, RED, tall), coloured=False)
         sight.owner[:] = 1
@@ -545,7 +575,9 @@ def test_the_floor_tells_the_way_up() -> None:
     wall = np.stack([right, rng.uniform(-1.0, 1.2, 3000), np.full(3000, 5.0)], axis=1)
     xyz = np.vstack([floor, wall]).astype(np.float32)
     none = np.zeros(len(xyz), np.bool_)
-    view = SimpleNamespace(lens=1, T_picture_world=np.eye(4), xyz=xyz, labelled=lambda: none)
+    view = SimpleNamespace(
+        options=OPTIONS, lens=1, T_picture_world=np.eye(4), xyz=xyz, labelled=lambda: none
+    )
     # The edge of the picture cuts off the feet of who leans.
     leaning = np.stack([np.linspace(0.0, 0.1, 50), np.linspace(0.5, -0.5, 50), np.full(50, 3)], 1)
     up = upright(cast(View, view), across(cast(View, view), [leaning]))

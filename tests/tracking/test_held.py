@@ -13,8 +13,11 @@ from pointbrush.tracking.background.last_seen import LastSeen
 from pointbrush.tracking.disputes import placed
 from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 NO_RIVALS = Rivals.none()
 
@@ -73,7 +76,7 @@ def test_somebody_painted_by_an_arm_at_the_edge_of_the_picture_is_more_than_that
     def large(seen: np.ndarray) -> bool:
         rows = np.flatnonzero(seen)
         some = replace(frame, xyz=frame.xyz[rows], rgb=frame.rgb[rows], truth=None)
-        view = View(0, some, find_lens(frame))
+        view = View(0, some, find_lens(frame, options=OPTIONS), options=OPTIONS)
         return begin(view, 1, np.flatnonzero(arm[rows]), 0.0, NO_RIVALS).large
 
     assert not large(np.ones(len(arm), np.bool_))
@@ -85,7 +88,10 @@ def test_where_all_that_is_seen_ends_is_no_edge_of_the_picture() -> None:
     frame = recording(1, {1: (0.0, 2.4, 0.0)})[0]
     arm = np.flatnonzero((frame.truth == 1) & (frame.xyz[:, 0] > 0.17))
     alone = replace(frame, xyz=frame.xyz[arm], rgb=frame.rgb[arm], truth=None)
-    view, every = View(0, alone, find_lens(frame)), np.arange(len(arm))
+    view, every = (
+        View(0, alone, find_lens(frame, options=OPTIONS), options=OPTIONS),
+        np.arange(len(arm)),
+    )
     view.labels = {1: every}
     assert not begin(view, 1, every, 0.0, NO_RIVALS).large
 
@@ -100,26 +106,26 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
         return np.array(labels, np.int32)
 
     held = LastSeen.nothing(4)
-    held.learn(seen(2, 2, 2, 4), owned(7, 7, 7, 0), limit, unknown)
-    held.learn(seen(1, 1, 2, 4), owned(3, 3, 7, 0), limit, unknown)
-    missed = held.learn(seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown)
+    held.learn(seen(2, 2, 2, 4), owned(7, 7, 7, 0), limit, unknown, options=OPTIONS)
+    held.learn(seen(1, 1, 2, 4), owned(3, 3, 7, 0), limit, unknown, options=OPTIONS)
+    missed = held.learn(seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS)
     assert missed.tolist() == [True, False, True, False]
     assert held.again(np.arange(4), seen(2, 2.5, 2, 4), limit).tolist() == [7, 0, 7, 0]
-    held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown)
+    held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS)
     assert held.label.tolist() == [0, 7, 7, 0]
-    held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown)
+    held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown, options=OPTIONS)
     assert held.label.tolist() == [0, 0, 0, 7]
 
 
 @pytest.mark.parametrize("hidden", [True, False])
 def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bool) -> None:
     start = recording(1, {2: (0.06, 3.4, 0.0)})[0]
-    view = View(0, start, find_lens(start))
+    view = View(0, start, find_lens(start, options=OPTIONS), options=OPTIONS)
     thing = begin(view, 2, np.flatnonzero(start.truth == 2), 0.0, NO_RIVALS)
     thing.motion.poses = [np.eye(4)] * 3
     before = {1: (0.03, 1.3, 0.0)} if hidden else {}
     now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
-    view = View(1, now, find_lens(now))
+    view = View(1, now, find_lens(now, options=OPTIONS), options=OPTIONS)
     search = search_among(thing, view, np.flatnonzero(now.truth == 3))
     _, claim = placed(thing, view, search)
     assert len(claim.indices) < 5 if hidden else len(claim.indices) > 300

@@ -10,9 +10,12 @@ import scenes
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.fitting.judge import Verdict
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import well_seen
+
+OPTIONS = TrackerOptions()
 
 BEGINS, COVERS, LEAVES, ENDS = 8, 12, 18, 24
 
@@ -59,7 +62,9 @@ def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> N
     frame = passing(2)[0]
     none = Rivals.none()
     mine, hidden = np.flatnonzero(frame.truth == 1), np.empty(0, np.bool_)
-    thing = begin(View(0, frame, find_lens(frame)), 1, mine, 0.004, none)
+    thing = begin(
+        View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS), 1, mine, 0.004, none
+    )
     few, clear = int(0.3 * thing.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
     for _ in range(4):
         thing.motion.add(np.eye(4))

@@ -13,7 +13,10 @@ from runs import follow
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, FrameResult, Frames, Known, Seed, TrackOptions
 from pointbrush.tracking.jumps import AcrossJumps
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.jumps import find_jumps
+
+OPTIONS = TrackerOptions()
 
 AFTER = 5
 """The first frame behind the jump."""
@@ -36,11 +39,11 @@ def share_of(found: np.ndarray, truth: np.ndarray) -> float:
 
 
 def test_the_scenery_tells_where_the_sensor_went(jumped: list[scenes.Frame]) -> None:
-    (jump,) = find_jumps(jumped.__getitem__, range(10))
+    (jump,) = find_jumps(jumped.__getitem__, range(10), options=OPTIONS)
     assert jump.at == AFTER
     assert jump.T[:3, 3] == pytest.approx(PLACES[0] - PLACES[1], abs=0.02)
     back = list(range(9, -1, -1))
-    (jump,) = find_jumps(jumped.__getitem__, back)
+    (jump,) = find_jumps(jumped.__getitem__, back, options=OPTIONS)
     assert back[jump.at] == AFTER - 1
 
 
@@ -63,13 +66,13 @@ def test_a_sensor_that_moves_or_rests_does_not_jump(passing: list[scenes.Frame])
     carried = [replace(frame, pose=None) for frame in scenes.carried()]
     street = [replace(frame, pose=None) for frame in scenes.street(1, 8)]
     for frames in (carried, street, passing):
-        assert list(find_jumps(frames.__getitem__, range(len(frames)))) == []
+        assert list(find_jumps(frames.__getitem__, range(len(frames)), options=OPTIONS)) == []
 
 
 def test_recorded_poses_are_believed(jumped: list[scenes.Frame]) -> None:
     told = [replace(frame, pose=np.eye(4)) for frame in jumped]
     told[-1] = replace(told[-1], pose=np.diag([1.0, 1, 1, 1]) + np.eye(4, k=3))
-    assert list(find_jumps(told.__getitem__, range(10))) == []
+    assert list(find_jumps(told.__getitem__, range(10), options=OPTIONS)) == []
 
 
 class Loses:

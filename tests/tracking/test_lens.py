@@ -8,8 +8,11 @@ import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 TILTED = Rotation.from_euler("xyz", [0.3, 0.5, 0.2]).as_matrix()
 
@@ -34,10 +37,10 @@ def frame(xyz: np.ndarray, viewpoint: np.ndarray | None = None) -> scenes.Frame:
 
 def test_a_pixel_lattice_is_found_without_a_viewpoint() -> None:
     seen = frame(camera_points(np.random.default_rng(0).uniform(1.0, 3.0, (120, 160))))
-    lens = find_lens(seen)
+    lens = find_lens(seen, options=OPTIONS)
     assert lens is not None
     assert np.allclose(lens.pitch, 1 / 110, rtol=1e-3)
-    view = View(0, seen, lens)
+    view = View(0, seen, lens, options=OPTIONS)
     assert np.isfinite(view.depth).sum() == len(seen.xyz)
     cell, depth = view.cells
     assert np.array_equal(view.depth[cell], depth)
@@ -54,9 +57,9 @@ def test_one_surface_in_each_direction_is_an_image_too(how: str) -> None:
         viewpoint = np.array([4.0, -1.0, 2.0])
         xyz = xyz @ TILTED.T + viewpoint
     seen = frame(xyz, viewpoint)
-    lens = find_lens(seen)
+    lens = find_lens(seen, options=OPTIONS)
     assert lens is not None
-    cell, depth = View(0, seen, lens).cells
+    cell, depth = View(0, seen, lens, options=OPTIONS).cells
     assert cell.min() >= 0
     assert depth.min() > 1.0
     # Most pixels hold two or three points, and the box shares few with the wall behind it.
@@ -68,21 +71,24 @@ def test_one_surface_in_each_direction_is_an_image_too(how: str) -> None:
 def test_no_image_where_nothing_proves_the_viewpoint() -> None:
     rng = np.random.default_rng(0)
     scattered = camera_points(rng.uniform(1.0, 3.0, (120, 160))) @ TILTED.T
-    assert find_lens(frame(scattered)) is None
-    assert find_lens(frame(camera_points(room()) @ TILTED.T + [4.0, -1.0, 2.0])) is None
+    assert find_lens(frame(scattered), options=OPTIONS) is None
+    assert (
+        find_lens(frame(camera_points(room()) @ TILTED.T + [4.0, -1.0, 2.0]), options=OPTIONS)
+        is None
+    )
     two = np.concatenate([camera_points(room()), camera_points(room()) + [0.4, 0.2, 0.9]])
-    assert find_lens(frame(two)) is None
-    assert find_lens(frame(rng.normal(size=(3000, 3)))) is None
-    assert find_lens(frame(np.zeros((3000, 3)))) is None
+    assert find_lens(frame(two), options=OPTIONS) is None
+    assert find_lens(frame(rng.normal(size=(3000, 3))), options=OPTIONS) is None
+    assert find_lens(frame(np.zeros((3000, 3))), options=OPTIONS) is None
     wrong = np.array([0.0, 0.0, 1.0])
-    assert find_lens(frame(camera_points(furnished()), wrong)) is None
+    assert find_lens(frame(camera_points(furnished()), wrong), options=OPTIONS) is None
 
 
 def test_a_sensor_that_moves_has_an_image_where_its_pixels_show_or_a_room_is_all_it_sees() -> None:
     for away in (1.0, 20.0):
         lattice = camera_points(away * room())
-        assert find_lens(frame(lattice), moves=True) is not None
-        lens = find_lens(frame(lattice @ TILTED.T), moves=True)
+        assert find_lens(frame(lattice), moves=True, options=OPTIONS) is not None
+        lens = find_lens(frame(lattice @ TILTED.T), moves=True, options=OPTIONS)
         assert (lens is not None) == (away == 1.0)
 
 
@@ -98,7 +104,11 @@ def furnished() -> np.ndarray:
 def scene_of(xyz: np.ndarray) -> Scene:
     still = frame(xyz)
     return Scene(
-        lambda _: still, [0, 1], lambda world: np.ones(len(world), np.float32), ahead=False
+        lambda _: still,
+        [0, 1],
+        lambda world: np.ones(len(world), np.float32),
+        ahead=False,
+        options=OPTIONS,
     )
 
 
@@ -121,4 +131,4 @@ def test_the_front_of_a_lidar_at_rest_is_no_depth_image() -> None:
     """Its rings lie metres apart on the ground: what is beside a point is another surface."""
     xyz = scenes.street(seed=3, frames=1, ego=False)[0].xyz
     ahead = np.abs(np.arctan2(xyz[:, 0], xyz[:, 2])) < np.pi / 4
-    assert find_lens(frame(xyz[ahead], np.zeros(3))) is None
+    assert find_lens(frame(xyz[ahead], np.zeros(3)), options=OPTIONS) is None

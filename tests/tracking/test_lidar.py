@@ -20,11 +20,14 @@ from pointbrush.tracking.geometry.grid import cells_of
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.learn import learn
 from pointbrush.tracking.update.sighting import Sighting
+
+OPTIONS = TrackerOptions()
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +79,7 @@ def test_frames_that_the_recording_has_not_are_refused(
 
 def test_poses_that_are_none_count_as_unknown(resting: list[scenes.Frame]) -> None:
     flat = [replace(frame, pose=np.zeros((4, 4))) for frame in resting[:2]]
-    assert find_trajectory(flat.__getitem__, range(2)) is None
+    assert find_trajectory(flat.__getitem__, range(2), options=OPTIONS) is None
 
 
 def in_the_world(told: bool) -> list[scenes.Frame]:
@@ -94,7 +97,9 @@ def in_the_world(told: bool) -> list[scenes.Frame]:
 def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves(told: bool) -> None:
     """No pose: what is far away all round is a lidar's, and one that is told elsewhere moves."""
     world = in_the_world(told)
-    scene = Scene(world.__getitem__, [0, 1, 2], lambda xyz: np.zeros(len(xyz)), ahead=False)
+    scene = Scene(
+        world.__getitem__, [0, 1, 2], lambda xyz: np.zeros(len(xyz)), ahead=False, options=OPTIONS
+    )
     for number in range(3):
         view = scene.view(number)
         assert (view.eye is None) != told
@@ -105,7 +110,7 @@ def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves(told: 
 
 def test_a_lidar_whose_viewpoint_stays_is_at_rest() -> None:
     frame = in_the_world(told=True)[0]
-    assert find_trajectory([frame, frame].__getitem__, range(2)) is None
+    assert find_trajectory([frame, frame].__getitem__, range(2), options=OPTIONS) is None
 
 
 def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:
@@ -115,7 +120,7 @@ def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:
     end = rng.uniform((0, 5, -1), (0.3, 5.01, 0.5), (300, 3))
     walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
     xyz = np.concatenate([end, side, walls]).astype(np.float32)
-    view = View(0, scenes.Frame(xyz), None, np.eye(4))
+    view = View(0, scenes.Frame(xyz), None, OPTIONS, np.eye(4))
     thing = begin(view, 1, np.arange(1100), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
     here = np.arange(300)
     world = thing.model.xyz
@@ -178,7 +183,10 @@ def test_a_car_that_is_gone_is_not_the_one_beside_it(
 
     Nor may a car have gone farther than its size while its motion is unknown.
     """
-    view, nobody = beside_the_road(0.0), PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
+    view, nobody = (
+        beside_the_road(0.0),
+        PointBackground(OPTIONS, lambda xyz: np.zeros(len(xyz), np.float32)),
+    )
     thing = parked(view, frames)
     later = beside_the_road(beside)
     search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
@@ -197,7 +205,7 @@ def beside_the_road(shift: float) -> View:
     walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
     walls = walls[(walls[:, 0] < 0) | (walls[:, 0] > 16)]  # not behind the car
     xyz = np.concatenate([side + np.array([0.0, shift, 0.0]), walls]).astype(np.float32)
-    return View(1, scenes.Frame(xyz), None, None, np.zeros(3))
+    return View(1, scenes.Frame(xyz), None, OPTIONS, None, np.zeros(3))
 
 
 def parked(view: View, frames: int) -> Thing:
@@ -211,7 +219,10 @@ def parked(view: View, frames: int) -> Thing:
 @pytest.mark.parametrize(("beside", "gap"), [(-0.7, 1), (-3.0, 8), (2.6, 8)])
 def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) -> None:
     """Not what drives by before it, nor what stands beside it, however long it was hidden."""
-    view, nobody = beside_the_road(0.0), PointBackground(lambda xyz: np.zeros(len(xyz), np.float32))
+    view, nobody = (
+        beside_the_road(0.0),
+        PointBackground(OPTIONS, lambda xyz: np.zeros(len(xyz), np.float32)),
+    )
     thing = parked(view, 3)
     assert thing.stands
     thing.motion.gap = gap

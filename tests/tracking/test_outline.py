@@ -10,13 +10,15 @@ import views
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.outline import outline
+
+OPTIONS = TrackerOptions()
 
 UNIT = 0.008
 
@@ -54,14 +56,16 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     views.put(view, top, view.xyz[top] + 0.08 * (view.xyz[top] - view.eye))
     thing = begin(view, 1, own, 0.004, Rivals.none())
     thing.painted = replace(thing.painted, with_flying=painted)
-    for _ in range(MEMORY):
+    for _ in range(OPTIONS.search.remembered_poses):
         thing.motion.add(np.eye(4))
     limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
     around = view.box(*limits)
     place = Place(np.eye(4), thing.model.xyz, limits, around, around, around, 0.05)
     found = claim(view, own, thing.model.xyz, thing.model.colour, thing.weight, 1.0)
     claims = {1: found}
-    background = ImageBackground(DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan))
+    background = ImageBackground(
+        OPTIONS, DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan)
+    )
     free = np.ones(len(view.xyz), np.bool_)
     grown, _ = grow({1: thing}, Findings(view, background, free, {1: place}, claims))
     learnt = np.concatenate([claims[1].indices, grown[1]])

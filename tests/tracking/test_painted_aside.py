@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from pointbrush.tracking.background.scene import Scene
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
+
+OPTIONS = TrackerOptions()
 
 HEIGHT, WIDTH, FOCAL = 120, 160, 150.0
 DEVIATION = 0.004
@@ -41,13 +44,20 @@ def frames() -> list[SimpleNamespace]:
 def test_who_fills_the_picture_does_not_make_the_sensor_move(
     frames: list[SimpleNamespace],
 ) -> None:
-    assert find_lens(frames[0], moves=True) is not None
+    assert find_lens(frames[0], moves=True, options=OPTIONS) is not None
     painted = np.flatnonzero(frames[0].truth)
-    assert find_trajectory(frames.__getitem__, [0, 1]) is not None
-    assert find_trajectory(frames.__getitem__, [0, 1], painted) is None
+    assert find_trajectory(frames.__getitem__, [0, 1], options=OPTIONS) is not None
+    assert find_trajectory(frames.__getitem__, [0, 1], painted, options=OPTIONS) is None
 
 
 def test_noise_is_measured_beside_what_is_painted(frames: list[SimpleNamespace]) -> None:
     painted = np.flatnonzero(frames[0].truth)
-    scene = Scene(frames.__getitem__, [0, 1], lambda xyz: np.zeros(len(xyz)), painted, ahead=False)
+    scene = Scene(
+        frames.__getitem__,
+        [0, 1],
+        lambda xyz: np.zeros(len(xyz)),
+        painted,
+        ahead=False,
+        options=OPTIONS,
+    )
     assert scene.noise(scene.first, painted) < 2 * DEVIATION

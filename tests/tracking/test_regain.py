@@ -8,13 +8,15 @@ import scenes
 
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.motion import MEMORY
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, Thing, begin
+from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import cut_off
-from pointbrush.tracking.segmentation.regain import LONG, SELDOM, lost_pieces
+from pointbrush.tracking.segmentation.regain import lost_pieces
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 BLUE, SKIN = (40, 90, 200), (210, 160, 130)
 
@@ -29,11 +31,11 @@ def shot(
     rng = np.random.default_rng(2)
     camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
     empty = camera.shoot([], rng)
-    lens = find_lens(empty)
-    first = View(0, empty, lens)
+    lens = find_lens(empty, options=OPTIONS)
+    first = View(0, empty, lens, options=OPTIONS)
     unknown = np.full_like(first.depth, np.nan)
     background = ImageBackground(
-        DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
+        OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     background.learn(first, first=True)
     box = scenes.Part(1, BLUE, np.array([0, 1.2, 1.6]), np.array([0.1, 0.12, 0.1]), rot=np.eye(3))
@@ -44,7 +46,9 @@ def shot(
         np.array([reach, 0.06, 0.1]),
         rot=np.eye(3),
     )
-    return View(SELDOM - 1, camera.shoot([box, block], rng), lens), background
+    return View(
+        OPTIONS.pieces.slow_frames - 1, camera.shoot([box, block], rng), lens, options=OPTIONS
+    ), background
 
 
 def place_of(view: View, thing: Thing, core: np.ndarray) -> Place:
@@ -92,7 +96,10 @@ def piece_found(view: View, background: ImageBackground, *, pliant: bool) -> np.
     thing = begin(view, 1, core, 0.004, Rivals.none())
     thing.weight, thing.size = 0.0, 1.6 * len(core)
     if pliant:
-        thing.bending, thing.size = Bending(strain=2 * SOFT), 2.0 * DENSE
+        thing.bending, thing.size = (
+            Bending(strain=2 * OPTIONS.track.soft_strain),
+            2.0 * OPTIONS.track.dense_points,
+        )
     place = place_of(view, thing, core)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
@@ -120,7 +127,7 @@ def beside_whole(
     """
     core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
     thing = begin(view, 1, core, 0.004, Rivals.none())
-    for frame in range(MEMORY):
+    for frame in range(OPTIONS.search.remembered_poses):
         pose = np.eye(4)
         pose[0, 3] = moves * frame
         thing.motion.add(pose)
@@ -141,10 +148,20 @@ def test_a_thing_on_the_move_has_sides_that_it_had_not_shown() -> None:
 @pytest.mark.parametrize(
     ("reach", "frames", "moves", "taken"),
     [
-        (0.01, LONG + 1, 0.0, True),
+        (0.01, OPTIONS.pieces.rested_frames + 1, 0.0, True),
         (0.01, 2, 0.0, False),  # a finger that has just come
-        (0.01, LONG + 1, 0.05, False),  # a thing on the move, which a hand may hold
-        (0.03, LONG + 1, 0.0, False),  # large: another thing may stand there
+        (
+            0.01,
+            OPTIONS.pieces.rested_frames + 1,
+            0.05,
+            False,
+        ),  # a thing on the move, which a hand may hold
+        (
+            0.03,
+            OPTIONS.pieces.rested_frames + 1,
+            0.0,
+            False,
+        ),  # large: another thing may stand there
     ],
 )
 def test_what_has_come_to_rest_with_a_thing_is_its_whatever_its_colours(

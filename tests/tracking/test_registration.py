@@ -14,6 +14,9 @@ from pointbrush.tracking.geometry.registration import (
     robust_fits,
     transform,
 )
+from pointbrush.tracking.options import TrackerOptions
+
+OPTIONS = TrackerOptions()
 
 
 def motion(angle: float, shift: float) -> np.ndarray:
@@ -55,7 +58,9 @@ def test_robust_fit_leaves_what_is_not_the_object_alone() -> None:
     target = Target(np.vstack([transform(T, thing), clutter]), both, 0.5)
     seen = np.ones((1, 400), bool)
     scales = [0.05, 0.05, 0.03, 0.02, 0.02]
-    fits = robust_fits(Source(thing, colour), seen, target, np.eye(4)[None], scales)
+    fits = robust_fits(
+        Source(thing, colour), seen, target, np.eye(4)[None], scales, options=OPTIONS
+    )
     off = np.linalg.norm(transform(fits.T[0], thing) - transform(T, thing), axis=1)
     assert off.mean() < 0.01
     assert fits.cost[0] < 0.5

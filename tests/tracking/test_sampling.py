@@ -2,8 +2,11 @@
 
 import numpy as np
 
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.sampling import evened, unevenness
 from pointbrush.tracking.sensor.viewpoint import find_camera
+
+OPTIONS = TrackerOptions()
 
 PLACE = np.array([0.4, -0.2, 1.5])
 
@@ -20,14 +23,14 @@ def _room() -> np.ndarray:
 def test_a_place_that_is_too_far_away_comes_back() -> None:
     xyz = _room()
     behind = PLACE - [0.05, 0.3, 1.0]
-    found = evened(xyz, behind, 1.5)
+    found = evened(xyz, behind, 1.5, options=OPTIONS)
     assert np.linalg.norm(found - PLACE) < 0.06
-    assert unevenness(xyz, found) < 0.5 * unevenness(xyz, behind)
+    assert unevenness(xyz, found, options=OPTIONS) < 0.5 * unevenness(xyz, behind, options=OPTIONS)
 
 
 def test_a_camera_is_looked_for_by_that_too() -> None:
     xyz = _room().astype(np.float32)
-    found = find_camera(xyz)
+    found = find_camera(xyz, options=OPTIONS)
     assert found is not None
     assert np.linalg.norm(found - PLACE) < 1.0  # 1.4 by what is hidden alone: so little is
 
@@ -35,4 +38,4 @@ def test_a_camera_is_looked_for_by_that_too() -> None:
 def test_no_image_is_all_round() -> None:
     rng = np.random.default_rng(0)
     rays = rng.normal(size=(4000, 3))
-    assert unevenness(rays, np.zeros(3)) == np.inf
+    assert unevenness(rays, np.zeros(3), options=OPTIONS) == np.inf

@@ -12,16 +12,16 @@ from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
 from pointbrush.tracking.background.pixel_tests import least
 from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.background.scenery import (
-    BLOCK,
-    LEAST,
-    MOST,
     continued,
     drawn_on,
     farthest,
     wavering,
 )
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import Lens, find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 SHAPE = (96, 128)
 
@@ -49,7 +49,7 @@ def test_floors_and_walls_go_on_behind_what_hides_them() -> None:
     hidden[20:60, 50:70] = True  # before the wall
     hidden[80:88, 20:60] = True  # on the floor
     seen = np.where(hidden, 1.0, scene).astype(np.float32)
-    depth = drawn_on(seen.ravel(), SHAPE, hidden.ravel()).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, hidden.ravel(), options=OPTIONS).reshape(SHAPE)
     wrong = np.abs(depth[hidden] / scene[hidden] - 1)
     assert wrong.max() < 0.03
     assert np.isnan(depth[0]).all()
@@ -61,9 +61,9 @@ def test_what_was_not_measured_is_drawn_on_too_and_nothing_is_made_of_nothing() 
     seen = scene.copy()
     seen[10:25, 90:110] = np.nan
     nothing = np.zeros(scene.size, np.bool_)
-    depth = drawn_on(seen.ravel(), SHAPE, nothing).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, nothing, options=OPTIONS).reshape(SHAPE)
     np.testing.assert_allclose(depth[10:25, 90:110], 4.0, rtol=0.01)
-    assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing)).all()
+    assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing, options=OPTIONS)).all()
 
 
 def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
@@ -72,7 +72,7 @@ def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
     people = (across < 10) | (across >= 116)
     thing = (across >= 60) & (across < 66)
     seen = np.where(people | thing, 3.0, np.nan).astype(np.float32)
-    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel()).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel(), options=OPTIONS).reshape(SHAPE)
     assert (depth[thing] > 6.0).all()
 
 
@@ -87,14 +87,16 @@ def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
     images[3][:, 64:] -= 1.5  # somebody passes
     for image in images:
         image[:32, :32] = np.nan  # and here an object is known to be
-    found = wavering([i.ravel() for i in images], deviation.ravel(), SHAPE).reshape(SHAPE)
+    found = wavering(
+        [i.ravel() for i in images], deviation.ravel(), SHAPE, options=OPTIONS
+    ).reshape(SHAPE)
     np.testing.assert_allclose(found[32:, :64], 1.8 * 1.15, rtol=0.35)
     np.testing.assert_allclose(found[:64, 64:], 1.15, rtol=0.35)
-    assert (found[64:, 96:] == np.float32(MOST)).all()
-    assert (found[64:, 64:96] == np.float32(LEAST)).all()
+    assert (found[64:, 96:] == np.float32(OPTIONS.background.max_block_sigma)).all()
+    assert (found[64:, 64:96] == np.float32(OPTIONS.background.min_block_sigma)).all()
     assert (found[:32, :32] == 1.0).all()
     assert found.shape == SHAPE
-    assert SHAPE[0] % BLOCK == 0
+    assert SHAPE[0] % OPTIONS.background.block_px == 0
 
 
 def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
@@ -104,7 +106,7 @@ def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
         (depth + rng.normal(0, 0.002 + 0.001 * depth**2)).astype(np.float32) for _ in range(2)
     )
     other[:2400] += 0.3  # the nearest eighth has moved on
-    waver = measure_noise(one, other)
+    waver = measure_noise(one, other, options=OPTIONS)
     true = 0.002 + 0.001 * depth**2
     np.testing.assert_allclose(waver(depth.astype(np.float32))[2400:], true[2400:], rtol=0.2)
 
@@ -118,7 +120,7 @@ def test_what_moves_is_no_noise_where_it_was_cut_out_of_its_room() -> None:
     def frame(number: int) -> scenes.Frame:
         return scenes.Frame((rays[figure] * (0.6 - 0.03 * number)).astype(np.float32))
 
-    scene = Scene(frame, [0, 1], lambda world: world[:, 0], ahead=False)
+    scene = Scene(frame, [0, 1], lambda world: world[:, 0], ahead=False, options=OPTIONS)
     assert scene.lens is not None
     assert scene.noise(scene.first, np.arange(1000)) < 0.006
 
@@ -130,7 +132,7 @@ def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:
         image[at] = 1.0
         image[7] = np.nan
     images[1][6] = 3.5
-    depth, count = farthest(images, DepthNoise(0.01, 0.0))
+    depth, count = farthest(images, DepthNoise(0.01, 0.0), options=OPTIONS)
     np.testing.assert_allclose(depth[:6], 3.0)
     np.testing.assert_array_equal(count[:6], [3, 3, 3, 3, 4, 4])
     assert count[6] == 1
@@ -143,7 +145,7 @@ def test_furniture_goes_on_beside_whom_it_is_hidden_by_and_people_end() -> None:
     hidden[20:80, 30:70] = True
     depth[50:70, 60:100] = 3.0  # a sofa, half of it hidden
     depth[25:75, 40:50] = 2.5  # somebody else, who stands where the first one hid him
-    found = continued(depth.ravel(), ~hidden.ravel(), SHAPE).reshape(SHAPE)
+    found = continued(depth.ravel(), ~hidden.ravel(), SHAPE, options=OPTIONS).reshape(SHAPE)
     assert found[52:68, 60:70].all()
     assert not found[30:70, 40:50].any()
     assert found[25:45, 52:70].all()
@@ -154,14 +156,16 @@ def filmed(number: int, depth: np.ndarray, thing: np.ndarray) -> View:
     lens = Lens(np.zeros(3, np.float32), None, 2, 1.0, (-0.32, -0.24), (0.01, 0.01), (48, 64))
     v, u = np.mgrid[0:48, 0:64]
     xyz = np.stack([(0.01 * u - 0.32) * depth, (0.01 * v - 0.24) * depth, depth], axis=-1)
-    view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens)
+    view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens, options=OPTIONS)
     view.labels[1] = np.flatnonzero(thing.ravel())
     return view
 
 
 def unknown_scene() -> ImageBackground:
     nothing = np.full(48 * 64 + 1, np.nan, np.float32)
-    return ImageBackground(DepthNoise(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing))
+    return ImageBackground(
+        OPTIONS, DepthNoise(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing)
+    )
 
 
 def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
@@ -223,10 +227,14 @@ def test_slanting_surfaces_are_as_deep_as_they_are_and_at_edges_the_nearest_coun
 def test_what_stands_for_a_while_before_the_scene_is_furniture() -> None:
     camera = scenes.Camera(scenes.Sensor(64, 48, 50.0), scenes.room())
     frame = camera.shoot([], np.random.default_rng(0))
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     every = np.arange(len(view.xyz))
     background = ImageBackground(
-        DepthNoise(0.004, 0.002), view.depth.copy(), view.depth.copy(), np.ones_like(view.depth)
+        OPTIONS,
+        DepthNoise(0.004, 0.002),
+        view.depth.copy(),
+        view.depth.copy(),
+        np.ones_like(view.depth),
     )
     background.scene = view.depth.copy()
     assert not background.furniture(view, every).any()

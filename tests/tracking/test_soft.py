@@ -13,13 +13,16 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.fitting.judge import Verdict, judge
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, Rivals, Thing, begin
+from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update import bending
 from pointbrush.tracking.update.learn import learn
 from pointbrush.tracking.update.sighting import Sighting
+
+OPTIONS = TrackerOptions()
 
 
 def snake(frames: int, bend: float, every: int = 1) -> list[scenes.Frame]:
@@ -144,7 +147,7 @@ def test_what_is_cut_through_its_own_surface_is_not_sure_of_itself() -> None:
 
 def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.MonkeyPatch) -> None:
     frame = snake(1, bend=0.0)[0]
-    view = View(3, frame, find_lens(frame))
+    view = View(3, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     mine, none = np.flatnonzero(frame.truth == 1), np.empty(0, np.int64)
     thing = begin(view, 1, mine, 0.004, Rivals.none())
     xyz = thing.model.xyz
@@ -159,7 +162,10 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     for _ in range(6):
         bending.note_strain(thing, sighting)
     assert thing.soft
-    thing.bending, thing.size = Bending(), 2.0 * DENSE  # many points are seldom posed wrongly
+    thing.bending, thing.size = (
+        Bending(),
+        2.0 * OPTIONS.track.dense_points,
+    )  # many points are seldom posed wrongly
     bending.note_strain(thing, sighting)
     assert thing.soft
 
@@ -179,11 +185,13 @@ def rested(share: float) -> tuple[Thing, View, I64]:
     """A ball that was painted in full view and has rested since, and its points (M,) now."""
     first, frame = covered(0.0), covered(share)
     none = Rivals.none()
-    lens = find_lens(first)
-    thing = begin(View(0, first, lens), 1, np.flatnonzero(first.truth == 1), 0.004, none)
+    lens = find_lens(first, options=OPTIONS)
+    thing = begin(
+        View(0, first, lens, options=OPTIONS), 1, np.flatnonzero(first.truth == 1), 0.004, none
+    )
     for _ in range(4):
         thing.motion.add(np.eye(4))
-    return thing, View(1, frame, lens), np.flatnonzero(frame.truth == 1)
+    return thing, View(1, frame, lens, options=OPTIONS), np.flatnonzero(frame.truth == 1)
 
 
 def found_where_it_was(thing: Thing, view: View, mine: I64) -> tuple[Place, Claim, Verdict]:
@@ -197,7 +205,10 @@ def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
     thing, view, mine = rested(1.0)
     place, found, verdict = found_where_it_was(thing, view, mine)
     assert np.count_nonzero(~verdict.hidden) > 100
-    assert bending.strained(thing, Sighting(view, place, found, mine[:0], verdict)) < SOFT
+    assert (
+        bending.strained(thing, Sighting(view, place, found, mine[:0], verdict))
+        < OPTIONS.track.soft_strain
+    )
 
 
 def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:

@@ -12,11 +12,14 @@ from runs import follow
 
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.steady import steadied
 from pointbrush.tracking.sensor.trajectory import Trajectory
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +31,7 @@ def way_of(frames: Sequence[scenes.Frame]) -> Trajectory:
     """The way that the frames alone show."""
     untold = [replace(frame, pose=None) for frame in frames]
     painted = np.flatnonzero(frames[0].truth)
-    way = find_trajectory(untold.__getitem__, range(len(untold)), painted)
+    way = find_trajectory(untold.__getitem__, range(len(untold)), painted, options=OPTIONS)
     assert way is not None
     return way
 
@@ -75,7 +78,7 @@ def test_a_camera_at_rest_is_not_moved_by_who_stops_the_recording() -> None:
     near = last.xyz * (depth / last.xyz[:, 2])[:, None]
     frames[-1] = replace(last, xyz=near.astype(np.float32), truth=None)
     painted = np.flatnonzero(frames[0].truth)
-    assert find_trajectory(frames.__getitem__, range(6), painted) is None
+    assert find_trajectory(frames.__getitem__, range(6), painted, options=OPTIONS) is None
 
 
 def test_people_before_it_are_followed_without_a_doubt(swaying: list[scenes.Frame]) -> None:
@@ -112,14 +115,14 @@ def test_a_lens_that_bends_straight_lines_changes_nothing(swaying: list[scenes.F
 def test_all_that_it_sees_lies_in_one_picture_and_nothing_is_hidden_there(
     swaying: list[scenes.Frame],
 ) -> None:
-    lens = find_lens(swaying[0], moves=True)
+    lens = find_lens(swaying[0], moves=True, options=OPTIONS)
     assert lens is not None
     poses = [true_pose(swaying, number) for number in range(len(swaying))]
-    depth = View(0, swaying[0], lens).cells[1]
-    still = steadied(lens, depth, poses[::3])
+    depth = View(0, swaying[0], lens, options=OPTIONS).cells[1]
+    still = steadied(lens, depth, poses[::3], options=OPTIONS)
     assert still is not None
     for number, frame in enumerate(swaying):
-        view = View(number, frame, still, poses[number], steady=True)
+        view = View(number, frame, still, OPTIONS, poses[number], steady=True)
         cell, depth = view.cells
         assert (cell >= 0).all()
         assert (depth > 1.1 * view.depth[cell]).mean() < 0.01
@@ -128,13 +131,16 @@ def test_all_that_it_sees_lies_in_one_picture_and_nothing_is_hidden_there(
 def test_a_camera_that_is_carried_away_or_turned_round_is_none(
     swaying: list[scenes.Frame],
 ) -> None:
-    lens = find_lens(swaying[0], moves=True)
+    lens = find_lens(swaying[0], moves=True, options=OPTIONS)
     assert lens is not None
-    depth = View(0, swaying[0], lens).cells[1]
+    depth = View(0, swaying[0], lens, options=OPTIONS).cells[1]
     carried = scenes.carried()
-    assert steadied(lens, depth, [true_pose(carried, n) for n in range(len(carried))]) is None
+    assert (
+        steadied(lens, depth, [true_pose(carried, n) for n in range(len(carried))], options=OPTIONS)
+        is None
+    )
     about = np.diag([-1.0, 1.0, -1.0, 1.0])
-    assert steadied(lens, depth, [np.eye(4), about]) is None
+    assert steadied(lens, depth, [np.eye(4), about], options=OPTIONS) is None
 
 
 def test_a_frame_that_shows_nothing_is_taken_to_be_where_the_last_one_was(

@@ -12,18 +12,18 @@ import scenes
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
-from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.geometry.components import solid
-from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import DENSE, SOFT, Bending, InTheAir, Rivals, begin
-from pointbrush.tracking.segmentation.alone import KNOWN
+from pointbrush.tracking.objects.thing import Bending, InTheAir, Rivals, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.segmentation.belong import grow, own_points
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import hides
+
+OPTIONS = TrackerOptions()
 
 BLUE, GREEN = (40, 90, 200), (60, 160, 70)
 
@@ -61,10 +61,10 @@ def test_flying_pixels_of_what_was_painted_are_no_part_of_it() -> None:
     rng = np.random.default_rng(1)
     pin = rng.uniform([-0.03, -0.25, 2.0], [0.03, 0.25, 2.05], (400, 3))
     flying = rng.uniform([-0.05, -0.25, 2.1], [0.05, 0.25, 5.0], (30, 3))
-    kept = solid(np.concatenate([pin, flying]), 0.01)
+    kept = solid(np.concatenate([pin, flying]), 0.01, options=OPTIONS)
     assert kept[:400].mean() > 0.98
     assert kept[400:].mean() < 0.2
-    assert solid(flying, 0.01).all()  # nothing else was painted
+    assert solid(flying, 0.01, options=OPTIONS).all()  # nothing else was painted
     # Every outline of these recordings has flying pixels.
     found = ious(scenes.juggling(5, 20))
     assert min(np.mean(of) for of in found.values()) > 0.85
@@ -91,11 +91,16 @@ class Flight:
         camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
         here, there = (club(1, np.array([x, 1.4, 1.9]), np.eye(3)) for x in (0.0, 0.3))
         frames = [camera.shoot(here, rng), camera.shoot([*there, *self.other], rng)]
-        lens = find_lens(frames[0])
-        self.first, self.view = View(0, frames[0], lens), View(1, frames[1], lens)
+        lens = find_lens(frames[0], options=OPTIONS)
+        self.first, self.view = (
+            View(0, frames[0], lens, options=OPTIONS),
+            View(1, frames[1], lens, options=OPTIONS),
+        )
         unknown = np.full_like(self.first.depth, np.nan)
         noise = DepthNoise(0.004, 0.002)
-        self.background = ImageBackground(noise, unknown, unknown.copy(), np.ones_like(unknown))
+        self.background = ImageBackground(
+            OPTIONS, noise, unknown, unknown.copy(), np.ones_like(unknown)
+        )
         self.mine = np.flatnonzero(self.first.frame.truth == 1)
         self.first.labels = {1: self.mine}
         self.background.learn(self.first, first=True)
@@ -167,8 +172,8 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
 def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> None:
     flight = Flight(upper=True)
     if pliant:
-        flight.thing.bending = Bending(strain=2 * SOFT)
-        flight.thing.size = 2.0 * DENSE
+        flight.thing.bending = Bending(strain=2 * OPTIONS.track.soft_strain)
+        flight.thing.size = 2.0 * OPTIONS.track.dense_points
     missed = np.setdiff1d(flight.mine, flight.painted)
     flight.thing.rivals = rivals_of(flight, flight.first, missed, beside=False)
     flight.grown()
@@ -176,24 +181,27 @@ def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> N
 
 
 def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
-    for seen_alone, whole in ((0, True), (KNOWN, False)):
+    for seen_alone, whole in ((0, True), (OPTIONS.growth.known_frames, False)):
         flight = Flight(upper=True)
         flight.thing.size = float((flight.view.frame.truth == 1).sum())
         flight.thing.unit = 0.006  # over 20 steps to its other end
-        flight.thing.in_the_air = InTheAir(seen_alone)
+        flight.thing.in_the_air = InTheAir(seen_alone, OPTIONS.confidence.usual_cost)
         flight.grown()
         assert flight.place.whole == whole
 
 
 @pytest.mark.parametrize("held", [False, True])
-@pytest.mark.parametrize("seen_alone", [0, KNOWN])
+@pytest.mark.parametrize("seen_alone", [0, OPTIONS.growth.known_frames])
 def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
     flight = Flight(upper=True)
     thing, view, place = flight.thing, flight.view, flight.place
     truth = view.frame.truth == 1
     own = flight.core.indices
     flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
-    thing.size, thing.in_the_air = 0.2 * float(truth.sum()), InTheAir(seen_alone)
+    thing.size, thing.in_the_air = (
+        0.2 * float(truth.sum()),
+        InTheAir(seen_alone, OPTIONS.confidence.usual_cost),
+    )
     if held:  # a hand hardly turns: it was there in the last frame too
         missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
         xyz = view.xyz[missed].astype(np.float64)
@@ -225,7 +233,7 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     hand = scenes.Part(3, (210, 160, 130), np.array([0.3, 1.4, 1.9]), np.array([0.4, 1.4, 1.9]))
     hand.ra = hand.rb = 0.05
     frame = camera.shoot([*parts, hand], rng)
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     painted, turned, skin = (np.flatnonzero(frame.truth == label) for label in (1, 2, 3))
     none = Rivals.none()
     thing = begin(view, 1, painted, 0.004, none)
@@ -242,7 +250,7 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     assert taken_for_another(skin)
     assert not taken_for_another(turned, whole=True)  # alone in the air
     thing.model = both
-    both.hits[:] = SURE
+    both.hits[:] = OPTIONS.surface.sure_hits
     assert not taken_for_another(turned)
     assert taken_for_another(skin)
 
@@ -255,10 +263,10 @@ def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:
         disparity = 580 * 0.075 / true + rng.normal(0, 0.04, len(true))
         return (580 * 0.075 / (np.round(disparity * 8) / 8)).astype(np.float32)
 
-    waver = measure_noise(image(), image())
+    waver = measure_noise(image(), image(), options=OPTIONS)
     for depth in (2.0, 5.0):
         step = depth**2 / (8 * 580 * 0.075)
-        assert step < NEAR * float(waver(np.float32(depth))) < 2.5 * step
+        assert step < OPTIONS.background.near_sigmas * float(waver(np.float32(depth))) < 2.5 * step
     # Without steps nothing has changed.
     smooth = [(true + rng.normal(0, 0.01, len(true))).astype(np.float32) for _ in range(2)]
-    assert 0.008 < float(measure_noise(*smooth)(np.float32(3.0))) < 0.012
+    assert 0.008 < float(measure_noise(*smooth, options=OPTIONS)(np.float32(3.0))) < 0.012

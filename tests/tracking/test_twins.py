@@ -8,9 +8,12 @@ import scenes
 
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.swaps import FRAMES, Swaps
+from pointbrush.tracking.swaps import Swaps
+
+OPTIONS = TrackerOptions()
 
 BLUE, RED = (40, 90, 200), (200, 60, 40)
 NONE = Rivals.none()
@@ -26,7 +29,7 @@ def pair(colour: tuple[int, int, int]) -> dict[int, Thing]:
     ]
     camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
     frame = camera.shoot(parts, np.random.default_rng(3))
-    view = View(0, frame, find_lens(frame))
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     return {n: begin(view, n, np.flatnonzero(frame.truth == n), 0.004, NONE) for n in (1, 2)}
 
 
@@ -36,7 +39,7 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
     In the frame in which they meet they are found a share ``meant`` of the way off where they were
     going, towards each other; ``swapped``: from there on each is found where the other is.
     """
-    things, twins, result = pair(colour), Swaps(), []
+    things, twins, result = pair(colour), Swaps(options=OPTIONS), []
     start = {n: thing.motion.centre.copy() for n, thing in things.items()}
     for number in range(1, 12):
         places = {}
@@ -76,4 +79,6 @@ def test_even_evidence_says_nothing_until_both_have_flown_on(
     """Other colours tell them apart at once."""
     most = fly(colour, 0.5, swapped=False)
     assert (max(most[4]) < 0.9) != trusted
-    assert most[5 + FRAMES :] == [(1.0, 1.0)] * (6 - FRAMES)
+    assert most[5 + OPTIONS.identity.compared_frames :] == [(1.0, 1.0)] * (
+        6 - OPTIONS.identity.compared_frames
+    )

@@ -10,8 +10,11 @@ import scenes
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.background.depth_background import ImageBackground
 from pointbrush.tracking.background.depth_noise import DepthNoise
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 STILL, AWAY = 5, 9
 
@@ -69,7 +72,7 @@ def uncovered_by_a_board(places: Sequence[float]) -> tuple[np.ndarray, np.ndarra
     """
     rng = np.random.default_rng(1)
     camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
-    lens = find_lens(camera.shoot([], rng))
+    lens = find_lens(camera.shoot([], rng), options=OPTIONS)
     background = None
     truth, hiders = [], []
     for number, place in enumerate(places):
@@ -79,11 +82,13 @@ def uncovered_by_a_board(places: Sequence[float]) -> tuple[np.ndarray, np.ndarra
         # It goes with the board, out of its shadow, and leans back.
         passes = part(3, (-0.05 + step, 1.0, 1.5 + step / 1.2), (0.15, 0.05, 0.05))
         frame = camera.shoot([board, rests, passes], rng)
-        view = View(number, frame, lens)
+        view = View(number, frame, lens, options=OPTIONS)
         if background is None:
             unknown = np.full_like(view.depth, np.nan)
             noise = DepthNoise(0.004, 0.002)
-            background = ImageBackground(noise, unknown, unknown.copy(), np.ones_like(unknown))
+            background = ImageBackground(
+                OPTIONS, noise, unknown, unknown.copy(), np.ones_like(unknown)
+            )
         shown, hider = background.uncovered(view)
         view.labels = {1: np.flatnonzero(frame.truth == 1)}
         background.learn(view, first=number == 0)

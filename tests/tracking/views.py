@@ -6,8 +6,11 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking.interface import F64, I64
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.view import View
+
+OPTIONS = TrackerOptions()
 
 BLUE = (40, 90, 200)
 
@@ -16,7 +19,7 @@ def shot(*parts: scenes.Part) -> View:
     """A frame of a room with the ``parts`` in it."""
     camera = scenes.Camera(scenes.Sensor(256, 212), scenes.room())
     frame = camera.shoot(list(parts), np.random.default_rng(2))
-    return View(1, frame, find_lens(frame))
+    return View(1, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
 
 
 def box() -> scenes.Part:

@@ -60,19 +60,13 @@ from pointbrush.tracking.update.corrections import taught
 from pointbrush.tracking.update.settle import settle
 from pointbrush.tracking.update.withheld import withheld
 
-AGAIN = 0.3
-"""Confidence of what came out from behind another changed."""
-STATIC, UNIT = 1.5, 0.02
-"""Units within which a point is where something stood before, if no depth image tells it; and the
-metres of a unit while nothing is tracked."""
-
 
 @dataclass(frozen=True)
 class AutoTracker:
     """The default method; ``watch`` gets how each label was found in each frame, in one process."""
 
     watch: Watch | None = None
-    tuning: TrackerOptions = field(default_factory=TrackerOptions)
+    options: TrackerOptions = field(default_factory=TrackerOptions)
 
     def track(
         self,
@@ -111,26 +105,29 @@ class Run:
         order: list[int],
         seeds: list[Seed],
         known: Known,
-        options: TrackOptions,
+        asked: TrackOptions,
         workers: Workers,
         method: AutoTracker | None = None,
     ) -> None:
         """``seeds`` of the first frame of ``order``."""
         method = method or AutoTracker()
-        self._watch, self._near = method.watch, method.tuning.companions
-        self.known, self.options, self.labels = known, options, [s.label for s in seeds]
-        self.workers, self.swaps = workers, Swaps()
+        self.options = method.options
+        self._watch, self._near = method.watch, method.options.companions
+        self.known, self.asked, self.labels = known, asked, [s.label for s in seeds]
+        self.workers, self.swaps = workers, Swaps(self.options)
         self.things: dict[int, Thing] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
         """Labels that were not followed in the last frame: their points there were known."""
-        self.people = JointTracking(self.things, continue_lost=options.continue_lost)
+        self.people = JointTracking(self.things, self.options, continue_lost=asked.continue_lost)
         first = frames(order[0]).xyz
-        rules = FrameRules(len(first), known(order[0]), options)
+        rules = FrameRules(len(first), known(order[0]), asked)
         self.companions = Companions(seeds, rules, first, self._near)
         labelled = [*seeds, *self.companions.beginning]
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
-        self.scene = Scene(frames, order, self._reach, painted, ahead=options.processes > 1)
+        self.scene = Scene(
+            frames, order, self._reach, painted, options=self.options, ahead=asked.processes > 1
+        )
 
     @property
     def background(self) -> Background:
@@ -138,8 +135,10 @@ class Run:
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
-        units = [t.unit for t in self.things.values()] or [UNIT]
-        return np.full(len(world), STATIC * float(np.median(units)), np.float32)
+        units = [t.unit for t in self.things.values()] or [self.options.track.default_unit_m]
+        return np.full(
+            len(world), self.options.track.static_units * float(np.median(units)), np.float32
+        )
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
         """Begin with a person's points, and those of who goes along."""
@@ -162,12 +161,12 @@ class Run:
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Go through the frames before the start, from what is labelled in the first of them."""
         self.start([seed for seed in seeds if len(seed.indices) >= FEWEST])
-        for number in self.options.before[1:]:
+        for number in self.asked.before[1:]:
             self.step(number)
 
     def through(self, order: Sequence[int]) -> Iterator[FrameResult]:
         """Find everything in the frames that follow, and what was in doubt once it is known."""
-        smoother = Smoother(self.options)
+        smoother = Smoother(self.asked, self.options)
         for number in order:
             yield from smoother.take(self.step(number), self.things, self.background)
         yield from smoother.rest()
@@ -176,7 +175,7 @@ class Run:
         """Find everything in the next frame; ``given`` labels' points are known."""
         view, things = self.scene.view(number), self.things
         self.workers.show(view, self.background)
-        rules = FrameRules(len(view.xyz), self.known(number), self.options)
+        rules = FrameRules(len(view.xyz), self.known(number), self.asked)
         fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
         fixed |= self.companions.known(rules, view.xyz, things)
         fixed |= given or {}
@@ -254,7 +253,7 @@ class Run:
         known, here = (self.background, free, predicted), not self.workers.learns
         cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
-        share_out(list(searches.values()))
+        share_out(list(searches.values()), options=self.options)
         there = [self.things[label] for label in searches]
         found = self.workers.each(placed, there, lambda thing: (searches[thing.label],))
         findings = Findings(view, self.background, free)
@@ -276,7 +275,7 @@ class Run:
         def given(thing: Thing) -> tuple[Place | None, Claim | None, I64, TrackOptions]:
             n = thing.label
             place, claim = findings.places.get(n), findings.claims.get(n)
-            return place, claim, grown.get(n, _EMPTY), self.options
+            return place, claim, grown.get(n, _EMPTY), self.asked
 
         alive = [thing for thing in sought if not thing.stopped]
         small = [thing for thing in alive if not thing.large]
@@ -333,8 +332,13 @@ class Run:
         """Learn a large thing anew from what came out of hiding; the rest may follow."""
         track = self._begin_anew(thing, view, points)
         anew = self.things[thing.label]
-        anew.extent, anew.size, anew.trust, anew.worn = thing.span, thing.size, AGAIN, thing.worn
-        return replace(track, confidence=AGAIN, state="tracked")
+        anew.extent, anew.size, anew.trust, anew.worn = (
+            thing.span,
+            thing.size,
+            self.options.track.emerged_confidence,
+            thing.worn,
+        )
+        return replace(track, confidence=self.options.track.emerged_confidence, state="tracked")
 
 
 def _meets(some: F64, places: F64, margin: float) -> bool:

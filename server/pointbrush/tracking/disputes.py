@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.judge import IN_FRONT, judge
+from pointbrush.tracking.fitting.judge import judge
 from pointbrush.tracking.fitting.search import Search, crop
 from pointbrush.tracking.geometry.registration import transform, transform_each
 from pointbrush.tracking.interface import I64
@@ -20,19 +20,6 @@ from pointbrush.tracking.segmentation.assign import Claim, decide, without
 from pointbrush.tracking.segmentation.belong import own_points
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
-
-KEPT = 0.85
-"""A thing that keeps less than this share of its claim is looked for elsewhere."""
-GAIN = 1.1
-"""By how much more it must have there."""
-ANOTHERS = 0.5
-"""Share of its claim under which the place is another's, and share of what was left there that it
-must have elsewhere."""
-
-LEASH = 0.35
-"""Radii a frame, beside its speed, by which somebody who should be hidden may be elsewhere."""
-MOSTLY = 0.5
-"""Share of its points that have to show that it is there."""
 
 
 def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
@@ -52,22 +39,31 @@ def _far_off(thing: Thing, search: Search, place: Place) -> bool:
     centre = motion.centre[None]
     at = transform(place.pose, centre)[0]
     off = np.linalg.norm(transform_each(search.guesses, centre)[:, 0] - at, axis=1).min()
-    if off < (LEASH * thing.span + motion.speed) * motion.gap:
+    if off < (thing.options.relocate.hidden_radii * thing.span + motion.speed) * motion.gap:
         return False
     guesses = transform_each(search.guesses, thing.model.xyz[search.few])
-    hidden = search.view.hides(guesses.reshape(-1, 3), IN_FRONT * thing.unit)
-    return bool(hidden.reshape(len(guesses), -1).mean(axis=1).max() > MOSTLY)
+    hidden = search.view.hides(
+        guesses.reshape(-1, 3), thing.options.verdict.hidden_units * thing.unit
+    )
+    return bool(
+        hidden.reshape(len(guesses), -1).mean(axis=1).max() > thing.options.relocate.shown_share
+    )
 
 
 def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
     """Let claims share no point; a thing that lost most of its is looked for in what is left."""
     view, places = findings.view, findings.places
-    before, claims = findings.claims, undisputed(findings.claims, things)
+    before, claims = (
+        findings.claims,
+        undisputed(findings.claims, things, options=findings.view.options),
+    )
     decided = decide(len(view.xyz), claims)
     for label in sorted(
         places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
     ):
-        if len(decided[label].indices) >= KEPT * len(before[label].indices):
+        if len(decided[label].indices) >= findings.view.options.relocate.kept_share * len(
+            before[label].indices
+        ):
             continue
         others = [found for other, found in decided.items() if other != label]
         left = without(findings.free, others)
@@ -79,8 +75,19 @@ def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
         better = decide(len(view.xyz), again)
         had, has = len(decided[label].indices), len(better[label].indices)
         # Where nearly all is another's, the other is, and not the thing.
-        anothers = had < ANOTHERS * len(before[label].indices) and place.cost < places[label].cost
-        if has > (ANOTHERS if anothers else GAIN) * had:
+        anothers = (
+            had < findings.view.options.relocate.others_share * len(before[label].indices)
+            and place.cost < places[label].cost
+        )
+        if (
+            has
+            > (
+                findings.view.options.relocate.others_share
+                if anothers
+                else findings.view.options.relocate.gain
+            )
+            * had
+        ):
             decided, claims, places[label] = better, again, place
     for label, place in places.items():
         place.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
@@ -118,9 +125,9 @@ def _surely(
 ) -> bool:
     """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
     before a known scene, in its own clothes."""
-    if float((background.again(view, points) == label).mean()) > MOSTLY:
+    if float((background.again(view, points) == label).mean()) > view.options.relocate.shown_share:
         return True
-    certain = float(background.certain(view, points).mean()) > MOSTLY
+    certain = float(background.certain(view, points).mean()) > view.options.relocate.shown_share
     return certain and recognised(label, things, view, points)
 
 

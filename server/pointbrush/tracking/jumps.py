@@ -29,7 +29,7 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.options import JumpOptions
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.jumps import Jump, find_jumps
 
 
@@ -80,7 +80,7 @@ class AcrossJumps:
 
     method: Method
     step: Method
-    options: JumpOptions = field(default_factory=JumpOptions)
+    options: TrackerOptions = field(default_factory=TrackerOptions)
 
     def track(
         self,
@@ -137,7 +137,7 @@ class AcrossJumps:
         for label, track in found.tracks.items():
             if label in found.assignments and len(found.assignments[label]):
                 pose = track.pose @ jump.T @ _pose_of(last, label)
-                sure = min(track.confidence, self.options.sure)
+                sure = min(track.confidence, self.options.jumps.sure)
                 tracks[label] = replace(track, pose=pose, confidence=sure)
         kept = {label: points for label, points in found.assignments.items() if label in tracks}
         return FrameResult(after, kept, tracks)

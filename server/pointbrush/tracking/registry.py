@@ -17,6 +17,7 @@ from pointbrush.tracking.interface import Method
 if TYPE_CHECKING:
     from pointbrush.tracking.explanation import Watch
     from pointbrush.tracking.geometry.registration import IcpStep
+    from pointbrush.tracking.options import TrackerOptions
 
     WatchIcp = Callable[[int, int, IcpStep], None]
 
@@ -28,15 +29,15 @@ COLOUR_NEIGHBOURS = 12
 
 # Imported when they are wanted: the server's own process tracks nothing, and starts without what
 # only trackers need.
-def _auto(watch: Watch | None = None) -> Method:
+def _auto(watch: Watch | None = None, options: TrackerOptions | None = None) -> Method:
     from pointbrush.tracking.auto import AutoTracker
     from pointbrush.tracking.jumps import AcrossJumps
     from pointbrush.tracking.options import TrackerOptions
     from pointbrush.tracking.paper import PaperTracker
 
-    options = TrackerOptions()
+    options = options or TrackerOptions()
     step = PaperTracker(reach=options.jumps.reach_spacings)
-    return AcrossJumps(AutoTracker(watch, options), step, options.jumps)
+    return AcrossJumps(AutoTracker(watch, options), step, options)
 
 
 def _icp(watch: WatchIcp | None = None) -> Method:
@@ -71,6 +72,11 @@ def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
         case "color-icp":
             return _both_sides(_colour_icp(watch_icp))
     raise BadInputError(f"method: expected one that explains itself (auto, icp), got {name!r}")
+
+
+def with_options(options: TrackerOptions) -> Method:
+    """Return ``auto`` with other options than its own, as it runs: an experiment."""
+    return _both_sides(_auto(options=options))
 
 
 _BUILT_IN: dict[str, Callable[[], Method]] = {

@@ -15,10 +15,10 @@ FEWEST = 10
 class FrameRules:
     """The rules of one frame of ``count`` points; ``taken`` grows as labels are assigned."""
 
-    def __init__(self, count: int, knowledge: FrameKnowledge | None, options: TrackOptions) -> None:
+    def __init__(self, count: int, knowledge: FrameKnowledge | None, asked: TrackOptions) -> None:
         self.count = count
         self._knowledge = knowledge
-        self._options = options
+        self._options = asked
         self._taken = np.zeros(count, np.bool_)
 
     @property
@@ -73,13 +73,13 @@ class FrameRules:
 
 
 def keyframes(
-    order: Iterable[int], labels: Iterable[int], known: Known, options: TrackOptions
+    order: Iterable[int], labels: Iterable[int], known: Known, asked: TrackOptions
 ) -> dict[int, list[int]]:
     """Label → positions in ``order`` (0 excepted) of the frames where a person painted it."""
     found: dict[int, list[int]] = {label: [] for label in labels}
     for position, number in enumerate(order):
         know = known(number) if position else None
-        if know is None or options.overwrite == "all":
+        if know is None or asked.overwrite == "all":
             continue
         painted = know.label[(know.provenance == PAINTED) & ~know.deleted]
         counts = np.bincount(painted, minlength=1) if len(painted) else np.zeros(1, np.int64)

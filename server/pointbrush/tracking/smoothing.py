@@ -21,17 +21,13 @@ from pointbrush.tracking.fitting.search import crop
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.objects.motion import Motion
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.segmentation.belong import grow
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.segmentation.rivals import set_rivals
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.settle import settle
-
-LAG = 12
-"""Frames for which a result is held back at most."""
-SURE = 0.5
-"""Confidence from which a thing is found."""
 
 
 @dataclass(eq=False)
@@ -50,7 +46,7 @@ class Held:
 
     def sure(self, label: int) -> bool:
         """Whether a thing was found surely."""
-        return _confidence(self.result.tracks.get(label)) >= SURE
+        return _confidence(self.result.tracks.get(label)) >= self.view.options.smoothing.sure
 
     def open(self, label: int) -> bool:
         """Whether a thing is in doubt that was not looked at once more."""
@@ -73,9 +69,9 @@ class Held:
 class Smoother:
     """The last frames of a run, from the first on in which something small is in doubt."""
 
-    def __init__(self, options: TrackOptions) -> None:
+    def __init__(self, asked: TrackOptions, options: TrackerOptions) -> None:
         self._held: list[Held] = []
-        self._options = options
+        self._asked, self.options = asked, options
 
     def take(
         self, new: Held, things: Mapping[int, Thing], background: Background
@@ -87,7 +83,8 @@ class Smoother:
                 self._go_back(thing, new, background)
         self._held.append(new)
         while self._held and (
-            len(self._held) > LAG or not any(self._held[0].open(label) for label in small)
+            len(self._held) > self.options.smoothing.lag_frames
+            or not any(self._held[0].open(label) for label in small)
         ):
             yield self._held.pop(0).result
 
@@ -103,7 +100,7 @@ class Smoother:
         again = replace(
             thing,
             model=deepcopy(thing.model),
-            motion=Motion(thing.motion.centre, [thing.motion.poses[-1]]),
+            motion=Motion(thing.options, thing.motion.centre, [thing.motion.poses[-1]]),
             glimpses=list(thing.glimpses),
         )
         astray: dict[int, int] = {}
@@ -114,7 +111,7 @@ class Smoother:
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
             most = new.most.get(label, 1.0)
-            track, points = _found_again(again, astray, held, background, most, self._options)
+            track, points = _found_again(again, astray, held, background, most, self._asked)
             held.improve(label, track, points)
 
 
@@ -124,7 +121,7 @@ def _found_again(
     held: Held,
     background: Background,
     most: float,
-    options: TrackOptions,
+    asked: TrackOptions,
 ) -> tuple[TrackState, I64]:
     """Find a thing among what the others left in an earlier frame, and learn from it.
 
@@ -144,7 +141,7 @@ def _found_again(
     place, claim = findings.places.get(label), findings.claims.get(label)
     if place is not None:
         place.most = min(place.most, most)
-    track, points = settle(thing, view, place, claim, grown.get(label, _NONE), options)
+    track, points = settle(thing, view, place, claim, grown.get(label, _NONE), asked)
     if place is not None:
         taken[place.neutral] = True
         set_rivals(thing, view, place.moving[~taken[place.moving]], place.box)

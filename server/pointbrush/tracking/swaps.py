@@ -16,26 +16,7 @@ import numpy as np
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
-
-MEET = 6.0
-"""Units between two from which each may be where the other was going."""
-ROUGHLY = 2.0
-"""Units by which a prediction is off at the best."""
-UNEVEN, EVEN = 0.35, 0.7
-"""Squared ways from the predictions to where both were found, over those to where the other was,
-from which they may have changed places, and from which it is as likely as not."""
-UNSURE, DOUBTED = 0.85, 0.45
-"""Confidence at most after the one, and after the other."""
-ALIKE, AS_LARGE = 0.7, 1.5
-"""Share of its colours that the other showed where it was painted, and the ratio of their radii up
-to which two things look alike."""
-FRAMES, SMOOTHER = 4, 0.25
-"""Frames before and after that are compared; and what the ways of both may be off even motion as
-they are, over what they would be swapped, to tell that they are right."""
-
-CLEARLY = 0.3
-"""Share of the way between two within which both are found where even motion led, clearly
-themselves: the squares of their ways are under UNEVEN then."""
+from pointbrush.tracking.options import TrackerOptions
 
 Pair = tuple[int, int]
 
@@ -48,6 +29,7 @@ class Meeting:
     where one was not seen.
     """
 
+    options: TrackerOptions
     most: float
     before: F64
     after: list[F64 | None] = field(default_factory=list)
@@ -55,17 +37,20 @@ class Meeting:
     def kept_places(self) -> bool:
         """Whether the two are known to have kept their places, by their ways."""
         late = [both for both in self.after[1:] if both is not None]
-        if len(late) < FRAMES or not self.before.shape[1]:
+        if len(late) < self.options.identity.compared_frames or not self.before.shape[1]:
             return False
         after = np.stack(late, axis=1)
-        as_found = _unsteady(np.concatenate([self.before, after], axis=1))
-        return as_found < SMOOTHER * _unsteady(np.concatenate([self.before, after[::-1]], axis=1))
+        as_found = _unsteady(np.concatenate([self.before, after], axis=1), options=self.options)
+        return as_found < self.options.identity.smooth_ratio * _unsteady(
+            np.concatenate([self.before, after[::-1]], axis=1), options=self.options
+        )
 
 
 class Swaps:
     """All pairs of small things of a run that look alike and met."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: TrackerOptions) -> None:
+        self.options = options
         self.meetings: dict[Pair, Meeting] = {}
 
     def meet(self, things: Mapping[int, Thing], places: Mapping[int, Place]) -> None:
@@ -73,7 +58,9 @@ class Swaps:
         at = {n: _middle(things[n], place) for n, place in places.items() if things[n].handy}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
-            if pair not in self.meetings and _may_be_changed(things, at, pair):
+            if pair not in self.meetings and _may_be_changed(
+                things, at, pair, options=self.options
+            ):
                 for label in pair:
                     if label not in ahead:
                         ahead[label] = _predicted(things[label])
@@ -93,19 +80,25 @@ class Swaps:
     ) -> None:
         """Begin a meeting where two may have changed places in this frame."""
         one, other = pair
-        rough = sum((ROUGHLY * things[n].unit) ** 2 for n in pair)
+        rough = sum((self.options.identity.prediction_units * things[n].unit) ** 2 for n in pair)
         kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
         # Nothing stops just where another comes by.
         swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
-        if kept < UNEVEN * swapped or not _look_alike(things[one], things[other]):
+        if kept < self.options.identity.uneven_ratio * swapped or not _look_alike(
+            things[one], things[other]
+        ):
             return
-        most = UNSURE if kept < EVEN * swapped else DOUBTED
-        self.meetings[pair] = Meeting(most, _ways(things[one], things[other]))
+        most = (
+            self.options.identity.unsure_confidence
+            if kept < self.options.identity.even_ratio * swapped
+            else self.options.identity.doubted_confidence
+        )
+        self.meetings[pair] = Meeting(self.options, most, _ways(things[one], things[other]))
 
     def _go_on(self, at: Mapping[int, F64]) -> None:
         """Remember where those that met are; end the meetings of those told apart by it."""
         for (one, other), meeting in list(self.meetings.items()):
-            if len(meeting.after) <= FRAMES:
+            if len(meeting.after) <= self.options.identity.compared_frames:
                 seen = one in at and other in at
                 meeting.after.append(np.stack([at[one], at[other]]) if seen else None)
                 if meeting.kept_places():
@@ -123,7 +116,9 @@ def _predicted(thing: Thing) -> F64:
     return np.asarray(poses[:, :3, :3] @ thing.motion.centre + poses[:, :3, 3])
 
 
-def _may_be_changed(things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair) -> bool:
+def _may_be_changed(
+    things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair, options: TrackerOptions
+) -> bool:
     """Whether two are near, and not both clearly nearer to where they were going than to the other.
 
     Asked of all pairs in each frame, before all their predictions are made.
@@ -133,7 +128,10 @@ def _may_be_changed(things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pa
     if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
         return False
     off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
-    return off > CLEARLY * apart or apart < MEET * max(one.unit, other.unit)
+    return (
+        off > options.identity.clear_share * apart
+        or apart < options.identity.meeting_units * max(one.unit, other.unit)
+    )
 
 
 def _off(ahead: F64, at: F64) -> float:
@@ -144,10 +142,10 @@ def _off(ahead: F64, at: F64) -> float:
 
 def _look_alike(one: Thing, other: Thing) -> bool:
     sizes = sorted(thing.model.radius for thing in (one, other))
-    if sizes[1] > AS_LARGE * sizes[0]:
+    if sizes[1] > one.options.identity.alike_radius_ratio * sizes[0]:
         return False
     shares = (a.worn.share(b.model.colour) for a, b in ((one, other), (other, one)))
-    return min(shares) > ALIKE
+    return min(shares) > one.options.identity.alike_share
 
 
 def _ways(one: Thing, other: Thing) -> F64:
@@ -161,13 +159,15 @@ def _ways(one: Thing, other: Thing) -> F64:
     return np.asarray(np.einsum("kmij,kj->kmi", poses[..., :3, :3], centres) + poses[..., :3, 3])
 
 
-def _unsteady(ways: F64) -> float:
+def _unsteady(ways: F64, options: TrackerOptions) -> float:
     """Sum of squares by which two ways (2, M + FRAMES, 3) are off even motion and free fall.
 
     M frames before a meeting, and FRAMES after it; what falls is accelerated as the other is.
     """
-    early = ways.shape[1] - FRAMES
-    time = np.array([*range(-early, 0), *range(1, FRAMES + 1)], np.float64)
+    early = ways.shape[1] - options.identity.compared_frames
+    time = np.array(
+        [*range(-early, 0), *range(1, options.identity.compared_frames + 1)], np.float64
+    )
     even = np.stack([np.ones_like(time), time], axis=1)
     rest = np.eye(len(time)) - even @ np.linalg.pinv(even)
     off, fall = rest @ ways, rest @ time**2

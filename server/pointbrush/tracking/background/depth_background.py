@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.last_seen import LastSeen
 from pointbrush.tracking.background.pixel_tests import (
-    HIDDEN,
     Images,
     before,
     keep_up,
@@ -26,25 +25,11 @@ from pointbrush.tracking.background.pixel_tests import (
     take_in,
     uncovered,
 )
-from pointbrush.tracking.background.scenery import NEAR, continued, drawn_on, farthest, wavering
+from pointbrush.tracking.background.scenery import continued, drawn_on, farthest, wavering
 from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-ROUGHLY = 0.93
-"""Share of the depth of the scene drawn on from which a depth is taken to be the scene's."""
-RARELY, MOSTLY, ONCE_MORE = 0.25, 0.5, 2.0
-"""Share of the frames that must show the scene, and show what lies off the scene drawn on; and the
-fewest frames that do: one alone may show anything."""
-FAINT = 0.5
-"""Deviations from which a point may be of something that touches the background there."""
-FARTHER, LARGE = 2.0, 0.1
-"""Times that a depth wavers that who had a place has to have gone for what stands there not to be
-his, and the share of what he has from which it is not a foot."""
-MISSED = 3
-"""Pixels beside what is labelled that a run may have missed of it: they are no background."""
-ROOM = 0.15
-"""Share of a thing's length behind which nothing is a side of it."""
 
 
 class Background(Protocol):
@@ -107,6 +92,7 @@ class Background(Protocol):
 class PictureBackground(Background, Protocol):
     """Of a depth camera, whose pictures show people before a scene; ``waver`` its noise."""
 
+    options: TrackerOptions
     waver: DepthNoise
 
     def furniture(self, view: View, indices: I64) -> Mask:
@@ -121,6 +107,7 @@ class PictureBackground(Background, Protocol):
 class ImageBackground:
     """The farthest depth of every pixel, and the last; the sensor stands still."""
 
+    options: TrackerOptions
     waver: DepthNoise
     depth: F32
     last: F32
@@ -159,28 +146,50 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        return stood(view.cells, indices, self.depth, self.last, self.waver)
+        return stood(
+            view.cells,
+            indices,
+            self.depth,
+            self.last,
+            self.waver,
+            self.options.background.near_sigmas,
+        )
 
     def faint(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
         before = (self.depth[cell] - depth) / self.waver(depth)
-        return np.asarray((before > FAINT) & (before <= NEAR))
+        return np.asarray(
+            (before > self.options.background.faint_sigmas)
+            & (before <= self.options.background.near_sigmas)
+        )
 
     def stayed(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
-        as_deep = np.abs(depth - self.anchor[cell]) < NEAR * self.waver(depth)
+        as_deep = np.abs(
+            depth - self.anchor[cell]
+        ) < self.options.background.near_sigmas * self.waver(depth)
         return np.asarray(as_deep & (self.age[cell] >= frames))
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
-        return np.asarray(depth > self.depth[cell] + NEAR * self.waver(depth))
+        return np.asarray(
+            depth > self.depth[cell] + self.options.background.near_sigmas * self.waver(depth)
+        )
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
-        return scenery(view.cells, indices, frames, self._before(view), self._images)
+        return scenery(
+            view.cells,
+            indices,
+            frames,
+            self._before(view),
+            self._images,
+            self.options.background.hidden_share,
+            self.options.background.near_sigmas,
+        )
 
     def calm(self, first: View, others: Sequence[View]) -> None:
         """Measure the noise of each place on the first frames; ``first`` has labels."""
@@ -190,7 +199,9 @@ class ImageBackground:
         for points in first.labels.values():
             start[first.cells.cell[points]] = np.nan
         images = [start[:-1], *(view.depth[:-1] for view in others)]
-        self.scale[:-1] = wavering(images, self.waver(first.depth[:-1]), first.camera.shape)
+        self.scale[:-1] = wavering(
+            images, self.waver(first.depth[:-1]), first.camera.shape, options=self.options
+        )
 
     @property
     def _known(self) -> F32:
@@ -204,34 +215,51 @@ class ImageBackground:
         be another side of it, or somebody else: it is scenery where the scene around goes on, or
         where it lies well behind, stays, and goes on beside what is labelled.
         """
-        scene, count = farthest((view.depth[:-1] for view in [first, *others]), self.waver)
-        scene[count < max(ONCE_MORE, RARELY * (1 + len(others)))] = np.nan
+        scene, count = farthest(
+            (view.depth[:-1] for view in [first, *others]), self.waver, options=self.options
+        )
+        scene[
+            count
+            < max(
+                self.options.background.min_showing_frames,
+                self.options.background.seldom_share * (1 + len(others)),
+            )
+        ] = np.nan
         shape = first.camera.shape
         known = np.isfinite(scene)
         for points in first.labels.values():
             known[first.cells.cell[points]] = False
-        joined = continued(scene, known, shape)
+        joined = continued(scene, known, shape, options=self.options)
         for points in first.labels.values():
             cell, depth = first.cells.pick(points)
-            apart = ROOM * float(np.ptp(first.xyz[points], axis=0).max())
-            behind = scene[cell] > depth + NEAR * self.waver(depth)
-            behind &= scene[cell] > ROUGHLY * self.hidden[cell]
-            stays = count[cell] > MOSTLY * (1 + len(others))
+            apart = self.options.background.side_share * float(
+                np.ptp(first.xyz[points], axis=0).max()
+            )
+            behind = scene[cell] > depth + self.options.background.near_sigmas * self.waver(depth)
+            behind &= scene[cell] > self.options.background.same_depth_share * self.hidden[cell]
+            stays = count[cell] > self.options.background.often_share * (1 + len(others))
             stays &= joined[cell] & (scene[cell] > depth + apart)
             scene[cell[~(behind | stays)]] = np.nan
         self.scene[:-1] = scene
         # At an outline pixels lie between the thing and the scene, and are neither's.
-        self.depth[self.depth < ROUGHLY * self.hidden] = np.nan
+        self.depth[self.depth < self.options.background.same_depth_share * self.hidden] = np.nan
         self.nearest = None
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
-        return before(view.cells, indices, self._before(view), self.scale, self.waver)
+        return before(
+            view.cells,
+            indices,
+            self._before(view),
+            self.scale,
+            self.waver,
+            self.options.background.near_sigmas,
+        )
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """See ``PictureBackground``."""
         cell, depth = view.cells.pick(indices)
-        limit, stood = NEAR * self.waver(depth), self.depth[cell]
+        limit, stood = self.options.background.near_sigmas * self.waver(depth), self.depth[cell]
         return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
@@ -241,9 +269,13 @@ class ImageBackground:
         """
         labelled = np.flatnonzero(self.owner == label)
         stands = labelled[np.isnan(self.scene[labelled]) & (self.age[labelled] >= frames)]
-        limit = NEAR * self.waver(self.anchor[stands]) * self.scale[stands]
-        stands = stands[way > FARTHER * limit]
-        if len(stands) > LARGE * len(labelled):
+        limit = (
+            self.options.background.near_sigmas
+            * self.waver(self.anchor[stands])
+            * self.scale[stands]
+        )
+        stands = stands[way > self.options.background.departed_sigmas * limit]
+        if len(stands) > self.options.background.foot_share * len(labelled):
             self.depth[stands] = self.anchor[stands]
             self.nearest = None
 
@@ -271,17 +303,26 @@ class ImageBackground:
     def drawn_on(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
-        return np.asarray(depth > HIDDEN * self.hidden[cell] - NEAR * self.waver(depth))
+        return np.asarray(
+            depth
+            > self.options.background.hidden_share * self.hidden[cell]
+            - self.options.background.near_sigmas * self.waver(depth)
+        )
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
-        points = uncovered(view.cells, self._images)
+        points = uncovered(
+            view.cells,
+            self._images,
+            self.options.background.hidden_share,
+            self.options.background.near_sigmas,
+        )
         return points, self.hider[view.cells.cell[points]].astype(np.int64)
 
     def again(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
-        return self.held.again(cell, depth, NEAR * self.waver(depth))
+        return self.held.again(cell, depth, self.options.background.near_sigmas * self.waver(depth))
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
@@ -294,18 +335,18 @@ class ImageBackground:
             self.owner[cell[points]] = label
         labelled = self.owner != 0
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
-        limit = np.float32(NEAR) * self.waver(seen)
+        limit = np.float32(self.options.background.near_sigmas) * self.waver(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         if first:
             self.covered = labelled.copy()
         else:
             self.covered &= labelled | ~(seen > self.previous - limit)
-        labelled |= self.held.learn(seen, self.owner, limit, self._known)
+        labelled |= self.held.learn(seen, self.owner, limit, self._known, options=self.options)
         if keep is not None and len(keep):
             labelled[view.project(keep).cell] = True
             labelled[-1] = False
         if first:
-            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1])
+            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=self.options)
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.hiding, self.previous = self.previous, view.depth
         keep_up(self.anchor, self.age, seen, limit, self.scale)
@@ -313,10 +354,16 @@ class ImageBackground:
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
-            top, left = max(rows[0] - MISSED, 0), max(columns[0] - MISSED, 0)
-            part = image[top : rows[-1] + MISSED + 1, left : columns[-1] + MISSED + 1]
-            part[...] = widened(part, MISSED)
+            top, left = (
+                max(rows[0] - self.options.background.rim_px, 0),
+                max(columns[0] - self.options.background.rim_px, 0),
+            )
+            part = image[
+                top : rows[-1] + self.options.background.rim_px + 1,
+                left : columns[-1] + self.options.background.rim_px + 1,
+            ]
+            part[...] = widened(part, self.options.background.rim_px)
         seen[labelled] = np.nan
         self.last = seen
-        take_in(self.depth, seen, limit)
+        take_in(self.depth, seen, limit, self.options.background.learn_rate)
         self.nearest = None

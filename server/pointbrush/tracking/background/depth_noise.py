@@ -7,16 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.tracking.interface import F32
+from pointbrush.tracking.options import TrackerOptions
 
-SAME, STEPPED, TO_AND_FRO = 1e-4, 0.2, 0.4
-"""Metres up to which depths are the same, share of them that are where depth comes in steps, and
-the standard deviation of what goes to and fro between two steps, in steps."""
 DEVIATION = 1.05
 """Standard deviation of a depth, over the median difference of two of them: 1.4826 / sqrt(2)."""
-FEWEST, PARTS = 100, 10
-"""Pixels that tell the noise, and parts, by their depth, each of which tells it for itself."""
-LEAST = 5e-4
-"""Metres of noise that there is at least: no depth camera measures more finely."""
 
 
 class DepthNoise(NamedTuple):
@@ -34,39 +28,40 @@ class DepthNoise(NamedTuple):
         return np.asarray(self.still + self.growing * depth * depth, np.float32)
 
 
-USUAL = DepthNoise(0.004, 0.002)
-"""Noise of a sensor that is not known."""
+def default_noise(options: TrackerOptions) -> DepthNoise:
+    """Return the noise of a sensor that is not known."""
+    return DepthNoise(options.noise.default_m, options.noise.default_per_m2)
 
 
-def measure_noise(one: F32, other: F32) -> DepthNoise:
+def measure_noise(one: F32, other: F32, options: TrackerOptions) -> DepthNoise:
     """Fit the noise to the differences of two depth images of a sensor that stands still.
 
     Source of the fit, which a third of wrong values does not touch: Theil 1950, Sen 1968.
     """
     both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
-    if len(both) < FEWEST:
-        return USUAL
+    if len(both) < options.noise.min_pixels:
+        return default_noise(options)
     change = np.abs(one[both] - other[both])
     square = one[both].astype(np.float64) ** 2
-    parts = np.array_split(np.argsort(square, kind="stable"), PARTS)
+    parts = np.array_split(np.argsort(square, kind="stable"), options.noise.depth_bins)
     x = np.array([float(np.median(square[p])) for p in parts])
-    y = np.array([_spread(change[p]) for p in parts])
+    y = np.array([_spread(change[p], options=options) for p in parts])
     # Slopes of pairs, and their median: what moved between the images spoils a part or two.
     one_part, other_part = np.triu_indices(len(x), 1)
     run = x[other_part] - x[one_part]
     slopes = ((y[other_part] - y[one_part])[run > 1e-6]) / run[run > 1e-6]
     growing = max(0.0, float(np.median(slopes))) if len(slopes) else 0.0
     still = float(np.median(y - growing * x))
-    return DepthNoise(max(still, LEAST), growing)
+    return DepthNoise(max(still, options.noise.floor_m), growing)
 
 
-def _spread(change: F32) -> float:
+def _spread(change: F32, options: TrackerOptions) -> float:
     """Standard deviation of depths that differ by ``change`` (M,) between two images.
 
     What comes in steps, as a first Kinect's does, is mostly the same or a step away.
     """
     gaussian = float(np.median(change)) * DEVIATION
-    other = change[change > SAME]
-    if len(other) > (1.0 - STEPPED) * len(change) or not len(other):
+    other = change[change > options.noise.same_depth_m]
+    if len(other) > (1.0 - options.noise.stepped_share) * len(change) or not len(other):
         return gaussian
-    return max(gaussian, TO_AND_FRO * float(np.median(other)))
+    return max(gaussian, options.noise.step_sigma * float(np.median(other)))

@@ -12,10 +12,8 @@ import numpy as np
 
 from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import I32
-
-STAYS = 0.5
-"""Share of what is seen of a thing that has to be where it was, for it to have stayed."""
 
 
 class LastSeen(NamedTuple):
@@ -34,13 +32,13 @@ class LastSeen(NamedTuple):
         """No label in any of so many cells."""
         return LastSeen(np.zeros(count, np.int32), np.full(count, np.nan, np.float32))
 
-    def learn(self, seen: F32, owner: I32, limit: F32, known: F32) -> Mask:
+    def learn(self, seen: F32, owner: I32, limit: F32, known: F32, options: TrackerOptions) -> Mask:
         """Take in a frame; which cells show without a label what was labelled there.
 
         ``seen`` depths and ``owner`` labels of the cells, ``limit`` metres within which a depth is
         the same, ``known`` depths of the scene, NaN where it was never seen.
         """
-        return _learnt(self, seen, owner, limit, known)
+        return _learnt(self, seen, owner, limit, known, options.background.stayed_share)
 
     def again(self, cell: I32, depth: F32, limit: F32) -> I64:
         """(M,) label that was as deep as that in the cells (M,), 0 for none."""
@@ -49,9 +47,11 @@ class LastSeen(NamedTuple):
 
 
 @compiled
-def _learnt(last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32) -> Mask:
+def _learnt(
+    last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32, stayed_share: float
+) -> Mask:
     label, depth = last
-    gone = _gone(last, seen, owner, limit)
+    gone = _gone(last, seen, owner, limit, stayed_share)
     missed = np.zeros(len(seen), np.bool_)
     for c in range(len(seen)):
         if label[c] != 0 and gone[label[c]]:
@@ -71,7 +71,7 @@ def _learnt(last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32) -> Ma
 
 
 @compiled
-def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32) -> Mask:
+def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float) -> Mask:
     """(labels,) which are seen, and mostly elsewhere than before."""
     label, depth = last
     most = 0
@@ -82,4 +82,4 @@ def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32) -> Mask:
         every[owner[c]] += 1
         if owner[c] == label[c] and abs(seen[c] - depth[c]) < limit[c]:
             same[owner[c]] += 1
-    return same < STAYS * every
+    return same < stayed_share * every

@@ -7,26 +7,29 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import label
 
-from pointbrush.tracking.background.depth_background import ROUGHLY
 from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.background.pixel_tests import least
 from pointbrush.tracking.background.point_background import PointBackground
-from pointbrush.tracking.background.scenery import NEAR, drawn_on
+from pointbrush.tracking.background.scenery import drawn_on
 from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-BESIDE = 0.4
-"""Metres from where somebody was in the last frame within which what is new may be of him."""
 
 
 class MapBackground(PointBackground):
     """The scene as it was charted over the whole run; elsewhere what earlier frames show."""
 
-    def __init__(self, reach: Callable[[F32], F32], waver: DepthNoise, chart: SurfaceMap) -> None:
+    def __init__(
+        self,
+        options: TrackerOptions,
+        reach: Callable[[F32], F32],
+        waver: DepthNoise,
+        chart: SurfaceMap,
+    ) -> None:
         """``reach``: see ``PointBackground``."""
-        super().__init__(reach)
+        super().__init__(options, reach)
         self.waver, self._chart = waver, chart
         self._drawn: tuple[int, F32, F32] | None = None
 
@@ -38,11 +41,11 @@ class MapBackground(PointBackground):
         if self._drawn is None or self._drawn[0] != view.number:
             depth, shape = self._chart.drawn(view), view.camera.shape
             limit = least(depth, shape, self.waver)
-            limit -= NEAR * self.waver(limit)
+            limit -= self.options.background.near_sigmas * self.waver(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(shape)).ravel()
             if hole.any():
-                beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole))
-                limit[:-1][hole] = ROUGHLY * beyond[hole]
+                beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole), options=self.options)
+                limit[:-1][hole] = self.options.background.same_depth_share * beyond[hole]
             self._drawn = view.number, depth, limit
         return self._drawn[1], self._drawn[2]
 
@@ -50,7 +53,7 @@ class MapBackground(PointBackground):
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
         scene = self._scene(view)[0][cell]
-        far = depth - scene > -NEAR * self.waver(depth)
+        far = depth - scene > -self.options.background.near_sigmas * self.waver(depth)
         rest = np.flatnonzero(~far & ~self.certain(view, indices))
         there = np.zeros(len(indices), np.bool_)
         there[rest] = super().static(view, indices[rest])[0]
@@ -70,7 +73,9 @@ class MapBackground(PointBackground):
         stands = self.static(view, indices)[0]
         new = np.flatnonzero(~stands & ~self.certain(view, indices))
         before, labelled = self.past[-1]
-        stands[new] = ~close_to(view.xyz[indices[new]], before.xyz[labelled], BESIDE)
+        stands[new] = ~close_to(
+            view.xyz[indices[new]], before.xyz[labelled], self.options.mapping.beside_m
+        )
         return stands
 
     def left_behind(self, label: int, frames: int, way: float) -> None:

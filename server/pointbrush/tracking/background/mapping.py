@@ -13,28 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.windows import least_around, widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
 
-SHOWN, THROUGH = 2, 0.1
-"""Frames that have to show a piece, and for each of them those that may see through it."""
-RARELY = 0.25
-"""Share of the frames in whose pictures it lies that have to show a piece."""
-ROOM = 0.15
-"""Share of a thing's length behind and beside it within which a piece may be another side of it."""
-BODY = 0.5
-"""Share of the longest thing's length within which what one hides may be the rest of another."""
-SAMPLE = 2000
-"""Points of a thing that are asked how near it is."""
-RIM = 2
-"""Pixels about a thing that are its outline."""
 
-
-def chart_of(views: Sequence[View], noise: DepthNoise) -> SurfaceMap:
+def chart_of(views: Sequence[View], noise: DepthNoise, options: TrackerOptions) -> SurfaceMap:
     """The scene of some frames with depth images; the first has labels."""
     chart = SurfaceMap(np.empty((0, 3)), np.empty((0, 3)))
     around = [_around(view) for view in views]
@@ -42,12 +29,16 @@ def chart_of(views: Sequence[View], noise: DepthNoise) -> SurfaceMap:
         depth = view.depth.copy()
         for points in view.labels.values():
             depth[view.cells.cell[points]] = np.nan
-        depth[np.abs(depth - chart.drawn(view)) < NEAR * noise(depth)] = np.nan
+        depth[np.abs(depth - chart.drawn(view)) < options.background.near_sigmas * noise(depth)] = (
+            np.nan
+        )
         new = SurfaceMap.of(view, depth)
         asked = [_asked(v, a, new.at, noise) for v, a in zip(views, around, strict=True)]
         inside, shown, through = np.sum(asked, axis=0)
-        enough = np.maximum(min(SHOWN, len(views)), RARELY * inside)
-        keep = (shown >= enough) & (through <= THROUGH * shown)
+        enough = np.maximum(
+            min(options.mapping.min_views, len(views)), options.mapping.shown_share * inside
+        )
+        keep = (shown >= enough) & (through <= options.mapping.seen_through_share * shown)
         keep &= ~_about(new.at, views[0], noise)
         chart += new.pick(keep)
     return chart
@@ -76,7 +67,7 @@ def _least(view: View, image: F32) -> F32:
 def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
     """(3, M) whether the places (M, 3) lie in a picture, show a surface there, are seen through."""
     cell, depth = view.project(at)
-    limit = NEAR * noise(depth)
+    limit = view.options.background.near_sigmas * noise(depth)
     through = seen.least[cell] > depth + limit
     shown = ~through & (seen.most[cell] > depth - limit)
     return np.stack([cell >= 0, shown, through]).astype(np.int64)
@@ -96,19 +87,31 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     for label, own in first.labels.items():
         inside, back = _extent(first, own)
         labelled |= inside
-        there |= inside[cell] & (depth < back[cell] + ROOM * lengths[label])
+        there |= inside[cell] & (
+            depth < back[cell] + first.options.mapping.side_share * lengths[label]
+        )
     longest = max(lengths.values())
     some = np.flatnonzero(first.labelled())
-    some = some[:: max(1, len(some) // SAMPLE)]
+    some = some[:: max(1, len(some) // first.options.mapping.sampled_points)]
     objects = first.xyz[some].astype(np.float64)
-    hidden = labelled[cell] & (depth > first.depth[cell]) & close_to(at, objects, BODY * longest)
-    others = ~labelled[cell] & (np.abs(first.depth[cell] - depth) < NEAR * noise(depth))
-    return np.asarray(there | hidden | (close_to(at, objects, ROOM * longest) & ~others))
+    hidden = (
+        labelled[cell]
+        & (depth > first.depth[cell])
+        & close_to(at, objects, first.options.mapping.body_share * longest)
+    )
+    others = ~labelled[cell] & (
+        np.abs(first.depth[cell] - depth) < first.options.background.near_sigmas * noise(depth)
+    )
+    return np.asarray(
+        there
+        | hidden
+        | (close_to(at, objects, first.options.mapping.side_share * longest) & ~others)
+    )
 
 
 def _extent(view: View, points: I64) -> tuple[Mask, F32]:
     """The cells (cells + 1,) of some points and a rim about them, and the greatest depth there."""
     front = np.full(len(view.depth), np.nan, np.float32)
     front[view.cells.cell[points]] = view.cells.depth[points]
-    rim = widened(np.isfinite(front[:-1]).reshape(view.camera.shape), RIM)
+    rim = widened(np.isfinite(front[:-1]).reshape(view.camera.shape), view.options.mapping.rim_px)
     return np.append(rim, False), -_least(view, -front)

@@ -13,14 +13,8 @@ import numpy as np
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.background.scenery import NEAR
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32, Projection
-
-HIDDEN = 0.985
-"""Share of its depth at which the scene drawn on behind an object begins."""
-LEARNT = 0.2
-"""Share of the way that a known depth goes to what is seen, which wavers about it."""
 
 
 class Images(NamedTuple):
@@ -39,14 +33,14 @@ class Images(NamedTuple):
 
 
 @innermost
-def _limit(noise: DepthNoise, depth: float) -> float:
+def _limit(noise: DepthNoise, depth: float, near_sigmas: float) -> float:
     """Metres within which a depth is the same depth."""
-    return NEAR * (noise.still + noise.growing * depth * depth)
+    return near_sigmas * (noise.still + noise.growing * depth * depth)
 
 
 @compiled
 def stood(
-    points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise
+    points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise, near_sigmas: float
 ) -> tuple[Mask, Mask]:
     """See ``Background.static``: ``known`` depths of the background, and those of the ``last``
     frame where nothing was labelled."""
@@ -55,44 +49,59 @@ def stood(
     far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = _limit(noise, depth)
+        limit = _limit(noise, depth, near_sigmas)
         far[i] = depth - known[cell] > -limit
         rest[i] = abs(depth - last[cell]) < limit
     return far, rest
 
 
 @compiled
-def before(points: Projection, indices: I64, nearest: F32, scale: F32, noise: DepthNoise) -> Mask:
+def before(
+    points: Projection,
+    indices: I64,
+    nearest: F32,
+    scale: F32,
+    noise: DepthNoise,
+    near_sigmas: float,
+) -> Mask:
     """See ``Background.certain``: ``nearest`` as of ``least``, ``scale`` as of ``Images``."""
     cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        result[i] = depth < nearest[cell] - _limit(noise, depth) * scale[cell]
+        result[i] = depth < nearest[cell] - _limit(noise, depth, near_sigmas) * scale[cell]
     return result
 
 
 @compiled
-def scenery(points: Projection, indices: I64, frames: int, nearest: F32, images: Images) -> Mask:
+def scenery(
+    points: Projection,
+    indices: I64,
+    frames: int,
+    nearest: F32,
+    images: Images,
+    hidden_share: float,
+    near_sigmas: float,
+) -> Mask:
     """See ``Background.scenery``: ``nearest`` as of ``least``."""
     cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = _limit(images.noise, depth) * images.scale[cell]
+        limit = _limit(images.noise, depth, near_sigmas) * images.scale[cell]
         if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
             result[i] = not depth < nearest[cell] - limit
             continue
         # Uncovered just now, where the scene around goes on: no object came there.
         new = not abs(depth - images.previous[cell]) < limit
-        goes_on = new and depth > HIDDEN * images.hidden[cell] - limit
+        goes_on = new and depth > hidden_share * images.hidden[cell] - limit
         stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
         result[i] = goes_on or stuck
     return result
 
 
 @compiled
-def uncovered(points: Projection, images: Images) -> I64:
+def uncovered(points: Projection, images: Images, hidden_share: float, near_sigmas: float) -> I64:
     """See ``Background.uncovered``: the points (M,)."""
     cells, depths = points
     found = np.empty(len(cells), np.int64)
@@ -101,10 +110,10 @@ def uncovered(points: Projection, images: Images) -> I64:
         cell, depth = cells[i], depths[i]
         if images.hider[cell] == 0:
             continue
-        limit = _limit(images.noise, depth)
+        limit = _limit(images.noise, depth, near_sigmas)
         there = abs(depth - images.previous[cell]) < limit
         shown = there and depth > images.hiding[cell] + limit
-        goes_on = depth > HIDDEN * images.hidden[cell] - limit
+        goes_on = depth > hidden_share * images.hidden[cell] - limit
         if shown and not goes_on and not depth - images.depth[cell] > -limit:
             found[count] = i
             count += 1
@@ -122,10 +131,10 @@ def keep_up(anchor: F32, age: I32, seen: F32, limit: F32, scale: F32) -> None:
 
 
 @compiled
-def take_in(known: F32, seen: F32, limit: F32) -> None:
+def take_in(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
     """Bring the ``known`` depth of each cell nearer to what is ``seen``; what lies farther is known
     at once."""
-    share = np.float32(LEARNT)
+    share = np.float32(learn_rate)
     for c in range(len(seen)):
         change = seen[c] - known[c]
         if abs(change) < limit[c]:

@@ -13,18 +13,15 @@ from numpy.typing import NDArray
 
 from pointbrush.tracking.geometry.near import bounds, close_to, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-KEPT = 3
-"""Frames that are kept: the first, whose labels a person made, and two later ones."""
-RIM = 2.0
-"""Reaches beside what is labelled that are not taken for background."""
 
 
 @dataclass(eq=False)
 class PointBackground:
     """The unlabelled points of earlier frames, found by their k-d trees."""
 
+    options: TrackerOptions
     reach: Callable[[F32], F32]
     """Points (M, 3) of the world → (M,) metres within which a point is the same point."""
     past: list[tuple[View, Mask]] = field(default_factory=list)
@@ -53,7 +50,7 @@ class PointBackground:
         """What a run missed beside ``some`` (M, 3) of its objects must not become background."""
         if not len(some):
             return
-        reach = float(RIM * self.reach(some[:1])[0])
+        reach = float(self.options.background.rim_reaches * self.reach(some[:1])[0])
         lo, hi = bounds(some)
         rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
         labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
@@ -101,7 +98,7 @@ class PointBackground:
         entry = (view, labelled)
         if first or not self.past:
             self.past = [entry]
-        elif len(self.past) < KEPT:
+        elif len(self.past) < self.options.background.kept_scans:
             self.past.append(entry)
         else:
             self.past = [self.past[0], self.past[-1], entry]

@@ -10,18 +10,17 @@ from itertools import pairwise
 import numpy as np
 
 from pointbrush.tracking.background.depth_background import Background, ImageBackground
-from pointbrush.tracking.background.depth_noise import USUAL, measure_noise
+from pointbrush.tracking.background.depth_noise import default_noise, measure_noise
 from pointbrush.tracking.background.map_background import MapBackground
 from pointbrush.tracking.background.mapping import chart_of
 from pointbrush.tracking.background.point_background import PointBackground
 from pointbrush.tracking.background.surface_map import SurfaceMap
 from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.ego_motion import find_trajectory
 from pointbrush.tracking.sensor.lens import Lens, find_lens
 from pointbrush.tracking.sensor.odometry import framed
 from pointbrush.tracking.sensor.range_image import (
-    FAR,
-    FEWEST,
     find_eye,
     range_image_of,
     reach_of,
@@ -30,15 +29,6 @@ from pointbrush.tracking.sensor.steady import steadied
 from pointbrush.tracking.sensor.trajectory import Trajectory
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.sensor.viewpoint import find_camera
-
-CALM = 4
-"""Frames from which the noise of each place is measured."""
-LEAST = 0.1
-"""Share of a picture that tells the noise alone."""
-COVERED = 0.125
-"""Share of the frames that may show nothing of the scene, as behind a hand before the lens."""
-SURVEY = 16
-"""Frames that are looked through for what large things hide."""
 
 
 class Scene:
@@ -54,39 +44,46 @@ class Scene:
         reach: Callable[[F32], F32],
         painted: I64 | None = None,
         *,
+        options: TrackerOptions,
         ahead: bool,
     ) -> None:
         """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame.
 
         What is ``painted`` (M,) in the first frame may move, and tells nothing of the sensor.
         """
-        self._frames, self._order = frames, order
+        self._frames, self._order, self.options = frames, order, options
         # Long arrays most of it, which leave the interpreter to others.
         self._ahead = ThreadPoolExecutor(1) if ahead else None
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
         first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
-        self.lens: Lens | None = _fixed(first, others)
+        self.lens: Lens | None = _fixed(first, others, options=options)
         self._way: Trajectory | None = None
         self._about: F64 | None = None
         if self.lens is None:
-            self._way = find_trajectory(frames, order, painted)
-            self.lens, self._about = _sensor(first, others, moves=self._way is not None)
+            self._way = find_trajectory(frames, order, painted, options=options)
+            self.lens, self._about = _sensor(
+                first, others, moves=self._way is not None, options=options
+            )
         self._steady = False
         self.first = self._look(order[0])
         self._steady_it()
-        self._waver = USUAL
-        self.background: Background = PointBackground(reach)
+        self._waver = default_noise(options)
+        self.background: Background = PointBackground(options, reach)
         if self.lens is not None and not self._moves:
             depth, lens = self._beside(painted), self.lens
             if len(order) > 1:
-                noise = measure_noise(depth, self._look(order[1]).depth)
+                noise = measure_noise(depth, self._look(order[1]).depth, options=options)
                 # In a figure that was cut out of its room nothing need be at rest.
                 far = np.nanmedian(depth, keepdims=True)
-                if noise(far) < USUAL(far) or framed(self.first.frame, lens):
+                if noise(far) < default_noise(options)(far) or framed(
+                    self.first.frame, lens, options=options
+                ):
                     self._waver = noise
             unknown = np.full_like(depth, np.nan)
-            self.background = ImageBackground(self._waver, unknown, unknown, np.ones_like(unknown))
+            self.background = ImageBackground(
+                self.options, self._waver, unknown, unknown, np.ones_like(unknown)
+            )
         self._reach = reach
 
     def _steady_it(self) -> None:
@@ -96,8 +93,12 @@ class Scene:
         some = [self._order[0], *self._apart()]
         way = self._way.over(some)
         poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
-        seen = len(way.lost) <= COVERED * len(some)
-        still = steadied(self.lens, self.first.cells.depth, poses) if seen else None
+        seen = len(way.lost) <= self.options.background.covered_share * len(some)
+        still = (
+            steadied(self.lens, self.first.cells.depth, poses, options=self.options)
+            if seen
+            else None
+        )
         if still is not None:
             self.lens, self._steady = still, True
             self.first = self._look(self._order[0])
@@ -107,7 +108,10 @@ class Scene:
         depth = self.first.depth.copy()
         if painted is not None:
             depth[self.first.cells.cell[painted]] = np.nan
-        enough = np.isfinite(depth).sum() > LEAST * np.isfinite(self.first.depth).sum()
+        enough = (
+            np.isfinite(depth).sum()
+            > self.options.background.min_picture_share * np.isfinite(self.first.depth).sum()
+        )
         return depth if enough else self.first.depth
 
     def view(self, number: int) -> View:
@@ -131,7 +135,13 @@ class Scene:
 
     def _look(self, number: int) -> View:
         return View(
-            number, self._frames(number), self.lens, self._pose(number), self._about, self._steady
+            number,
+            self._frames(number),
+            self.lens,
+            self.options,
+            self._pose(number),
+            self._about,
+            self._steady,
         )
 
     def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
@@ -171,7 +181,9 @@ class Scene:
         if not isinstance(self.background, ImageBackground):
             self.background.learn(self.first, first=True)
             return
-        self.background.calm(self.first, self._views(self._order[1:CALM]))
+        self.background.calm(
+            self.first, self._views(self._order[1 : self.options.background.calm_frames])
+        )
         self.background.learn(self.first, first=True)
         if survey:
             self.background.survey(self.first, self._survey())
@@ -179,7 +191,12 @@ class Scene:
     def _apart(self) -> list[int]:
         """Frames apart, of the whole run."""
         last = len(self._order) - 1
-        return [self._order[i] for i in np.linspace(1, last, min(SURVEY, last)).astype(int)]
+        return [
+            self._order[i]
+            for i in np.linspace(1, last, min(self.options.background.survey_frames, last)).astype(
+                int
+            )
+        ]
 
     def _survey(self) -> list[View]:
         return self._views(self._apart())
@@ -188,42 +205,53 @@ class Scene:
         views = [self.first, *self._survey()]
         if len(views) > 1:
             before = SurfaceMap.of(self.first, self.first.depth).drawn(views[1])
-            self._waver = measure_noise(before, views[1].depth)
-        return MapBackground(self._reach, self._waver, chart_of(views, self._waver))
+            self._waver = measure_noise(before, views[1].depth, options=self.options)
+        return MapBackground(
+            self.options,
+            self._reach,
+            self._waver,
+            chart_of(views, self._waver, options=self.options),
+        )
 
     def _views(self, numbers: Sequence[int]) -> list[View]:
         return [self._look(number) for number in numbers]
 
 
-def _fixed(first: TrackFrame, others: Sequence[TrackFrame]) -> Lens | None:
+def _fixed(first: TrackFrame, others: Sequence[TrackFrame], options: TrackerOptions) -> Lens | None:
     """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
 
     It is looked for where no frame tells it; the ``others`` were seen from there as well.
     """
     xyz = np.asarray(first.xyz)
     recorded = first.viewpoint is not None or first.pose is not None
-    if recorded or reach_of(xyz) > FAR or find_lens(first) is not None:
+    if (
+        recorded
+        or reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        or find_lens(first, options=options) is not None
+    ):
         return None
-    place = find_camera(xyz)
-    if place is None or any(find_lens(f, place=place) is None for f in others if len(f.xyz)):
+    place = find_camera(xyz, options=options)
+    if place is None or any(
+        find_lens(f, place=place, options=options) is None for f in others if len(f.xyz)
+    ):
         return None
-    return find_lens(first, place=place)
+    return find_lens(first, place=place, options=options)
 
 
 def _sensor(
-    first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool
+    first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool, options: TrackerOptions
 ) -> tuple[Lens | None, F64 | None]:
     """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it.
 
     From there the ``others`` were seen as well: what moves through the world has no one place.
     """
-    lens = find_lens(first, moves=moves)
+    lens = find_lens(first, moves=moves, options=options)
     if lens is not None or first.viewpoint is not None:
         return lens, None
     xyz = np.asarray(first.xyz)
-    about = find_eye(xyz)
+    about = find_eye(xyz, options=options)
     later = [np.asarray(frame.xyz) for frame in others]
-    full = [p for p in later if len(p) >= FEWEST]
-    if about is not None and any(range_image_of(p, about) is None for p in full):
+    full = [p for p in later if len(p) >= options.range_image.min_points]
+    if about is not None and any(range_image_of(p, about, options=options) is None for p in full):
         about = None
     return None, about

@@ -15,15 +15,6 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.lens import Pixels
 from pointbrush.tracking.sensor.view import View
 
-JUMP = 0.03
-"""Share of its distance by which a surface changes from pixel to pixel at an outline."""
-STEEP = 0.05
-"""Share of its distance by which a piece may differ within a pixel."""
-CLOSEST = 0.05
-"""Metres before the sensor from which a piece is drawn: none of them sees as near."""
-BESIDE = 3
-"""Drawn pixels beside one that is not, from which it is filled."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceMap:
@@ -35,14 +26,27 @@ class SurfaceMap:
     @staticmethod
     def of(view: View, depth: F32) -> SurfaceMap:
         """All that a depth image (cells + 1,) shows of what a frame's sensor sees."""
-        at, normal = _pieces(depth, np.flatnonzero(np.isfinite(depth)), view.camera.pixels)
+        at, normal = _pieces(
+            depth,
+            np.flatnonzero(np.isfinite(depth)),
+            view.camera.pixels,
+            view.options.mapping.outline_share,
+        )
         T = view.T_picture_world
         return SurfaceMap(transform(np.linalg.inv(T), at), normal @ T[:3, :3])
 
     def drawn(self, view: View) -> F32:
         """(cells + 1,) the scene's depth as a frame's sensor would see it, NaN where unknown."""
-        image = _drawn(view.T_picture_world, self.at, self.normal, view.camera.pixels)
-        _fill(image, *view.camera.shape)
+        image = _drawn(
+            view.T_picture_world,
+            self.at,
+            self.normal,
+            view.camera.pixels,
+            view.options.mapping.closest_m,
+            view.options.mapping.steep_share,
+        )
+        height, width = view.camera.shape
+        _fill(image, height, width, view.options.mapping.filled_beside)
         return image
 
     def pick(self, keep: Mask) -> SurfaceMap:
@@ -55,7 +59,7 @@ class SurfaceMap:
 
 
 @compiled
-def _pieces(depth: F32, cells: I64, lens: Pixels) -> tuple[F64, F64]:
+def _pieces(depth: F32, cells: I64, lens: Pixels, outline_share: float) -> tuple[F64, F64]:
     """Places and normals, across, down and along, of the surface in some cells."""
     at, normal = np.empty((len(cells), 3)), np.empty((len(cells), 3))
     steps = (1, lens.width)
@@ -71,7 +75,7 @@ def _pieces(depth: F32, cells: I64, lens: Pixels) -> tuple[F64, F64]:
             if ends[0] == 0 or ends[0] == ends[1] - 1:
                 continue
             before, after = float(depth[cell - steps[axis]]), float(depth[cell + steps[axis]])
-            if abs(before - z) < JUMP * z and abs(after - z) < JUMP * z:
+            if abs(before - z) < outline_share * z and abs(after - z) < outline_share * z:
                 slope[axis] = (1 / after - 1 / before) / (2 * lens.pitch[axis])
         at[i, 0], at[i, 1], at[i, 2] = x * z, y * z, z
         normal[i, 0], normal[i, 1] = slope[0], slope[1]
@@ -80,13 +84,13 @@ def _pieces(depth: F32, cells: I64, lens: Pixels) -> tuple[F64, F64]:
 
 
 @compiled
-def _drawn(T: F64, at: F64, normal: F64, lens: Pixels) -> F32:
+def _drawn(T: F64, at: F64, normal: F64, lens: Pixels, closest_m: float, steep_share: float) -> F32:
     """(cells + 1,) the nearest piece's depth at the middle of each cell."""
     image = np.full(lens.width * lens.height + 1, np.nan, np.float32)
     for i in range(len(at)):
         a, n = at[i], normal[i]
         z = T[2, 0] * a[0] + T[2, 1] * a[1] + T[2, 2] * a[2] + T[2, 3]
-        if not z > CLOSEST:
+        if not z > closest_m:
             continue
         x = T[0, 0] * a[0] + T[0, 1] * a[1] + T[0, 2] * a[2] + T[0, 3]
         y = T[1, 0] * a[0] + T[1, 1] * a[1] + T[1, 2] * a[2] + T[1, 3]
@@ -100,7 +104,7 @@ def _drawn(T: F64, at: F64, normal: F64, lens: Pixels) -> F32:
         across = p * (lens.least[0] + lens.pitch[0] * int(u))
         down = q * (lens.least[1] + lens.pitch[1] * int(v))
         middle = (p * x + q * y + r * z) / (across + down + r)
-        if abs(middle - z) < STEEP * z:
+        if abs(middle - z) < steep_share * z:
             z = middle
         cell = int(v) * lens.width + int(u)
         if not image[cell] <= z:
@@ -109,7 +113,7 @@ def _drawn(T: F64, at: F64, normal: F64, lens: Pixels) -> F32:
 
 
 @compiled
-def _fill(image: F32, height: int, width: int) -> None:
+def _fill(image: F32, height: int, width: int, filled_beside: int) -> None:
     """Close holes between pieces that lie farther apart than the pixels."""
     before = image.copy()
     for row in range(1, height - 1):
@@ -124,5 +128,5 @@ def _fill(image: F32, height: int, width: int) -> None:
                     if not np.isnan(depth):
                         count += 1
                         total += 1 / depth
-            if count >= BESIDE:
+            if count >= filled_beside:
                 image[cell] = count / total

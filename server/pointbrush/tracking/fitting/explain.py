@@ -14,16 +14,6 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.sensor.lens import Pixels, pixel
 from pointbrush.tracking.sensor.view import View
 
-SIZE = 1.0
-"""Radii by which a thing may have come nearer; what is nearer still and hides it is another."""
-OFF = 4.0
-"""Units nearer or farther than a model point from which what is measured hides it, or shows that it
-was seen through."""
-CAPPED = 3.0
-"""Scales beyond which a distance costs no more."""
-NEUTRAL, LEAN = 0.6, 0.1
-"""What a pose costs that shows nothing of the model, and the weight of that, in models."""
-
 
 class Look(NamedTuple):
     """Sample points (M,) of the model at each of K poses.
@@ -50,11 +40,19 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
         seen, through = _held_against(
-            view.lens.pixels, view.T_lens_world, view.depth, world, facing, OFF * thing.unit
+            view.lens.pixels,
+            view.T_lens_world,
+            view.depth,
+            world,
+            facing,
+            thing.options.register.occlusion_units * thing.unit,
+            thing.options.lens.nearest_m,
         )
     elif view.shade is not None:
-        size = SIZE * thing.model.radius
-        hidden = view.shade.hides(world.reshape(-1, 3), OFF * thing.unit, own, size)
+        size = thing.options.register.nearer_radii * thing.model.radius
+        hidden = view.shade.hides(
+            world.reshape(-1, 3), thing.options.register.occlusion_units * thing.unit, own, size
+        )
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
     return Look(world, seen, through, share)
@@ -66,14 +64,20 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
     A side that was never seen must at least not stand before what was measured.
     """
     colour = thing.model.colour[sample]
-    total, count = _distances(at, colour, target.columns, CAPPED * scale)
-    lean = LEAN * len(sample)
-    return np.asarray((total + lean * NEUTRAL) / (count + lean))
+    total, count = _distances(at, colour, target.columns, thing.options.register.cap_scales * scale)
+    lean = thing.options.register.unseen_weight * len(sample)
+    return np.asarray((total + lean * thing.options.register.unseen_cost) / (count + lean))
 
 
 @compiled
 def _held_against(
-    lens: Pixels, T_lens_world: F64, image: F32, world: F64, facing: Mask, by: float
+    lens: Pixels,
+    T_lens_world: F64,
+    image: F32,
+    world: F64,
+    facing: Mask,
+    by: float,
+    nearest_m: float,
 ) -> tuple[Mask, Mask]:
     """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
 
@@ -83,7 +87,7 @@ def _held_against(
     for k in range(len(world)):
         for i in range(world.shape[1]):
             at = carried(T_lens_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
-            cell, depth = pixel(lens, at)
+            cell, depth = pixel(lens, at, nearest_m)
             if cell >= 0:
                 seen[k, i] = facing[k, i] and not image[cell] < depth - by
                 through[k, i] = image[cell] > depth + by

@@ -12,22 +12,6 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.sensor.view import View
 
-FEWEST = 10
-"""Model points that must face the sensor for their sides to be a criterion."""
-
-ON_SURFACE = 2.5
-"""Units from the model within which a point is of its surface."""
-IN_FRONT, BEHIND = 3, 4
-"""Units by which what was measured lies before a model point that it hides, and behind one that the
-sensor saw through."""
-PRESENT, A_FEW, OF_MANY = 0.25, 4, 0.01
-"""Share of the visible model that has to be matched for the thing to be there; and points that it
-must have, and as a share of its size."""
-LEAST_TRUST = 0.4
-"""Share of its confidence that a thing keeps of which next to nothing shows."""
-STILL_THERE = 0.1
-"""Share of the points that it had in the last frame from which what a lidar sees is there."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
@@ -59,24 +43,35 @@ def judge(
     facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        reach = ON_SURFACE * thing.unit
+        reach = thing.options.verdict.surface_units * thing.unit
         matched[found.nearest[found.gap < reach]] = True
         rest = np.flatnonzero(~matched)
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
-        hidden = view.hides(world, IN_FRONT * thing.unit) & ~matched
-        through = view.sees_through(world, BEHIND * thing.unit) & ~matched & facing
+        hidden = view.hides(world, thing.options.verdict.hidden_units * thing.unit) & ~matched
+        through = (
+            view.sees_through(world, thing.options.verdict.seen_through_units * thing.unit)
+            & ~matched
+            & facing
+        )
     elif view.shade is not None:
-        hidden = view.shade.hides(world, IN_FRONT * thing.unit) & ~matched
+        hidden = view.shade.hides(world, thing.options.verdict.hidden_units * thing.unit) & ~matched
     expected = facing & ~hidden
-    if expected.sum() < FEWEST:
+    if expected.sum() < thing.options.verdict.min_facing_points:
         expected = ~hidden
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
-    enough = len(found.indices) >= max(A_FEW, OF_MANY * thing.size)
+    enough = len(found.indices) >= max(
+        thing.options.verdict.min_points, thing.options.verdict.min_size_share * thing.size
+    )
     # What hides it from a lidar is known too coarsely to tell all that should be seen.
-    much = thing.scanned and len(found.indices) > STILL_THERE * thing.last.points
-    good = enough and (inliers > PRESENT or much)
-    confidence = float(np.clip(inliers * min(1.0, LEAST_TRUST + visible), 0, 1))
+    much = (
+        thing.scanned
+        and len(found.indices) > thing.options.verdict.remaining_share * thing.last.points
+    )
+    good = enough and (inliers > thing.options.verdict.present_share or much)
+    confidence = float(
+        np.clip(inliers * min(1.0, thing.options.verdict.min_trust_share + visible), 0, 1)
+    )
     return Verdict(good, inliers, confidence, hidden, through, visible)

@@ -12,41 +12,12 @@ from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.model import Model
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 
-LONG = 1.5
-"""Times its next longest direction from which the longest one of a thing tells how it is turned."""
-CROWD, CORE, ROUND, SEEDS = 0.6, 1.1, 3, 60
-"""Radii of the model within which a seed's neighbours are counted, and within which a cluster lies;
-rounds in which it moves to its middle (mean shift), and seeds of which the densest begins it."""
-CLUSTERS, FEWEST, SPAN = 4, 8, 1.5
-"""Clusters that are looked at, points of one at least, and radii of the model that one that ends
-all round has at most."""
-TURN = np.radians(40.0)
-"""What an object may turn between frames beyond its prediction, radians."""
-TURNS = np.stack(
-    [
-        Rotation.from_rotvec(sign * TURN * axis).as_matrix()
-        for axis in np.eye(3)
-        for sign in (1.0, -1.0)
-    ]
-)
-"""Rotations (6, 3, 3) by TURN about each axis, either way."""
 AS_IT_WAS = np.eye(3)[None]
 """No rotation (1, 3, 3)."""
 ALL_WAYS = Rotation.create_group("O").as_matrix()
 """Rotations (24, 3, 3) of which one is within 63 degrees of any."""
-SLIDES = (-0.6, -0.3, 0.3, 0.6)
-"""Steps along the longest direction, in radii."""
-GRAIN, SHIFTS, APART = 4.0, 8, 2
-"""Units of a step between the shifts that points vote for, how many of them are tried, and steps
-up to which two are one, since a fit from either finds both."""
-MOST_VOTED, FINEST = 300, 1000
-"""Steps, most voted for, among which such shifts are looked for; and across all that is seen."""
-LIKE, PALETTE = 0.12, 200
-"""Colour difference, in the units of ``View.colour``, up to which colours are alike, and points of
-a model that tell what colours it has."""
-THIN = 1e-3
-"""Metres of radius at least that clusters are looked for with."""
 OPPOSITE, ALONG = -0.9999, 1e-3
 """Cosine under which two directions are opposite, and sine under which they are the same: the axis
 from one to the other is not told by their product."""
@@ -63,31 +34,43 @@ def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, length = _axis(world)
-    result = [*_moved(pose, middle, middle, TURNS)]
+    result = [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg))]
     for centre, points in _clusters(thing, target):
-        turns = [AS_IT_WAS, TURNS]
-        along, other = _axis(points) if length > LONG else (axis, 1.0)
-        if other > LONG:
+        turns = [AS_IT_WAS, _turns(model.options.propose.turn_deg)]
+        along, other = _axis(points) if length > thing.options.propose.long_ratio else (axis, 1.0)
+        if other > thing.options.propose.long_ratio:
             turns += [_turn(axis, sign * along)[None] for sign in (1.0, -1.0)]
         result += [*_moved(pose, middle, centre, np.concatenate(turns))]
     return result
 
 
-def shifts(model: F64, target: F64, pose: F64, unit: float) -> list[F64]:
+def _turns(degrees: float) -> F64:
+    """Return the rotations (6, 3, 3) by some degrees about each axis, either way."""
+    vectors = [sign * np.radians(degrees) * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
+    return np.asarray(Rotation.from_rotvec(vectors).as_matrix())
+
+
+def shifts(model: F64, target: F64, pose: F64, unit: float, options: TrackerOptions) -> list[F64]:
     """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
     find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
     world = transform(pose, model)
     both = np.vstack([target, world])
-    step = max(GRAIN * unit, float(np.ptp(both, axis=0).max()) / FINEST)
+    step = max(
+        options.propose.vote_step_units * unit,
+        float(np.ptp(both, axis=0).max()) / options.propose.max_steps_across,
+    )
     cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
     votes = (cells[:, None] - np.floor(world / step).astype(np.int64)).reshape(-1, 3)
     lo = votes.min(axis=0)
     size = np.ptp(votes, axis=0) + 1
     number, count = np.unique((votes - lo) @ [size[1] * size[2], size[2], 1], return_counts=True)
-    likely = number[np.argsort(-count, kind="stable")[:MOST_VOTED]]
+    likely = number[np.argsort(-count, kind="stable")[: options.propose.vote_window_steps]]
     kept = np.zeros((1, 3), np.int64)
     for shift in np.stack(np.unravel_index(likely, size), axis=1) + lo:
-        if len(kept) <= SHIFTS and (np.abs(kept - shift).max(axis=1) > APART).all():
+        if (
+            len(kept) <= options.propose.voted_shifts
+            and (np.abs(kept - shift).max(axis=1) > options.propose.same_shift_steps).all()
+        ):
             kept = np.vstack([kept, shift])
     found = np.repeat(pose[None], len(kept), axis=0)
     found[:, :3, 3] += kept * step
@@ -99,9 +82,9 @@ def nudges(model: Model, pose: F64) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
-    away = [middle + step * model.radius * axis for step in SLIDES]
+    away = [middle + step * model.radius * axis for step in model.options.propose.slide_radii]
     slid = [_moved(pose, middle, there, AS_IT_WAS)[0] for there in away]
-    return [*_moved(pose, middle, middle, TURNS), *slid]
+    return [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg)), *slid]
 
 
 def turned_at(model: Model, pose: F64, middle: F64) -> F64:
@@ -112,8 +95,8 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 def alike(model: Model, colour: F32) -> Mask:
     """Which of the colours (M, 3) the model has about."""
-    palette = model.colour[:: max(1, len(model.colour) // PALETTE)]
-    return close_to(colour, palette, LIKE)
+    palette = model.colour[:: max(1, len(model.colour) // model.options.propose.palette_points)]
+    return close_to(colour, palette, model.options.propose.alike_colour)
 
 
 def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
@@ -125,18 +108,28 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
     if target.weight > 0:
         points = points[alike(model, target.colour)]
     found = _alone(model, points, thing.unit) if thing.handy else []
-    radius = max(model.radius, THIN)
-    while len(points) >= FEWEST and len(found) < CLUSTERS:
-        some = points[:: max(1, len(points) // SEEDS)]
-        near = cKDTree(points).query_ball_point(some, CROWD * radius, return_length=True)
+    radius = max(model.radius, thing.options.propose.min_radius_m)
+    while (
+        len(points) >= thing.options.propose.min_cluster_points
+        and len(found) < thing.options.propose.clusters
+    ):
+        some = points[:: max(1, len(points) // thing.options.propose.seeds)]
+        near = cKDTree(points).query_ball_point(
+            some, thing.options.propose.crowd_radii * radius, return_length=True
+        )
         centre = some[int(np.argmax(near))]
-        for _ in range(ROUND):
-            inside = np.linalg.norm(points - centre, axis=1) < CORE * radius
+        for _ in range(thing.options.propose.mean_shift_rounds):
+            inside = (
+                np.linalg.norm(points - centre, axis=1)
+                < thing.options.propose.cluster_radii * radius
+            )
             if not inside.any():
                 break
             centre = points[inside].mean(axis=0)
-        inside = np.linalg.norm(points - centre, axis=1) < CORE * radius
-        if inside.sum() < FEWEST:
+        inside = (
+            np.linalg.norm(points - centre, axis=1) < thing.options.propose.cluster_radii * radius
+        )
+        if inside.sum() < thing.options.propose.min_cluster_points:
             break
         found.append((centre, points[inside]))
         points = points[~inside]
@@ -145,18 +138,21 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
 
 def _alone(model: Model, points: F64, unit: float) -> list[tuple[F64, F64]]:
     """Middles and points of the pieces no larger than the model, the largest first."""
-    if len(points) < FEWEST:
+    if len(points) < model.options.propose.min_cluster_points:
         return []
-    piece = pieces(points, unit)
+    piece = pieces(points, unit, options=model.options)
     size = np.bincount(piece)
     found = []
-    for one in np.argsort(-size, kind="stable")[: 2 * CLUSTERS].tolist():
+    for one in np.argsort(-size, kind="stable")[: 2 * model.options.propose.clusters].tolist():
         mine = points[piece == one]
         middle = mine.mean(axis=0)
         far = float(np.linalg.norm(mine - middle, axis=1).max())
-        if len(mine) >= FEWEST and far < SPAN * model.radius:
+        if (
+            len(mine) >= model.options.propose.min_cluster_points
+            and far < model.options.propose.closed_radii * model.radius
+        ):
             found.append((middle, mine))
-    return found[:CLUSTERS]
+    return found[: model.options.propose.clusters]
 
 
 def _axis(xyz: F64) -> tuple[F64, float]:

@@ -28,29 +28,6 @@ from pointbrush.tracking.segmentation.belong import own_points
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 
-DOUBT = 0.25
-"""Cost of a fit above which a thing is looked for in the whole frame."""
-CLEAR, BETTER, MATCHED, WORN = 0.3, 0.7, 0.6, 0.4
-"""Cost up to which it is found there, share of the cost it had before, share of the visible model
-that has to be matched, and share of its colours that it has to have shown where it was painted."""
-LEAST, MOST = 0.25, 3.0
-"""Shares of its size that a cluster may have."""
-SHOWS = 0.4
-"""Share of its size that shows at least of what is farther than its radius from all predictions: an
-arm, or the rim of a body, fits a part of it."""
-LOOSE, AROUND, ONCE, ALIKE = 0.5, 2.2, 1.2, 0.7
-"""What is alone where the thing should be: cost up to which the thing fits there, radii around the
-predictions in which it ends, share of the thing's size that it has at most, and of its colours
-that the thing showed where it was painted."""
-FEW = 0.1
-"""Share of that which somebody may have claimed."""
-ANOTHERS = 0.5
-"""Share of its claim under which the place where a thing was found is another's."""
-CLUSTERS, TRIES = 4, 2
-"""Clusters that are looked at, and those of them that the thing is fitted to."""
-PATIENT, SELDOM = 2, 3
-"""Frames for which it is looked for in each, and then in one of how many."""
-
 
 def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findings) -> None:
     """Look for ``things`` that fit badly or not at all; ``findings`` take them in.
@@ -81,17 +58,20 @@ def _is_astray(thing: Thing, astray: dict[int, int], findings: Findings) -> bool
     view, place = findings.view, _own(thing, findings)
     if view.lens is None or thing.large or thing.bends or thing.stopped:
         return False
-    if place is not None and place.cost < DOUBT:
+    if place is not None and place.cost < thing.options.relocate.doubt:
         astray.pop(thing.label, None)
         return False
     count = astray[thing.label] = astray.get(thing.label, 0) + 1
-    return count <= PATIENT or (view.number + thing.label) % SELDOM == 0
+    return (
+        count <= thing.options.relocate.patient_frames
+        or (view.number + thing.label) % thing.options.relocate.retry_frames == 0
+    )
 
 
 def _own(thing: Thing, findings: Findings) -> Place | None:
     """The place of a thing, None where it is another's, or hardly anything of it elsewhere."""
     place, claim = findings.places.get(thing.label), findings.claims.get(thing.label)
-    if place is None or claim is None or place.undisputed < ANOTHERS:
+    if place is None or claim is None or place.undisputed < thing.options.relocate.others_share:
         return None
     return None if _scrap(thing, place, claim) else place
 
@@ -100,7 +80,10 @@ def _scrap(thing: Thing, place: Place, claim: Claim) -> bool:
     """Whether hardly anything of a thing shows at a place where no motion led."""
     at = transform(place.pose, thing.motion.centre[None])
     away = np.linalg.norm(_expected(thing) - at, axis=1).min()
-    return bool(away > thing.model.radius and len(claim.indices) < SHOWS * thing.size)
+    return bool(
+        away > thing.model.radius
+        and len(claim.indices) < thing.options.relocate.shown_far_share * thing.size
+    )
 
 
 def _alone(
@@ -110,7 +93,11 @@ def _alone(
 
     It has to fit better than ``before``.
     """
-    most = LOOSE if before is None else min(LOOSE, before.cost)
+    most = (
+        thing.options.relocate.alone_cost
+        if before is None
+        else min(thing.options.relocate.alone_cost, before.cost)
+    )
     middle = _lone_piece(thing, background, view, nobodys)
     if middle is None:
         return None
@@ -133,25 +120,30 @@ def _expected(thing: Thing) -> F64:
 def _lone_piece(thing: Thing, background: Background, view: View, nobodys: Mask) -> F64 | None:
     """Middle (3,) of what is alone, of the thing's size and colours, nearest to a prediction."""
     at = _expected(thing)
-    margin = AROUND * thing.model.radius
+    margin = thing.options.relocate.alone_radii * thing.model.radius
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[~background.static(view, around)[0]]
     if not len(around):
         return None
     xyz = view.xyz[around].astype(np.float64)
-    piece = pieces(xyz, thing.unit)
+    piece = pieces(xyz, thing.unit, options=thing.options)
     size = np.bincount(piece)
     ends = within(xyz, lo + thing.unit, hi - thing.unit)
-    fits = (size >= LEAST * thing.size) & (size <= ONCE * thing.size)
+    fits = (size >= thing.options.relocate.size_share_min * thing.size) & (
+        size <= thing.options.relocate.alone_size_share * thing.size
+    )
     fits &= np.bincount(piece[~ends], minlength=len(size)) == 0
-    fits &= np.bincount(piece[~nobodys[around]], minlength=len(size)) <= FEW * size
+    fits &= (
+        np.bincount(piece[~nobodys[around]], minlength=len(size))
+        <= thing.options.relocate.claimed_share * size
+    )
     best, nearest = None, thing.model.radius
     for one in np.flatnonzero(fits).tolist():
         middle = xyz[piece == one].mean(axis=0)
         away = float(np.linalg.norm(at - middle, axis=1).min())
         like = thing.worn.share(view.colour(around[piece == one]))
-        if away < nearest and like > ALIKE:
+        if away < nearest and like > thing.options.relocate.alone_colours_share:
             best, nearest = middle, away
     return best
 
@@ -160,21 +152,34 @@ def _best(
     thing: Thing, background: Background, view: View, left: Mask, points: I64, before: Place | None
 ) -> tuple[Place, Claim] | None:
     """Where a thing fits best among the ``points`` (M,): well, and far better than ``before``."""
-    best, most = None, CLEAR if before is None else min(CLEAR, BETTER * before.cost)
+    best, most = (
+        None,
+        thing.options.relocate.clear_cost
+        if before is None
+        else min(
+            thing.options.relocate.clear_cost, thing.options.relocate.better_ratio * before.cost
+        ),
+    )
     last = thing.motion.poses[-1]
     guesses = [turned_at(thing.model, last, at) for at in _clusters(thing, view, points)]
     searches = [crop(thing, view, background, left, some) for some in guesses]
     likely = [search for search in searches if search is not None]
-    for search in sorted(likely, key=lambda search: float(search.costs.min()))[:TRIES]:
+    for search in sorted(likely, key=lambda search: float(search.costs.min()))[
+        : thing.options.relocate.tries
+    ]:
         place = find(search)
-        cost = place.cost + excess(place.world, search.target, thing.unit)
+        cost = place.cost + excess(place.world, search.target, thing.unit, options=thing.options)
         if cost >= most:
             continue
         claim = own_points(thing, view, place)
         if _scrap(thing, place, claim):
             continue
         verdict = judge(thing, view, place.pose, place.world, claim)
-        if verdict.found and verdict.inliers > MATCHED and _looks_like(thing, view, claim):
+        if (
+            verdict.found
+            and verdict.inliers > thing.options.relocate.matched_share
+            and _looks_like(thing, view, claim)
+        ):
             place.anew = _is_elsewhere(thing, place, before)
             best, most = (place, claim), cost
     return best
@@ -182,7 +187,9 @@ def _best(
 
 def _looks_like(thing: Thing, view: View, claim: Claim) -> bool:
     """Whether what is claimed has the colours that a thing was painted with, as no arm has."""
-    return thing.worn.share(view.colour(claim.indices)) > WORN
+    return (
+        thing.worn.share(view.colour(claim.indices)) > thing.options.relocate.painted_colours_share
+    )
 
 
 def _is_elsewhere(thing: Thing, place: Place, before: Place | None) -> bool:
@@ -200,8 +207,14 @@ def _clusters(thing: Thing, view: View, points: I64) -> list[F64]:
     if not len(points):
         return []
     xyz = view.xyz[points].astype(np.float64)
-    piece = pieces(xyz, thing.unit)
+    piece = pieces(xyz, thing.unit, options=thing.options)
     size = np.bincount(piece)
-    fitting = np.flatnonzero((size >= LEAST * thing.size) & (size <= MOST * thing.size))
+    fitting = np.flatnonzero(
+        (size >= thing.options.relocate.size_share_min * thing.size)
+        & (size <= thing.options.relocate.size_share_max * thing.size)
+    )
     order = np.argsort(np.abs(np.log(size[fitting] / thing.size)), kind="stable")
-    return [xyz[piece == one].mean(axis=0) for one in fitting[order][:CLUSTERS].tolist()]
+    return [
+        xyz[piece == one].mean(axis=0)
+        for one in fitting[order][: thing.options.relocate.clusters].tolist()
+    ]

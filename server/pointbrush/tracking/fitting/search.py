@@ -13,27 +13,8 @@ from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.geometry.registration import Target, transform_each
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-PATIENT = 1_000_000
-"""Frames after which what stands still beside a thing at rest is scenery: never."""
-COARSE, FINE = 120, 400
-"""Model points that a guess is judged by, and that the last iterations use."""
-TARGET = 1200
-"""Points of the frame at most that a model is fitted to."""
-FEWEST = 5
-"""Moving points under which nothing is there."""
-WIDE, NEW, BESIDE = 1.5, 0.6, 4.0
-"""Radii around the predictions that are cut out, more while no motion is known; units beside."""
-FAST, WAVERS, PATIENCE = 0.4, 2.0, 8
-"""Share of its speed by which a thing may be off its predictions, units more, and frames without it
-for which both add up."""
-JUDGED = 4.0
-"""Units that the distances of guesses are judged by."""
-HALF, AT_LEAST = 0.5, 2
-"""Radii by which a large thing goes on until what stayed is no part of it, and frames more."""
-ONE = 0.25
-"""Units by which no point of the model moves between two guesses that are one."""
 
 
 @dataclass(eq=False)
@@ -61,18 +42,29 @@ class Search:
     vain: bool = False
     """Other places were tried, and were no better."""
 
+    @property
+    def options(self) -> TrackerOptions:
+        """The options of the run."""
+        return self.view.options
+
     def __post_init__(self) -> None:
         """Choose what is compared."""
         count = len(self.thing.model.xyz)
-        self.few = np.arange(0, count, max(1, count // COARSE))
-        self.many = np.arange(0, count, max(1, count // FINE))
+        self.few = np.arange(0, count, max(1, count // self.options.search.coarse_points))
+        self.many = np.arange(0, count, max(1, count // self.options.search.fine_points))
         self.target = target_of(self.view, self.moving, self.thing.weight)
 
     @cached_property
     def costs(self) -> F64:
         """(K,) what each of the guesses costs, by the target as it is."""
         thing = self.thing
-        return costs_of(thing, self.target, self.few, self.at, JUDGED * thing.unit)
+        return costs_of(
+            thing,
+            self.target,
+            self.few,
+            self.at,
+            self.options.search.judged_units * thing.unit,
+        )
 
     def aim(self, target: Target) -> None:
         """Look for it in another target."""
@@ -111,9 +103,20 @@ def crop(
     if guesses is None:
         guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
-    radius, unit, gap = thing.span, thing.unit, min(thing.motion.gap, PATIENCE)
-    margin = WIDE * radius + BESIDE * unit + (NEW * radius if thing.motion.fresh else 0.0)
-    margin += (FAST * thing.motion.speed + WAVERS * unit) * gap
+    radius, unit, gap = (
+        thing.span,
+        thing.unit,
+        min(thing.motion.gap, thing.options.search.max_growing_frames),
+    )
+    margin = (
+        thing.options.search.radii * radius
+        + thing.options.search.units * unit
+        + (thing.options.search.radii_unknown_motion * radius if thing.motion.fresh else 0.0)
+    )
+    margin += (
+        thing.options.search.speed_share * thing.motion.speed
+        + thing.options.search.units_per_frame * unit
+    ) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]
@@ -123,7 +126,12 @@ def crop(
         far, still = background.static(view, around)
         if thing.large:
             speed = thing.motion.speed
-            stay = int(HALF * radius / speed) + AT_LEAST if speed > unit else PATIENT
+            stay = (
+                int(thing.options.search.scenery_radii * radius / speed)
+                + thing.options.search.scenery_frames
+                if speed > unit
+                else thing.options.search.never_frames
+            )
             rest = np.flatnonzero(~far)
             far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not
@@ -138,7 +146,7 @@ def crop(
         near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
         if view.roams and not thing.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
-    if len(moving) < FEWEST:
+    if len(moving) < thing.options.search.min_moving_points:
         return None
     search = Search(thing, view, guesses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
@@ -151,7 +159,10 @@ def _distinct(thing: Thing, guesses: F64) -> F64:
     apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
     kept: list[int] = []
     for number in range(len(guesses)):
-        if not kept or apart[number, kept].min() > ONE * thing.unit:
+        if (
+            not kept
+            or apart[number, kept].min() > thing.options.search.same_pose_units * thing.unit
+        ):
             kept.append(number)
     return guesses[kept]
 
@@ -164,7 +175,8 @@ def search_among(thing: Thing, view: View, points: I64) -> Search:
     return Search(thing, view, guesses, box, points, points, points, points[:0])
 
 
-def target_of(view: View, indices: I64, weight: float, most: int = TARGET) -> Target:
+def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:
     """An even part of the points, ``most`` of them, as a target of registration."""
+    most = most or view.options.search.target_points
     some = indices[:: max(1, -(-len(indices) // most))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)

@@ -9,23 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.compiled import compiled
-from pointbrush.tracking.fitting.fit import CLEAR, DOUBT, DOUBT_LARGE
-from pointbrush.tracking.fitting.search import FEWEST, Search
+from pointbrush.tracking.fitting.search import Search
 from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, toned
 from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.thing import Thing
-
-NEAR = 1.5
-"""Times the radii of both within which two predictions may meet."""
-EXPLAINS = 3.0
-"""Units from a prediction within which it explains a point."""
-CLEARLY = 0.5
-"""Share of the way to a thing's own prediction within which another's is clearly nearer."""
+from pointbrush.tracking.options import TrackerOptions
 
 
-def share_out(searches: Iterable[Search]) -> None:
+def share_out(searches: Iterable[Search], options: TrackerOptions) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
     ghosts = [_ghost(search) for search in searches]
@@ -35,11 +28,19 @@ def share_out(searches: Iterable[Search]) -> None:
         left = search.target
         drop = np.zeros(len(left.xyz), np.bool_)
         for number in sure:
-            if searches[number] is not search and ghosts[number].meets(ghost):
-                reach = EXPLAINS * searches[number].thing.unit
+            if searches[number] is not search and ghosts[number].meets(ghost, options=options):
+                reach = options.search.explained_units * searches[number].thing.unit
                 own, theirs = ghost.surface, ghosts[number].surface
-                _drop_theirs(drop, left.xyz, left.colour, own, theirs, reach)
-        if drop.any() and (~drop).sum() >= FEWEST:
+                _drop_theirs(
+                    drop,
+                    left.xyz,
+                    left.colour,
+                    own,
+                    theirs,
+                    reach,
+                    options.search.clearly_nearer_share,
+                )
+        if drop.any() and (~drop).sum() >= options.search.min_moving_points:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
         search.aim(target)
@@ -48,8 +49,8 @@ def share_out(searches: Iterable[Search]) -> None:
 def _limit(thing: Thing) -> float:
     """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
     if thing.motion.fresh:
-        return CLEAR if thing.handy else 0.0
-    return DOUBT_LARGE if thing.large else DOUBT
+        return thing.options.register.clear_cost if thing.handy else 0.0
+    return thing.options.register.doubt_body if thing.large else thing.options.register.doubt
 
 
 class _Surface(NamedTuple):
@@ -68,10 +69,12 @@ class _Ghost:
     centre: F64
     radius: float
 
-    def meets(self, other: _Ghost) -> bool:
+    def meets(self, other: _Ghost, options: TrackerOptions) -> bool:
         """Whether the two are near to each other."""
         away = self.centre - other.centre
-        return float(away @ away) < (NEAR * (self.radius + other.radius)) ** 2
+        return (
+            float(away @ away) < (options.search.meeting_radii * (self.radius + other.radius)) ** 2
+        )
 
 
 def _ghost(search: Search) -> _Ghost:
@@ -84,7 +87,13 @@ def _ghost(search: Search) -> _Ghost:
 
 @compiled
 def _drop_theirs(
-    drop: Mask, xyz: F64, colour: F32, own: _Surface, theirs: _Surface, reach: float
+    drop: Mask,
+    xyz: F64,
+    colour: F32,
+    own: _Surface,
+    theirs: _Surface,
+    reach: float,
+    clearly_nearer_share: float,
 ) -> None:
     """Mark which points (N, 3) are nearer to another's surface than half as far as to their own."""
     mine, others = own.columns, theirs.columns
@@ -98,4 +107,7 @@ def _drop_theirs(
         square, at = nearest_one(others, (x, y, z), tint, reach, other_room)
         if at >= 0:
             tint = toned(mine, colour, i)
-            drop[i] = square < CLEARLY**2 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]
+            drop[i] = (
+                square
+                < clearly_nearer_share**2 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]
+            )

@@ -8,20 +8,19 @@ from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.geometry.columns import pairs
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
-
-CELL, TOUCH = 1.5, 1.75
-"""Units of a cell, and cells between the middles of two that touch."""
-CRUMB, CRUMBS, APART = 0.04, 10, 3.0
-"""Share of a label, and number of points, under which what lies apart from it is no part of it; and
-how many times as far as that is for pieces, since depth comes in steps."""
+from pointbrush.tracking.options import TrackerOptions
 
 
-def pieces(xyz: F64, unit: float) -> I64:
+def pieces(xyz: F64, unit: float, options: TrackerOptions) -> I64:
     """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
-    cell = cells_of(xyz, CELL * unit)
+    cell = cells_of(xyz, options.link.cell_units * unit)
     middle = means_of(xyz, cell)
     whole = np.ones(len(middle), np.bool_)
-    return np.asarray(parts(pairs(middle, TOUCH * CELL * unit), whole)[cell])
+    return np.asarray(
+        parts(pairs(middle, options.link.touching_cells * options.link.cell_units * unit), whole)[
+            cell
+        ]
+    )
 
 
 @compiled
@@ -56,7 +55,7 @@ def root_of(root: I64, at: int) -> int:
     return at
 
 
-def solid(xyz: F64, unit: float) -> Mask:
+def solid(xyz: F64, unit: float, options: TrackerOptions) -> Mask:
     """Which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
 
     A person who paints a thing paints the flying pixels of its outline too, which lie anywhere
@@ -64,6 +63,8 @@ def solid(xyz: F64, unit: float) -> Mask:
     """
     if not len(xyz):
         return np.ones(0, np.bool_)
-    piece = pieces(xyz, APART * unit)
-    kept = np.bincount(piece)[piece] >= min(CRUMBS, CRUMB * len(xyz))
+    piece = pieces(xyz, options.link.apart_factor * unit, options=options)
+    kept = np.bincount(piece)[piece] >= min(
+        options.link.crumb_points, options.link.crumb_share * len(xyz)
+    )
     return kept if 2 * np.count_nonzero(kept) > len(xyz) else np.ones(len(xyz), np.bool_)

@@ -11,17 +11,7 @@ from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, to
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.geometry.registration import Source, Target
 from pointbrush.tracking.interface import F32, F64, I64
-
-LINKS, AROUND = 4, 6
-"""Nearest nodes that move a point, and that smooth a node's own motion, itself among them."""
-ROUNDS, SHRINKS = 3, 0.5
-"""Rounds of pairing; round n, from 0, has the scale divided by ``1 + SHRINKS * n``."""
-PAIRED = 3.0
-"""Scales of a round within which points are paired."""
-SMOOTH = 0.5
-"""Weight of the mean over the nodes around in a node's motion."""
-LEAN = 0.5
-"""Weight with which a node stays where the round before left it."""
+from pointbrush.tracking.options import TrackerOptions
 
 
 def nodes_of(xyz: F64, apart: float) -> F64:
@@ -42,23 +32,35 @@ class DeformationGraph(NamedTuple):
     around: I64
 
 
-def warp(place: F64, colour: F32, target: Target, apart: float, scale: float) -> F64:
+def warp(
+    place: F64, colour: F32, target: Target, apart: float, scale: float, options: TrackerOptions
+) -> F64:
     """Bend ``place`` (M, 3) onto the target: displacements (M, 3), smooth over the node graph.
 
     Nodes lie ``apart`` metres from each other; ``scale`` metres is the distance at which a pair
     weighs a quarter.  Each round pairs the points in place and colour, averages the displacements
     at the nodes, and smooths them over each node's neighbours.
     """
-    return _pulled(Source(place, colour), target.columns, _graph_of(place, apart), scale)
+    return _pulled(
+        Source(place, colour),
+        target.columns,
+        _graph_of(place, apart, options=options),
+        scale,
+        options.deform.rounds,
+        options.deform.previous_weight,
+        options.deform.round_shrink,
+        options.deform.pair_scales,
+        options.deform.smooth_weight,
+    )
 
 
-def _graph_of(place: F64, apart: float) -> DeformationGraph:
+def _graph_of(place: F64, apart: float, options: TrackerOptions) -> DeformationGraph:
     """Nodes ``apart`` metres from each other over the points (M, 3)."""
     nodes = nodes_of(place, apart)
-    link, square = _nearest_nodes(place, nodes, min(LINKS, len(nodes)))
+    link, square = _nearest_nodes(place, nodes, min(options.deform.nodes_per_point, len(nodes)))
     share = np.exp(-square / apart**2) + 1e-9
     share /= share.sum(axis=1, keepdims=True)
-    around, _ = _nearest_nodes(nodes, nodes, min(AROUND, len(nodes)))
+    around, _ = _nearest_nodes(nodes, nodes, min(options.deform.nodes_around, len(nodes)))
     return DeformationGraph(link, share, around)
 
 
@@ -83,21 +85,31 @@ def _nearest_nodes(place: F64, nodes: F64, count: int) -> tuple[I64, F64]:
 
 
 @compiled
-def _pulled(source: Source, grid: Columns, graph: DeformationGraph, scale: float) -> F64:
+def _pulled(
+    source: Source,
+    grid: Columns,
+    graph: DeformationGraph,
+    scale: float,
+    rounds: int,
+    previous_weight: float,
+    round_shrink: float,
+    pair_scales: float,
+    smooth_weight: float,
+) -> F64:
     """See ``warp``: displacements (M, 3) of the points that the graph carries."""
     place, colour = source
     link, share, around = graph
     moved, offset = np.zeros((len(around), 3)), np.zeros_like(place)
     pulls, total = np.empty_like(moved), np.empty(len(around))
     room, last = spans(grid), np.full(len(place), -1)
-    for turn in range(ROUNDS):
-        s = scale / (1 + SHRINKS * turn)
-        pulls[:], total[:] = LEAN * moved, LEAN
+    for turn in range(rounds):
+        s = scale / (1 + round_shrink * turn)
+        pulls[:], total[:] = previous_weight * moved, previous_weight
         for i in range(len(place)):
             x, y, z = place[i, 0], place[i, 1], place[i, 2]
             at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
             tint = toned(grid, colour, i)
-            square, near = nearest_one(grid, at, tint, PAIRED * s, room, last[i])
+            square, near = nearest_one(grid, at, tint, pair_scales * s, room, last[i])
             last[i] = near
             if near < 0:
                 continue
@@ -116,7 +128,9 @@ def _pulled(source: Source, grid: Columns, graph: DeformationGraph, scale: float
                 mean = 0.0
                 for other in around[node]:
                     mean += pulls[other, a]
-                moved[node, a] = (1 - SMOOTH) * pulls[node, a] + SMOOTH * mean / around.shape[1]
+                moved[node, a] = (1 - smooth_weight) * pulls[
+                    node, a
+                ] + smooth_weight * mean / around.shape[1]
         for i in range(len(place)):
             for a in range(3):
                 offset[i, a] = 0.0

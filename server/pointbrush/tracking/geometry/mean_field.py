@@ -12,16 +12,17 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.paths import Paths
 from pointbrush.tracking.interface import F64
 
-SWEEPS, FIRM = 30, 8.0
-"""Most sweeps over the cells, and how much all neighbours of a cell weigh against its own cost."""
-SETTLED, SAME = 0.02, 0.002
-"""Change of probability under which a sweep was the last, and of which no neighbour need know."""
-ENOUGH = 3.0
-"""Neighbours from which they have their full weight."""
-
 
 @compiled
-def agreed(cost: F64, links: Paths) -> F64:
+def agreed(
+    cost: F64,
+    links: Paths,
+    sweeps: int,
+    settled_change: float,
+    same_change: float,
+    neighbour_weight: float,
+    full_neighbours: float,
+) -> F64:
     """(N, K) probability that a cell is of each of the K, which ``cost`` it (N, K).
 
     ``links`` lead from each cell to its neighbours; their length is how much a neighbour counts.
@@ -31,7 +32,7 @@ def agreed(cost: F64, links: Paths) -> F64:
     asked, moved = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for i in range(count):
         _normalised(-cost[i], share[i])
-    for sweep in range(SWEEPS):
+    for sweep in range(sweeps):
         change = 0.0
         for turn in range(count):
             i = turn if sweep % 2 == 0 else count - 1 - turn
@@ -46,7 +47,9 @@ def agreed(cost: F64, links: Paths) -> F64:
                 total += links.length[n]
                 for k in range(many):
                     now[k] += links.length[n] * share[links.end[n], k]
-            scale = FIRM * min(1.0, total / ENOUGH) / total if total > 0.0 else 0.0
+            scale = (
+                neighbour_weight * min(1.0, total / full_neighbours) / total if total > 0.0 else 0.0
+            )
             for k in range(many):
                 now[k] = scale * now[k] - cost[i, k]
             _normalised(now, now)
@@ -56,9 +59,9 @@ def agreed(cost: F64, links: Paths) -> F64:
                 share[i, k] = now[k]
             change = max(change, away)
             asked[i] = sweep * count + turn + 1
-            if away > SAME:
+            if away > same_change:
                 moved[i] = asked[i]
-        if change < SETTLED:
+        if change < settled_change:
             break
     return share
 

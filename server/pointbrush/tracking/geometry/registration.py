@@ -24,14 +24,8 @@ from pointbrush.tracking.geometry.columns import (
 )
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 
-PAIRED, FEWEST_PAIRS = 3.0, 6
-"""Scales of a fit within which points are paired, and pairs that tell a turn."""
-ON, BESIDE, EXCESS = 3.0, 6.0, 0.3
-"""Units from a surface within which points are on it and, farther, beside it; and what a fit costs
-beside which there are as many as on it."""
-MOSTLY = 0.8
-"""Share of a target from which it does not pay to cut it."""
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
 
@@ -138,12 +132,12 @@ class Target:
     colour: F32
     weight: float
 
-    def around(self, xyz: F64, margin: float) -> Target:
+    def around(self, xyz: F64, margin: float, options: TrackerOptions) -> Target:
         """What of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside; all of it
         where that is most."""
         lo, hi = bounds(xyz)
         part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
-        if len(part) > MOSTLY * len(self.xyz) or not len(part):
+        if len(part) > options.register.uncut_share * len(self.xyz) or not len(part):
             return self
         return Target(self.xyz[part], self.colour[part], self.weight)
 
@@ -174,7 +168,12 @@ class Fits:
 
 
 def robust_fits(
-    source: Source, seen: Mask, target: Target, T: F64, scales: Sequence[float]
+    source: Source,
+    seen: Mask,
+    target: Target,
+    T: F64,
+    scales: Sequence[float],
+    options: TrackerOptions,
 ) -> Fits:
     """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
 
@@ -182,7 +181,17 @@ def robust_fits(
     target; ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the
     scale, which shrinks (Geman and McClure 1985).
     """
-    return Fits(*_robust_fits(source, seen, target.columns, T, np.array(scales, np.float64)))
+    return Fits(
+        *_robust_fits(
+            source,
+            seen,
+            target.columns,
+            T,
+            np.array(scales, np.float64),
+            options.register.min_pairs,
+            options.register.pair_scales,
+        )
+    )
 
 
 @innermost
@@ -197,7 +206,13 @@ def carried(T: F64, x: float, y: float, z: float) -> Triple:
 
 @compiled
 def _robust_fits(
-    source: Source, seen: Mask, grid: Columns, start: F64, scales: F64
+    source: Source,
+    seen: Mask,
+    grid: Columns,
+    start: F64,
+    scales: F64,
+    min_pairs: int,
+    pair_scales: float,
 ) -> tuple[F64, F64]:
     motions, costs = start.copy(), np.ones(len(start))
     xyz, colour = source
@@ -216,19 +231,19 @@ def _robust_fits(
                 moved[pairs] = place
                 tint = toned(grid, colour, i)
                 # What was the nearest before is so again, or nearly.
-                square, at = nearest_one(grid, place, tint, PAIRED * scale, room, last[i])
+                square, at = nearest_one(grid, place, tint, pair_scales * scale, room, last[i])
                 last[i] = at
                 which += 1
                 if at < 0:
-                    total += PAIRED * PAIRED
+                    total += pair_scales * pair_scales
                     continue
                 square /= scale * scale
                 total += square
                 share[pairs] = 1.0 / (1.0 + square) ** 2
                 near[pairs] = grid.xyz[at]
                 pairs += 1
-            costs[k] = total / (PAIRED * PAIRED * max(which, 1))
-            T = _motion(moved[:pairs], near[:pairs], share[:pairs], FEWEST_PAIRS) @ T
+            costs[k] = total / (pair_scales * pair_scales * max(which, 1))
+            T = _motion(moved[:pairs], near[:pairs], share[:pairs], min_pairs) @ T
         motions[k] = T
     return motions, costs
 
@@ -270,26 +285,35 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
     return T
 
 
-def excess(moved: F64, target: Target, unit: float) -> float:
+def excess(moved: F64, target: Target, unit: float, options: TrackerOptions) -> float:
     """How much of the target lies just beside the ``moved`` source, 0 to EXCESS.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    return EXCESS * min(1.0, _beside(columns(moved, NONE, 0.0), target.xyz, unit))
+    return options.register.excess_cost * min(
+        1.0,
+        _beside(
+            columns(moved, NONE, 0.0),
+            target.xyz,
+            unit,
+            options.register.beside_units,
+            options.register.on_units,
+        ),
+    )
 
 
 @compiled
-def _beside(surface: Columns, xyz: F64, unit: float) -> float:
+def _beside(surface: Columns, xyz: F64, unit: float, beside_units: float, on_units: float) -> float:
     """Points (N, 3) just beside the surface, for each that is on it."""
     on, beside, none = 0, 0, (0.0, 0.0, 0.0)
     lo, hi = bounds(surface.xyz)
     for i in range(len(xyz)):
         x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
         away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-        if away >= BESIDE * unit:
+        if away >= beside_units * unit:
             continue
-        if any_near(surface, (x, y, z), none, ON * unit):
+        if any_near(surface, (x, y, z), none, on_units * unit):
             on += 1
-        elif any_near(surface, (x, y, z), none, BESIDE * unit):
+        elif any_near(surface, (x, y, z), none, beside_units * unit):
             beside += 1
     return beside / max(on, 1)

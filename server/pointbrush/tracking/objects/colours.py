@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter
 
 from pointbrush.tracking.geometry.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 
 BIN = 0.028
 """Width of a bin, in the units of ``View.colour``."""
@@ -17,17 +18,6 @@ LIKE = 3
 """Bins, each way, over which colours are alike."""
 LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
 """Least of each channel of ``View.colour``, and bins along each, the last of them brightness."""
-RATHER = 10.0
-"""How many times as common among those worn a colour is that is rather theirs."""
-COARSE = 3
-"""Bins, each way, of the cells in which it is told how common a colour is among few."""
-OFTEN = 0.02
-"""Share of colours from which they are common."""
-RARER = 2.0
-"""How much rarer colours may be than its own usually are, in the mean logarithm, to be like them:
-the edge of what is painted has those of hands."""
-RARE = 0.002
-"""Share of colours that are nowhere among those worn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,37 +28,44 @@ class ColourHistogram:
     says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
     """
 
+    options: TrackerOptions
     common: F32
     hues: F32
     usual: float
     alone: Mask
 
     @staticmethod
-    def of(colour: F32) -> ColourHistogram:
+    def of(colour: F32, options: TrackerOptions) -> ColourHistogram:
         """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
         common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
         hues = LIKE**2 * uniform_filter(share.sum(axis=2), LIKE, mode="constant").ravel()
-        usual = float(np.log(common[_bins(colour)] + RARE).mean()) if len(colour) else 0.0
-        return ColourHistogram(common, hues, usual, np.zeros(len(common), np.bool_))
+        usual = (
+            float(np.log(common[_bins(colour)] + options.appearance.absent_share).mean())
+            if len(colour)
+            else 0.0
+        )
+        return ColourHistogram(options, common, hues, usual, np.zeros(len(common), np.bool_))
 
     def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
         """The same, with the colours told that are its alone among ``others``."""
-        alone = self.common > OFTEN
+        alone = self.common > self.options.appearance.common_share
         for other in others:
-            alone &= self.common > RATHER * other.common
+            alone &= self.common > self.options.appearance.rather_ratio * other.common
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
         """The same, with no colour its alone that is not more points' of a thing of ``size`` points
         than of those that have the colours (M, 3)."""
-        other = ColourHistogram.of(colour)
+        other = ColourHistogram.of(colour, self.options)
         return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
 
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
-        return np.asarray(np.log(self.common[_bins(colour)] + RARE), np.float32)
+        return np.asarray(
+            np.log(self.common[_bins(colour)] + self.options.appearance.absent_share), np.float32
+        )
 
     def likeness(self, colour: F32) -> float:
         """Mean logarithm of how common the colours (M, 3) are."""
@@ -76,15 +73,16 @@ class ColourHistogram:
 
     def unlike(self, colour: F32) -> bool:
         """Whether the colours (M, 3) are much rarer here than its own usually are."""
-        return self.likeness(colour) < self.usual - RARER
+        return self.likeness(colour) < self.usual - self.options.appearance.rarer_log
 
     def rather(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
         at = _at(colour)
-        place = _flat(at // COARSE)
+        place = _flat(at // self.options.appearance.coarse_bins)
         number = numbered(place)
         return np.asarray(
-            self.common[_flat(at)] > RATHER * np.bincount(number)[number] / len(colour)
+            self.common[_flat(at)]
+            > self.options.appearance.rather_ratio * np.bincount(number)[number] / len(colour)
         )
 
     def only(self, colour: F32) -> Mask:
@@ -93,11 +91,17 @@ class ColourHistogram:
 
     def strange(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) have no like here, be they brighter or darker."""
-        return np.asarray(self.hues[_bins(colour) // SHAPE[2]] <= RARE)
+        return np.asarray(
+            self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.absent_share
+        )
 
     def share(self, colour: F32) -> float:
         """Share of the colours (M, 3) that have their like."""
-        return float((self.common[_bins(colour)] > RARE).mean()) if len(colour) else 0.0
+        return (
+            float((self.common[_bins(colour)] > self.options.appearance.absent_share).mean())
+            if len(colour)
+            else 0.0
+        )
 
 
 def _at(colour: F32) -> I64:

@@ -15,19 +15,9 @@ from scipy.ndimage import minimum_filter
 from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.registration import carried, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import Lens, Pixels, pixel
 from pointbrush.tracking.sensor.view import View
-
-MOST = 10
-"""Glimpses kept of a thing."""
-APART = np.cos(np.radians(12.0))
-"""Cosine of the turn from which another glimpse shows something new."""
-BEYOND = 3.0
-"""Units by which what was seen must lie behind a place that was looked through."""
-ENOUGH = 2
-"""Glimpses that have to agree: one pose may be wrong."""
-MARGIN = 8
-"""Pixels around the thing that are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,20 +35,28 @@ class Glimpse:
     corner: tuple[int, int]
     depth: F32
 
-    def through(self, xyz: F64, beyond: float) -> Mask:
+    def through(self, xyz: F64, beyond: float, options: TrackerOptions) -> Mask:
         """Whether points (M, 3) of the thing's own coordinates were looked through."""
         T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
-        return _through(self.lens.pixels, T, self.corner, self.depth, xyz, beyond)
+        return _through(
+            self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.lens.nearest_m
+        )
 
 
 @compiled
 def _through(
-    lens: Pixels, T: F64, corner: tuple[int, int], image: F32, xyz: F64, beyond: float
+    lens: Pixels,
+    T: F64,
+    corner: tuple[int, int],
+    image: F32,
+    xyz: F64,
+    beyond: float,
+    nearest_m: float,
 ) -> Mask:
     result = np.zeros(len(xyz), np.bool_)
     height, width = image.shape
     for i in range(len(xyz)):
-        cell, depth = pixel(lens, carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2]))
+        cell, depth = pixel(lens, carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2]), nearest_m)
         row, column = cell // lens.width - corner[0], cell % lens.width - corner[1]
         if cell >= 0 and 0 <= row < height and 0 <= column < width:
             result[i] = image[row, column] > depth + beyond
@@ -75,9 +73,15 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
         return None
     height, width = view.lens.shape
     row, column = np.divmod(cell, width)
-    top, left = max(int(row.min()) - MARGIN, 0), max(int(column.min()) - MARGIN, 0)
+    top, left = (
+        max(int(row.min()) - view.options.surface.carve_margin_px, 0),
+        max(int(column.min()) - view.options.surface.carve_margin_px, 0),
+    )
     image = view.depth[:-1].reshape(height, width)
-    part = image[top : int(row.max()) + MARGIN + 1, left : int(column.max()) + MARGIN + 1]
+    part = image[
+        top : int(row.max()) + view.options.surface.carve_margin_px + 1,
+        left : int(column.max()) + view.options.surface.carve_margin_px + 1,
+    ]
     part = np.nan_to_num(part, nan=0.0)
     least = minimum_filter(part, 3, mode="constant")
     return Glimpse(pose, view.T_world_lens, view.lens, (top, left), least)
@@ -87,19 +91,21 @@ def remember(glimpses: list[Glimpse], view: View, pose: F64, world: F64) -> None
     """Add a glimpse where it shows the thing from another side; the oldest leaves."""
     # The thing hardly leaves its place in front of the sensor: what turns is the thing.
     turns = [float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in glimpses]
-    if turns and max(turns) > APART:
+    if turns and max(turns) > np.cos(np.radians(view.options.surface.carve_turn_deg)):
         return
     new = glimpse(view, pose, world)
     if new is not None:
         glimpses.append(new)
-        del glimpses[:-MOST]
+        del glimpses[: -view.options.surface.carve_views]
 
 
 def carved(glimpses: list[Glimpse], view: View, pose: F64, points: I64, unit: float) -> Mask:
     """Which ``points`` (M,) lie where a thing at ``pose`` cannot be."""
     votes = np.zeros(len(points), np.int64)
-    if len(glimpses) >= ENOUGH and len(points):
+    if len(glimpses) >= view.options.surface.carve_min_views and len(points):
         own = transform(inverse(pose), view.xyz[points].astype(np.float64))
         for earlier in glimpses:
-            votes += earlier.through(own, BEYOND * unit)
-    return np.asarray(votes >= ENOUGH)
+            votes += earlier.through(
+                own, view.options.surface.carve_units * unit, options=view.options
+            )
+    return np.asarray(votes >= view.options.surface.carve_min_views)

@@ -10,23 +10,7 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.grid import numbered
 from pointbrush.tracking.geometry.near import bounds, middle
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-
-MOST_POINTS, MOST_BENT = 2500, 1000
-"""Points of a model, and of one that is made anew in each frame, since it bends."""
-SURE = 12.0
-"""Hits from which a point may have new neighbours; a person's points have them at once."""
-NEARLY_ALL = 0.98
-"""Share of the points within its radius: outliers do not make a thing large."""
-HIT, NEW_SURFACE = 1.2, 0.9
-"""Spacings from a known point up to which another is a hit on it, and from which it is new: what
-lies between is both."""
-FEWEST, TRUSTED = 10, 4
-"""Points that a model keeps at least, and hits that count against misses: what was often seen
-leaves all the same once it was seen through six times."""
-CELL, COARSER = 0.8, 1.05
-"""Spacings across a cell that keeps one point; and how much coarser a full model becomes."""
-FACING = 0.25
-"""Cosine between the directions from which a point was and would be seen, to expect it."""
+from pointbrush.tracking.options import TrackerOptions
 
 
 @dataclass(eq=False)
@@ -38,6 +22,7 @@ class Model:
     counts, ``spacing`` metres between neighbours.
     """
 
+    options: TrackerOptions
     xyz: F64
     colour: F32
     seen: F64
@@ -48,11 +33,17 @@ class Model:
 
     @staticmethod
     def of(
-        xyz: F64, colour: F32, eye: F64 | None, spacing: float, most: int = MOST_POINTS
+        xyz: F64,
+        colour: F32,
+        eye: F64 | None,
+        spacing: float,
+        options: TrackerOptions,
+        most: int | None = None,
     ) -> Model:
         """A model of the points (M, 3) that a sensor at ``eye`` sees, ``most`` of them."""
         n = len(xyz)
         model = Model(
+            options,
             xyz,
             colour,
             _towards(xyz, eye),
@@ -60,7 +51,7 @@ class Model:
             np.ones(n, np.float32),
             np.zeros(n, np.float32),
         )
-        return model._thin(most)
+        return model._thin(most or options.surface.max_points)
 
     @property
     def centre(self) -> F64:
@@ -73,7 +64,7 @@ class Model:
         if self._radius is None:
             away = self.xyz - self.centre
             square = np.einsum("ij,ij->i", away, away)
-            most = int(NEARLY_ALL * (len(square) - 1))
+            most = int(self.options.surface.radius_share * (len(square) - 1))
             self._radius = float(np.sqrt(np.partition(square, most)[most]))
         return self._radius
 
@@ -83,7 +74,9 @@ class Model:
         xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
-        return _facing(xyz, seen, poses, np.asarray(eye, np.float64))
+        return _facing(
+            xyz, seen, poses, np.asarray(eye, np.float64), self.options.surface.facing_cos
+        )
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool | Mask
@@ -94,28 +87,32 @@ class Model:
         holds an object moves with it, and must not become part of it bit by bit.
         """
         sure = np.broadcast_to(sure, len(xyz))
-        on = gap < HIT * self.spacing
+        on = gap < self.options.surface.hit_spacings * self.spacing
         self._hit(nearest[on], sure[on])
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
-        beside = sure | (self.hits[nearest] >= SURE)
-        new = np.flatnonzero((gap >= NEW_SURFACE * self.spacing) & beside)
+        beside = sure | (self.hits[nearest] >= self.options.surface.sure_hits)
+        new = np.flatnonzero((gap >= self.options.surface.new_spacings * self.spacing) & beside)
         if len(new) == 0:
             return
         self.xyz = np.vstack([self.xyz, xyz[new]])
         self.colour = np.vstack([self.colour, colour[new]])
         self.seen = np.vstack([self.seen, towards[new]])
-        self.hits = np.append(self.hits, np.where(sure[new], SURE, 1.0).astype(np.float32))
+        self.hits = np.append(
+            self.hits, np.where(sure[new], self.options.surface.sure_hits, 1.0).astype(np.float32)
+        )
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
-        self._keep(self._distinct())
+        self._keep(self._distinct(self.options.surface.max_points))
 
     def _hit(self, which: I64, sure: Mask) -> None:
         """Confirm points; what was only ever seen beside a hand never counts as certain."""
-        capped = self.hits < SURE
+        capped = self.hits < self.options.surface.sure_hits
         capped[which[sure]] = False
         self.hits[which] += 1
-        self.hits[capped & (self.hits >= SURE)] = SURE - 1
+        self.hits[capped & (self.hits >= self.options.surface.sure_hits)] = (
+            self.options.surface.sure_hits - 1
+        )
 
     def miss(self, which: Mask) -> I64:
         """Count points that the sensor saw through; those seen through too often leave.
@@ -123,24 +120,28 @@ class Model:
         Returns the new number of each point (M,), -1 for those that have left.
         """
         self.misses[which] += 1
-        return self.drop(self.misses > np.minimum(self.hits, TRUSTED) + 1)
+        return self.drop(
+            self.misses > np.minimum(self.hits, self.options.surface.max_counted_hits) + 1
+        )
 
     def drop(self, which: Mask) -> I64:
         """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
-        if not which.any() or np.count_nonzero(~which) < FEWEST:
+        if not which.any() or np.count_nonzero(~which) < self.options.surface.min_points:
             return np.arange(len(which))
         self._keep(np.flatnonzero(~which))
         return np.where(which, -1, np.cumsum(~which) - 1)
 
-    def _distinct(self, most: int = MOST_POINTS) -> I64:
+    def _distinct(self, most: int) -> I64:
         """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
-        key = np.floor(self.xyz / (CELL * self.spacing)).astype(np.int64)
+        key = np.floor(self.xyz / (self.options.surface.cell_spacings * self.spacing)).astype(
+            np.int64
+        )
         lo, hi = (end.astype(np.int64) for end in bounds(key))
         size = hi - lo + 1
         flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
         kept = _best_of(numbered(flat), self.hits)
         if len(kept) > most:
-            self.spacing *= COARSER * float(np.sqrt(len(kept) / most))
+            self.spacing *= self.options.surface.coarser_factor * float(np.sqrt(len(kept) / most))
             return self._distinct(most)
         return kept
 
@@ -165,7 +166,7 @@ def _best_of(cell: I64, hits: F32) -> I64:
 
 
 @compiled
-def _facing(xyz: F64, seen: F64, poses: F64, eye: F64) -> Mask:
+def _facing(xyz: F64, seen: F64, poses: F64, eye: F64, facing_cos: float) -> Mask:
     faces = np.empty((len(poses), len(xyz)), np.bool_)
     for k in range(len(poses)):
         T, own = poses[k], np.zeros(3)
@@ -179,7 +180,7 @@ def _facing(xyz: F64, seen: F64, poses: F64, eye: F64) -> Mask:
                 towards += way * seen[i, a]
                 square += way * way
             unknown = seen[i, 0] == 0.0 and seen[i, 1] == 0.0 and seen[i, 2] == 0.0
-            faces[k, i] = unknown or towards > FACING * np.sqrt(square) + 1e-9
+            faces[k, i] = unknown or towards > facing_cos * np.sqrt(square) + 1e-9
     return faces
 
 

@@ -8,14 +8,6 @@ from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.objects.shape import across_way, away_from, cut_off_by_edge, uneven
 from pointbrush.tracking.sensor.view import View
 
-SHEET = 0.016
-"""Radii from its plane within which half of a door, a drawer or a cloth lies, but of nobody."""
-BROAD, AFAR = 0.06, 1.5
-"""Metres of deviation across, and from the sensor, from which what is painted is part of somebody:
-sticks and clubs are as long, but thin; and who is nearer leaves the picture."""
-FLAT = 0.6
-"""Share of its points on the ground from which a thing is taken to lie there."""
-
 
 @dataclass(frozen=True)
 class Painted:
@@ -37,8 +29,9 @@ class Painted:
     def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
         """As the points ``indices`` (M,) at ``xyz`` (M, 3) show it, ``radius`` metres in size."""
         return Painted(
-            flat=float(view.low[indices].mean()) > FLAT,
-            sheet=uneven(xyz) < SHEET * radius,
-            broad=across_way(xyz) > BROAD and away_from(view, xyz) > AFAR,
+            flat=float(view.low[indices].mean()) > view.options.track.flat_share,
+            sheet=uneven(xyz, options=view.options) < view.options.track.sheet_radii * radius,
+            broad=across_way(xyz) > view.options.track.broad_m
+            and away_from(view, xyz) > view.options.track.afar_m,
             cut=cut_off_by_edge(view, indices),
         )

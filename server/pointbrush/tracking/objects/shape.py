@@ -6,21 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-RINGS, ASIDE, BETWEEN = 24, 0.5, 0.3
-"""Neighbours among which the next ring of a lidar is looked for, the cosine of a way aside, and the
-share of the way between rings that is a unit."""
-RIM, EDGE = 2, 0.15
-"""Pixels from the edge of the picture, and the share of what is painted that lies there."""
-SAMPLE = 400
-"""Points whose neighbours are looked at."""
-LONE, FINEST = 0.02, 1e-4
-"""Metres between points where there are too few to tell, and at least, where all are one point."""
-BLACK = 0.1
-"""Share of exactly black points from which many were seen by no camera."""
-LEAST_NOISE = 0.03
-"""Colour noise is at least this, in the units of ``View.colour``."""
 
 
 def cut_off_by_edge(view: View, indices: I64) -> bool:
@@ -33,9 +20,9 @@ def cut_off_by_edge(view: View, indices: I64) -> bool:
     others, away = ~view.labelled(), np.inf
     for at in np.divmod(view.cells.cell, view.lens.shape[1]):
         for side in (at, -at):
-            if others.any() and side[others].min() < side.min() + RIM:
+            if others.any() and side[others].min() < side.min() + view.options.track.edge_px:
                 away = np.minimum(away, side[indices] - side.min())
-    return float(np.mean(away < RIM)) > EDGE
+    return float(np.mean(away < view.options.track.edge_px)) > view.options.track.edge_share
 
 
 def away_from(view: View, xyz: F64) -> float:
@@ -50,36 +37,36 @@ def across_way(xyz: F64) -> float:
     return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
 
 
-def texture(xyz: F64, colour: F32) -> tuple[float, float]:
+def texture(xyz: F64, colour: F32, options: TrackerOptions) -> tuple[float, float]:
     """Median distance and colour difference between neighbours."""
     if len(xyz) < 3:
-        return LONE, LEAST_NOISE
-    sample = np.arange(0, len(xyz), max(1, len(xyz) // SAMPLE))
+        return options.track.lone_spacing_m, options.track.min_colour_noise
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // options.track.sampled_points))
     distance, near = cKDTree(xyz).query(xyz[sample], k=2)
     gaps = np.asarray(distance)[:, 1]
     unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
-    return max(float(np.median(gaps)), FINEST), float(np.median(unlike))
+    return max(float(np.median(gaps)), options.track.min_spacing_m), float(np.median(unlike))
 
 
-def across_rings(xyz: F64) -> float:
+def across_rings(xyz: F64, options: TrackerOptions) -> float:
     """Median distance to the nearest point aside of the way to the nearest of all.
 
     Lidars measure densely along a ring, and the next ring is far.
     """
-    if len(xyz) < RINGS:
+    if len(xyz) < options.track.ring_neighbours:
         return 0.0
-    sample = xyz[:: max(1, len(xyz) // SAMPLE)]
-    distance, near = cKDTree(xyz).query(sample, k=RINGS)
+    sample = xyz[:: max(1, len(xyz) // options.track.sampled_points)]
+    distance, near = cKDTree(xyz).query(sample, k=options.track.ring_neighbours)
     way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
     length = np.asarray(distance)[:, 1:] + 1e-9
     along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
-    length = np.where(along < ASIDE, length, length[:, -1:])
+    length = np.where(along < options.track.ring_cos, length, length[:, -1:])
     return float(np.median(length.min(axis=1)))
 
 
-def uneven(xyz: F64) -> float:
+def uneven(xyz: F64, options: TrackerOptions) -> float:
     """Median distance of points (M, 3) from the plane through them."""
-    if len(xyz) < RINGS:
+    if len(xyz) < options.track.ring_neighbours:
         return np.inf
     away = xyz - xyz.mean(axis=0)
     normal = np.linalg.eigh(away.T @ away)[1][:, 0]
@@ -89,4 +76,7 @@ def uneven(xyz: F64) -> float:
 def colourless(view: View, indices: I64) -> bool:
     """Whether many of the points were seen by no camera: exactly black."""
     rgb = view.frame.rgb
-    return rgb is None or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > BLACK
+    return (
+        rgb is None
+        or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > view.options.track.black_share
+    )

@@ -15,44 +15,18 @@ from pointbrush.tracking.geometry.near import within
 from pointbrush.tracking.geometry.registration import Target, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.confidence import USUAL, Evidence
+from pointbrush.tracking.objects.confidence import Evidence
 from pointbrush.tracking.objects.free_space import Glimpse
-from pointbrush.tracking.objects.model import SURE, Model
+from pointbrush.tracking.objects.model import Model
 from pointbrush.tracking.objects.motion import Motion
 from pointbrush.tracking.objects.painted import Painted
 from pointbrush.tracking.objects.shape import (
-    BETWEEN,
-    LEAST_NOISE,
     across_rings,
     colourless,
     texture,
 )
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-BENT, BENT_LARGE = 0.2, 0.05
-"""Unexplained share from which a thing is taken to bend."""
-TALL, COARSE = 0.4, 12.0
-"""Metres, and units, of radius from which a thing is large as people are, however coarse it is
-seen."""
-HALF = 0.25
-"""Metres of radius from which what was painted as broad as part of somebody is that."""
-VAGUE = 5.0
-"""Units of radius that such a part has at least."""
-SOFT = 0.006
-"""Share of the known surface that has to be found again by bending alone."""
-HARDLY = 0.2
-"""Share of its size under which hardly anything of a thing was seen."""
-FINEST = 0.5
-"""Share of the spacing of a model that its tolerance is at least, however fine a lidar sees it when
-it is near: most of what is seen is farther from the model's points."""
-CLOSER = 2.0
-"""Times as near, or as far, as a thing comes in a frame at most: farther, it is another place."""
-COLOUR = 0.5
-"""Units that a difference of colour as large as that between neighbours counts for."""
-DENSE = 3000
-"""Points from which a thing is looked at more coarsely than it is seen: so many points tell where
-it is, and a model and its targets have no more."""
-
 
 SIDES = np.vstack([np.eye(3), -np.eye(3)])
 """(6, 3) unit vectors along the axes, both ways."""
@@ -144,8 +118,8 @@ class InTheAir:
     place and colour, in reaches.
     """
 
-    frames: int = 0
-    cost: float = USUAL
+    frames: int
+    cost: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +142,7 @@ class LastSight:
 class Thing:
     """State of a label."""
 
+    options: TrackerOptions
     label: int
     model: Model
     motion: Motion
@@ -183,6 +158,7 @@ class Thing:
     last: LastSight
     size: float
     """The most points that it had."""
+    in_the_air: InTheAir
     extent: float = 0.0
     """Metres, the greatest radius that it had."""
     missing: int = 0
@@ -195,7 +171,6 @@ class Thing:
     """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
     alone."""
     bending: Bending = Bending()
-    in_the_air: InTheAir = InTheAir()
     glimpses: list[Glimpse] = field(default_factory=list)
     """What lay around it in some frames."""
 
@@ -228,16 +203,26 @@ class Thing:
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
-        return self.bending.share > (BENT_LARGE if self.large and not self.scanned else BENT)
+        return self.bending.share > (
+            self.options.track.bent_share_large
+            if self.large and not self.scanned
+            else self.options.track.bent_share
+        )
 
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
         grain = self.sampling.grain
         if self.sampling.away > 0.0 and away > 0.0:
-            closer = float(np.clip(self.sampling.away / away, 1 / CLOSER, CLOSER))
+            closer = float(
+                np.clip(
+                    self.sampling.away / away,
+                    1 / self.options.track.max_approach,
+                    self.options.track.max_approach,
+                )
+            )
             self.size *= closer**2
             grain /= closer
-            unit = max(grain, FINEST * self.model.spacing)
+            unit = max(grain, self.options.track.min_unit_spacings * self.model.spacing)
             self.weight *= unit / self.unit
             self.unit = unit
         self.sampling = replace(self.sampling, grain=grain, away=away)
@@ -250,21 +235,26 @@ class Thing:
     @property
     def soft(self) -> bool:
         """Whether it is a small thing whose surface moves within itself, as a toy's does."""
-        return self.bending.strain > SOFT and not self.large
+        return self.bending.strain > self.options.track.soft_strain and not self.large
 
     @property
     def pliant(self) -> bool:
         """Whether it is soft beyond doubt: what very many points show is seldom posed wrongly."""
-        return self.soft and self.size > DENSE
+        return self.soft and self.size > self.options.track.dense_points
 
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
         if self.scanned:
             return True
-        part = self.painted.cut or (self.painted.broad and self.span > HALF)
-        part = part and self.sampling.imaged and self.span > VAGUE * self.unit
-        return (part or self.span > max(TALL, COARSE * self.unit)) and not self.painted.sheet
+        part = self.painted.cut or (self.painted.broad and self.span > self.options.track.part_m)
+        part = (
+            part and self.sampling.imaged and self.span > self.options.track.part_units * self.unit
+        )
+        return (
+            part
+            or self.span > max(self.options.track.tall_m, self.options.track.tall_units * self.unit)
+        ) and not self.painted.sheet
 
     @property
     def body(self) -> bool:
@@ -292,7 +282,7 @@ class Thing:
 
         But for what stands before a lidar: it comes out where it was, from behind who goes away.
         """
-        hardly = self.missing > 0 or self.last.points < HARDLY * self.size
+        hardly = self.missing > 0 or self.last.points < self.options.track.hardly_share * self.size
         return self.large and hardly and not self.stands
 
     @property
@@ -317,41 +307,50 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         thing = _made(view, label, indices, noise, rivals, most=len(indices))
     if view.lens is None:
         return thing
-    kept = solid(view.xyz[indices].astype(np.float64), thing.unit)
+    kept = solid(view.xyz[indices].astype(np.float64), thing.unit, options=view.options)
     if not kept.all():
         without = _made(view, label, indices[kept], noise, rivals)
         thing = thing if without.large else without
     if thing.large and (thing.painted.broad or thing.painted.cut):
         # It stays that, however little of it is seen.
-        thing.extent = max(thing.model.radius, TALL)
+        thing.extent = max(thing.model.radius, view.options.track.tall_m)
     return thing
 
 
 def _made(
-    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int = DENSE
+    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int | None = None
 ) -> Thing:
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
-    spacing, speckle = texture(xyz, colour)
+    most = most or view.options.track.dense_points
+    spacing, speckle = texture(xyz, colour, options=view.options)
     if not view.scans:  # nothing that is asked of a thing asks more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
-    unit = max(spacing, noise, BETWEEN * across_rings(xyz))
+    unit = max(
+        spacing, noise, view.options.track.ring_share * across_rings(xyz, options=view.options)
+    )
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
-        weight = COLOUR * unit / max(speckle, LEAST_NOISE)
-    model = Model.of(xyz, colour, view.eye, spacing)
-    model.hits[:] = SURE
+        weight = (
+            view.options.track.colour_units
+            * unit
+            / max(speckle, view.options.track.min_colour_noise)
+        )
+    model = Model.of(xyz, colour, view.eye, spacing, options=view.options)
+    model.hits[:] = view.options.surface.sure_hits
     count = len(indices)
     return Thing(
+        view.options,
         label,
         model,
-        Motion(model.centre),
+        Motion(view.options, model.centre),
         weight,
         unit,
         rivals,
         Painted.of(view, indices, xyz, model.radius),
         Sampling(view.lens is not None, view.scans, grain=unit),
-        ColourHistogram.of(colour),
+        ColourHistogram.of(colour, options=view.options),
         LastSight(count),
         float(count),
+        InTheAir(0, view.options.confidence.usual_cost),
     )

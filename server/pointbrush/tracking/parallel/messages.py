@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from pointbrush.tracking.interface import F64, I64, Frames
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.view import View
 
@@ -38,6 +39,7 @@ class Show(NamedTuple):
 
     number: int
     lens: Lens | None
+    options: TrackerOptions
     T_world_frame: F64 | None
     about: F64 | None
     steady: bool
@@ -45,7 +47,9 @@ class Show(NamedTuple):
     def view(self, frames: Frames) -> View:
         """The frame as the first process sees it."""
         T = self.T_world_frame
-        return View(self.number, frames(self.number), self.lens, T, self.about, self.steady)
+        return View(
+            self.number, frames(self.number), self.lens, self.options, T, self.about, self.steady
+        )
 
 
 class Learn(NamedTuple):

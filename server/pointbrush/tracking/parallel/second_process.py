@@ -19,7 +19,6 @@ from typing import IO, cast
 
 from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.interface import F64, Frames
-from pointbrush.tracking.objects.free_space import MOST
 from pointbrush.tracking.parallel.connection import GONE, Connection, Names
 from pointbrush.tracking.parallel.messages import (
     Answer,
@@ -38,7 +37,7 @@ OURS, BOTH = ("around",), ("near", "moving")
 """Parts of what is given that the second process does without, and that pass only once."""
 BACKGROUND = "background"
 """Name of the background that both processes keep."""
-KEPT = MOST + 1
+KEPT = 11
 """Glimpses of a thing that have a name: the oldest has left by the time that its name is given."""
 
 
@@ -63,7 +62,9 @@ class SecondProcess:
         """Let it read a frame, about which it will be asked."""
         self._forget(self._things)
         self._line.names.add("view", view)
-        self._line.send(Show(view.number, view.lens, view.T_world_frame, view.about, view.steady))
+        self._line.send(
+            Show(view.number, view.lens, view.options, view.T_world_frame, view.about, view.steady)
+        )
 
     def learn(self, view: View, keep: F64) -> None:
         """Let the background that it knows learn the frame; see ``Background.learn``."""

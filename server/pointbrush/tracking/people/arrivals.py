@@ -17,31 +17,8 @@ from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
 from pointbrush.tracking.people.heads import beneath_heads
 from pointbrush.tracking.people.observation import Observation
-from pointbrush.tracking.people.person import FEWEST, UNLIKE, Person
-from pointbrush.tracking.people.stature import DECISIVE, ratio, top_of
-
-SMALLEST, SHARE = 12, 0.12
-"""Cells, and share of the usual number, from which a body may be somebody new."""
-BACK, BACK_SHARE = 6, 0.05
-"""The same, from which it may be somebody who was missing."""
-AWHILE, PART, RATHER = 3, 0.2, 0.7
-"""Frames missing, share of the usual number, and how much more like his clothes, in the mean
-logarithm, from which a part of another is his."""
-WHOLE = 0.7
-"""Share of what hangs together that must be nobody's."""
-NEAR, FARTHER, LONG = 0.3, 0.2, 10
-"""Metres from where somebody missing should be, more a frame, up to so many frames."""
-CLOTHES, STATURE, NAMELESS = 0.5, 0.25, 0.5
-"""Weights of clothes and of stature against the way, and what a body costs that was followed
-without a label."""
-TOLD = 0.3
-"""How much more like his clothes than another's what somebody has is certainly not the other's."""
-AROUND = 0.6
-"""Metres along the ground around somebody in sight within which what comes into sight is his."""
-JOINED, TOUCHES = 0.3, 0.1
-"""Metres between bodies that come together without a label, and between one and who came back."""
-JUST = 3
-"""Frames within which somebody has just come."""
+from pointbrush.tracking.people.person import Person
+from pointbrush.tracking.people.stature import ratio, top_of
 
 Offer = tuple[I64, Person | None, I64 | None]
 """Cells that may be somebody's, whose they were, and the rest of his if that is another's head."""
@@ -67,7 +44,14 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
     found: set[int] = set()
     given: set[int] = set()
     gone_on: set[int] = set()
-    young = [0, *(f.label for f in people if not f.named and f.since > now - JUST)]
+    young = [
+        0,
+        *(
+            f.label
+            for f in people
+            if not f.named and f.since > now - sight.options.arrivals.recent_frames
+        ),
+    ]
     for _, label, number in sorted(ranked):
         if label in found or number in given:
             continue
@@ -104,17 +88,22 @@ def _offers(
     """What may be somebody's who is ``gone``."""
     part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
     count = np.bincount(part[part >= 0])
-    large = np.flatnonzero(count >= max(BACK, BACK_SHARE * usual)).tolist()
+    large = np.flatnonzero(
+        count
+        >= max(sight.options.arrivals.back_min_cells, sight.options.arrivals.back_min_share * usual)
+    ).tolist()
     offers: list[Offer] = [(np.flatnonzero(part == n), None, None) for n in large]
     for person in people:
         cells = np.flatnonzero(sight.owner == person.label)
         if not person.named and not person.missing and len(cells):
             offers.append((cells, person, None))
     if sight.tints is not None:
-        for person in (f for f in gone if f.well < now - AWHILE):
+        for person in (f for f in gone if f.well < now - sight.options.arrivals.missing_frames):
             offers += _dressed_as(sight, people, person, usual)
     for person in (f for f in people if f.named):
-        least = max(BACK, PART * usual)
+        least = max(
+            sight.options.arrivals.back_min_cells, sight.options.arrivals.part_share * usual
+        )
         two = beneath_heads(sight, sight.cells_of(person.label), least, person.area)
         offers += [(own, person, rest) for own, rest in two]
     return offers
@@ -126,7 +115,11 @@ def _rather(sight: Observation, person: Person, cells: I64, rest: I64) -> float:
 
     def cost(own: I64) -> float:
         away = float(np.linalg.norm(np.median(sight.ground[own], axis=0) - middle))
-        return away - CLOTHES * person.likeness(sight.some(own)) - _tall(sight, person, own)
+        return (
+            away
+            - sight.options.arrivals.clothes_weight * person.likeness(sight.some(own))
+            - _tall(sight, person, own)
+        )
 
     return cost(rest) - cost(cells)
 
@@ -143,10 +136,16 @@ def _dressed_as(
         if other is who or not other.named or other.identity.worn is None:
             continue
         mask = (sight.owner == other.label) & sight.cells.solid
-        mask &= sight.smooth(sight.unlike(other.identity.worn) - his) > RATHER
+        mask &= (
+            sight.smooth(sight.unlike(other.identity.worn) - his)
+            > sight.options.arrivals.part_log_clothes
+        )
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
-        large = np.flatnonzero(count >= max(BACK, PART * usual)).tolist()
+        large = np.flatnonzero(
+            count
+            >= max(sight.options.arrivals.back_min_cells, sight.options.arrivals.part_share * usual)
+        ).tolist()
         found += [(np.flatnonzero(part == n), other, None) for n in large]
     return found
 
@@ -157,22 +156,32 @@ def _cost(
     """How unlikely a body is somebody missing; None where it cannot be he."""
     away = far_from(sight, person, cells, now)
     like = person.likeness(sight.some(cells))
-    if away > 1.0 or like < -UNLIKE:
+    if away > 1.0 or like < -sight.options.body.unlike_log:
         return None
-    nameless = NAMELESS if sight.tints is None and other is not None else 0.0
-    return away - CLOTHES * like - _tall(sight, person, cells) + nameless
+    nameless = (
+        sight.options.arrivals.unlabelled_cost if sight.tints is None and other is not None else 0.0
+    )
+    return (
+        away - sight.options.arrivals.clothes_weight * like - _tall(sight, person, cells) + nameless
+    )
 
 
 def _tall(sight: Observation, person: Person, cells: I64) -> float:
     """What is gained by how likely somebody is as tall as some cells."""
     top = top_of(sight, cells, person.area) if person.identity.stature.known else None
-    return 0.0 if top is None else STATURE * person.identity.stature.likelihood(top)
+    return (
+        0.0
+        if top is None
+        else sight.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
+    )
 
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
     """Share of the way that somebody missing may have gone at which a body is."""
     there = np.vstack([person.xyz + person.step, person.known])
-    reach = NEAR + FARTHER * min(max(now - 1 - person.well, 0), LONG)
+    reach = sight.options.arrivals.back_m + sight.options.arrivals.back_m_per_frame * min(
+        max(now - 1 - person.well, 0), sight.options.arrivals.back_max_frames
+    )
     return _least(there, sight.cells.middle[cells]) / reach
 
 
@@ -195,7 +204,13 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
     where the other of both does not speak against it."""
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
     tall = ratio(top, person.identity.stature, other.identity.stature)
-    return (like >= TOLD and tall > -DECISIVE) or (tall >= DECISIVE and like > -TOLD)
+    return (
+        like >= person.options.arrivals.told_log_clothes
+        and tall > -person.options.stature.decisive_log_odds
+    ) or (
+        tall >= person.options.stature.decisive_log_odds
+        and like > -person.options.arrivals.told_log_clothes
+    )
 
 
 def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:
@@ -208,17 +223,23 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
     for number in np.unique(bodies[free]).tolist():
         cells = np.flatnonzero((bodies == number) & free)
         whole = np.count_nonzero(bodies == number)
-        if len(cells) < max(FEWEST, WHOLE * whole):
+        if len(cells) < max(
+            sight.options.body.seen_min_cells, sight.options.arrivals.unclaimed_share * whole
+        ):
             continue
         owner = _whose(sight, middles, cells)
-        if owner is None and len(cells) >= max(SMALLEST, SHARE * usual):
+        if owner is None and len(cells) >= max(
+            sight.options.arrivals.min_cells, sight.options.arrivals.min_share * usual
+        ):
             owner = _beside(sight, [*people, *fresh], cells)
             if owner is None:
                 owner = lowest - 1 - len(fresh)
                 some = sight.some(cells)
-                worn = None if some is None else ColourHistogram.of(some)
+                worn = (
+                    None if some is None else ColourHistogram.of(some, options=sight.view.options)
+                )
                 middle, colour = sight.cells.middle[cells], sight.cells.colour[cells]
-                fresh.append(Person.met(owner, middle, colour, now, worn))
+                fresh.append(Person.met(sight.view.options, owner, middle, colour, now, worn))
         sight.owner[cells] = owner or 0
     return fresh
 
@@ -238,8 +259,11 @@ def _whose(sight: Observation, middles: Sequence[tuple[Person, F64]], cells: I64
     """The label of who is in sight around a body, and not dressed otherwise."""
     middle = np.median(sight.ground[cells], axis=0)
     near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
-    away, best = min(near, default=(AROUND, 0))
-    if away >= AROUND or middles[best][0].likeness(sight.some(cells)) < -UNLIKE:
+    away, best = min(near, default=(sight.options.arrivals.around_m, 0))
+    if (
+        away >= sight.options.arrivals.around_m
+        or middles[best][0].likeness(sight.some(cells)) < -sight.options.body.unlike_log
+    ):
         return None
     return middles[best][0].label
 
@@ -248,7 +272,11 @@ def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | N
     """The number of who has no label and is right beside a body."""
     for person in people:
         own = sight.owner == person.label
-        if not person.named and own.any() and _gap(sight, own.nonzero()[0], cells) < JOINED:
+        if (
+            not person.named
+            and own.any()
+            and _gap(sight, own.nonzero()[0], cells) < sight.options.arrivals.joined_m
+        ):
             return person.label
     return None
 
@@ -256,14 +284,23 @@ def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | N
 def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
     """The numbers of those who have just come, and are parts of somebody just come back."""
     gone: set[int] = set()
-    returned = [f for f in people if f.named and f.age and now - f.back <= JUST]
+    returned = [
+        f
+        for f in people
+        if f.named and f.age and now - f.back <= sight.options.arrivals.recent_frames
+    ]
     for person in people:
         cells = np.flatnonzero(sight.owner == person.label)
-        if person.named or now - person.since > JUST or person.missing or not len(cells):
+        if (
+            person.named
+            or now - person.since > sight.options.arrivals.recent_frames
+            or person.missing
+            or not len(cells)
+        ):
             continue
         for other in returned:
             own = np.flatnonzero(sight.owner == other.label)
-            if len(own) and _gap(sight, own, cells) < TOUCHES:
+            if len(own) and _gap(sight, own, cells) < sight.options.arrivals.touches_m:
                 sight.owner[cells] = other.label
                 gone.add(person.label)
                 break

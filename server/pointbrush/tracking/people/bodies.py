@@ -12,39 +12,23 @@ from itertools import combinations
 
 import numpy as np
 
-from pointbrush.tracking.background.last_seen import STAYS
 from pointbrush.tracking.geometry.grid import perhaps_near
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing
-from pointbrush.tracking.people.foreground import FAR, OTHER, Foreground
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.segmentation.explained import step_of
 from pointbrush.tracking.segmentation.findings import Findings
 from pointbrush.tracking.sensor.view import View
 
-CELL = 3.0
-"""Size of a cell in units."""
-FINE = 0.045
-"""A cell is at least this share of the figure's radius."""
-DISPUTED = 0.3
-"""Share of the smaller claim from which two things want the same body."""
-DISTINCT = 1.4
-"""How much commoner, in the logarithm, a colour has to be for one than for any other to be its."""
-APART = 1.5
-"""Cells from the scene that stands still within which what was unlabelled is taken to be of it."""
-NEAR, WANDERS, UNSEEN = 0.2, 0.2, 8
-"""Radii from where somebody is expected within which his clothes are looked for, and more for each
-frame unseen, up to so many frames."""
-SAMPLE = 4000
-"""Moving points of which it is told what they touch."""
-FEWEST = 5
-"""Points of a claim from which it counts."""
 
-
-def undisputed(claims: Mapping[int, Claim], things: Mapping[int, Thing]) -> dict[int, Claim]:
+def undisputed(
+    claims: Mapping[int, Claim], things: Mapping[int, Thing], options: TrackerOptions
+) -> dict[int, Claim]:
     """The claims, where two large things want the same body given to the likelier one, whole.
 
     Point by point the two would share it: who is hidden would take part of who hides him.
@@ -54,7 +38,7 @@ def undisputed(claims: Mapping[int, Claim], things: Mapping[int, Thing]) -> dict
     for one, other in combinations(large, 2):
         a, b = result[one], result[other]
         _, i, j = np.intersect1d(a.indices, b.indices, assume_unique=True, return_indices=True)
-        if len(i) <= DISPUTED * min(len(a.indices), len(b.indices)):
+        if len(i) <= options.body.disputed_share * min(len(a.indices), len(b.indices)):
             continue
         cost = float(a.cost[i].mean()) / things[one].reach
         against = float(b.cost[j].mean()) / things[other].reach
@@ -76,11 +60,22 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     cores = {
         n: findings.claims[n].indices
         for n in findings.places
-        if things[n].large and len(findings.claims[n].indices) >= FEWEST
+        if things[n].large
+        and len(findings.claims[n].indices) >= findings.view.options.body.min_claim_points
     }
     if not cores:
         return {}
-    size = float(np.median([max(CELL * things[n].unit, FINE * things[n].span) for n in cores]))
+    size = float(
+        np.median(
+            [
+                max(
+                    findings.view.options.body.cell_units * things[n].unit,
+                    findings.view.options.body.cell_radius_share * things[n].span,
+                )
+                for n in cores
+            ]
+        )
+    )
     inside, ground = _before_and_behind(findings, cores, taken, size)
     other = _others(things, findings, cores, np.flatnonzero(inside & ~taken), ground, size)
     either = inside.copy()
@@ -89,9 +84,11 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     foreground = Foreground.of(view, every, size)
     # What shows again as deep as it was before something nearer hid it is whose it was.
     again = np.where(inside[every], background.again(view, every), 0)
-    seeds = _seeds(len(view.xyz), cores, every, again)
+    seeds = _seeds(len(view.xyz), cores, every, again, options=findings.view.options)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
-    far = {n: FAR * things[n].span for n in cores} | _by_clothes(seeds, sure, foreground, things)
+    far = {n: findings.view.options.body.way_radii * things[n].span for n in cores} | _by_clothes(
+        seeds, sure, foreground, things
+    )
     clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
     outside = ~inside[every]
     found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
@@ -143,12 +140,14 @@ def _others(
     view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
     scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
     for label in cores:
-        moved = _movers(things[label].rivals, scene, APART * size)
+        moved = _movers(things[label].rivals, scene, findings.view.options.body.scene_cells * size)
         other[rest[_was_there(things[label], moved, view, findings.places[label], rest)]] = True
     return other
 
 
-def _seeds(count: int, cores: Mapping[int, I64], every: I64, again: I64) -> dict[int, Mask]:
+def _seeds(
+    count: int, cores: Mapping[int, I64], every: I64, again: I64, options: TrackerOptions
+) -> dict[int, Mask]:
     """Label → which of the points ``every`` (M,) of ``count`` are certainly its.
 
     Its claim, and where that is to a good part what shows ``again`` (M,), all that does.
@@ -158,7 +157,9 @@ def _seeds(count: int, cores: Mapping[int, I64], every: I64, again: I64) -> dict
         mask = np.zeros(count, np.bool_)
         mask[core] = True
         seeds[label] = mask[every]
-        if np.count_nonzero(again[mask[every]] == label) > STAYS * len(core):
+        if np.count_nonzero(again[mask[every]] == label) > options.background.stayed_share * len(
+            core
+        ):
             seeds[label] |= again == label
     return seeds
 
@@ -196,11 +197,15 @@ def _by_clothes(
         return {}
     like = np.stack([t.worn.each(foreground.colour) for t in dressed.values()])
     first, second = np.sort(like, axis=0)[[-1, -2]]
-    best = np.where(first - second > DISTINCT, like.argmax(axis=0), -1)
+    best = np.where(first - second > foreground.options.body.distinct_log, like.argmax(axis=0), -1)
     far: dict[int, float] = {}
     for at, label in enumerate(labels):
         thing = dressed[label]
-        reach = thing.span * (NEAR + WANDERS * min(thing.missing, UNSEEN))
+        reach = thing.span * (
+            foreground.options.body.clothes_radii
+            + foreground.options.body.clothes_radii_per_frame
+            * min(thing.missing, foreground.options.body.clothes_max_frames)
+        )
         guess = transform(thing.motion.predictions()[0], thing.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
@@ -213,13 +218,13 @@ def _by_clothes(
                 seed &= ~mine
         key = label if label in seeds else -label
         seeds[key] = seeds.get(key, np.zeros(len(sure), np.bool_)) | mine
-        far[key] = FAR * thing.span
+        far[key] = foreground.options.body.way_radii * thing.span
     return far
 
 
 def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
     """Those of the points ``still`` that touch the moving ones, by cells of ``size`` metres."""
-    some = moving[:: max(1, len(moving) // SAMPLE)]
+    some = moving[:: max(1, len(moving) // view.options.body.sampled_points)]
     if not len(some) or not len(still):
         return still[:0]
     return still[perhaps_near(view.xyz[still], view.xyz[some], size)]

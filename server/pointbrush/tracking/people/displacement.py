@@ -18,22 +18,6 @@ from pointbrush.tracking.sensor.lens import I32
 
 GRID = (np.arange(13) - 6) / 2
 """Deviations that are tried each way."""
-STILL, FASTER, UNSEEN = 0.08, 0.45, 0.05
-"""Metres by which a stride varies, the share of the last one, and metres a frame unseen."""
-LONG = 6
-"""Frames unseen after which nobody is searched for still farther away."""
-SAMPLE = 120
-"""Cells by which a place is judged."""
-DEEP = 0.2
-"""Metres within which surface is as deep as it should be."""
-HIDDEN, UNKNOWN = 0.55, 0.5
-"""What a cell costs that is hidden, and one where nothing is measured; seen through it costs 1."""
-SHARE_DEPTH, SHARE_COLOUR, OTHER = 0.6, 0.7, 0.1
-"""Weights of depth and of colour where there is any, and the difference of another colour."""
-EVIDENCE = 14.0
-"""Weight of the mean cost against half a squared deviation of the stride."""
-OWN = 1.5
-"""Cells from a person within which a cell is his."""
 
 
 def strides(sight: Observation, people: Sequence[Person]) -> F64:
@@ -49,30 +33,45 @@ def strides(sight: Observation, people: Sequence[Person]) -> F64:
     for k in sorted(range(len(people)), key=lambda k: (people[k].missing > 0, away[k])):
         found[k] = _stride(sight, people[k], moving & ~taken, tints)
         there = cKDTree(people[k].xyz + found[k])
-        gap = there.query(sight.cells.middle, distance_upper_bound=OWN * sight.cells.size)[0]
+        gap = there.query(
+            sight.cells.middle, distance_upper_bound=sight.options.step.own_cells * sight.cells.size
+        )[0]
         own = np.isfinite(gap)[sight.cells.cell]
         taken |= sight.view.marked(sight.cells.indices[own])
     return found
 
 
 def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
-    varies = STILL + FASTER * float(np.linalg.norm(person.step))
-    varies += UNSEEN * min(person.missing, LONG)
+    varies = sight.options.step.stride_m + sight.options.step.stride_share * float(
+        np.linalg.norm(person.step)
+    )
+    varies += sight.options.step.stride_m_per_frame * min(
+        person.missing, sight.options.step.max_unseen_frames
+    )
     right, ahead = (axis.ravel() for axis in np.meshgrid(GRID, GRID))
     tried = person.step + varies * (
         right[:, None] * sight.flat[:, 0] + ahead[:, None] * sight.flat[:, 1]
     )
-    some = slice(None, None, max(1, len(person.xyz) // SAMPLE))
+    some = slice(None, None, max(1, len(person.xyz) // sight.options.step.sampled_cells))
     xyz, colour = person.xyz[some], person.colour[some]
     world = (xyz[None] + tried[:, None]).reshape(-1, 3)
     cell, depth = sight.view.project(world)
     cost = _costs(sight, cell, depth, loose)
     if sight.tints is not None:
-        same = np.abs(sight.view.depth[cell] - depth) <= DEEP
-        unlike = np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1) / OTHER
-        both = SHARE_DEPTH * cost + SHARE_COLOUR * np.minimum(1.0, unlike**2)
+        same = np.abs(sight.view.depth[cell] - depth) <= sight.options.step.same_depth_m
+        unlike = (
+            np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1)
+            / sight.options.step.other_colour
+        )
+        both = (
+            sight.options.step.depth_weight * cost
+            + sight.options.step.colour_weight * np.minimum(1.0, unlike**2)
+        )
         cost = np.where(same & loose[cell], both, cost)
-    total = EVIDENCE * cost.reshape(len(tried), -1).mean(axis=1) + (right**2 + ahead**2) / 2
+    total = (
+        sight.options.step.evidence_weight * cost.reshape(len(tried), -1).mean(axis=1)
+        + (right**2 + ahead**2) / 2
+    )
     return np.asarray(tried[total.argmin()])
 
 
@@ -80,9 +79,11 @@ def _costs(sight: Observation, cell: I32, depth: F32, loose: Mask) -> F64:
     """(M,) what surface costs at a ``depth`` (M,) of a ``cell`` (M,), by depth alone."""
     seen = sight.view.depth[cell]
     behind = seen - depth
-    cost = np.where(behind > DEEP, 1.0, HIDDEN)
-    same = np.abs(behind) <= DEEP
-    cost[same] = np.where(loose[cell[same]], 0.5 * (behind[same] / DEEP) ** 2, 1.0)
-    cost[np.isnan(seen)] = UNKNOWN
-    cost[cell < 0] = HIDDEN
+    cost = np.where(behind > sight.options.step.same_depth_m, 1.0, sight.options.step.hidden_cost)
+    same = np.abs(behind) <= sight.options.step.same_depth_m
+    cost[same] = np.where(
+        loose[cell[same]], 0.5 * (behind[same] / sight.options.step.same_depth_m) ** 2, 1.0
+    )
+    cost[np.isnan(seen)] = sight.options.step.unknown_cost
+    cost[cell < 0] = sight.options.step.hidden_cost
     return cost

@@ -14,13 +14,7 @@ import numpy as np
 
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
-from pointbrush.tracking.people.stature import DECISIVE, ratio
-
-CLEARLY, LIKE = 0.5, 0.7
-"""How much more like the other's clothes, in the mean logarithm, than what has his label each has
-to be, and how much less than usual at most."""
-FRAMES = 3
-"""Frames in which that has to be so, one after the other."""
+from pointbrush.tracking.people.stature import ratio
 
 
 def exchanged(
@@ -41,11 +35,20 @@ def exchanged(
             ratio(tops[one.label], other.identity.stature, one.identity.stature),
             ratio(tops[other.label], one.identity.stature, other.identity.stature),
         )
-        dressed = rather > CLEARLY and sum(taller) > -DECISIVE
-        tall = sum(taller) >= DECISIVE and min(taller) > 0 and rather > -CLEARLY
-        certain = tall and min(taller) >= DECISIVE
+        dressed = (
+            rather > sight.options.arrivals.exchange_log
+            and sum(taller) > -sight.options.stature.decisive_log_odds
+        )
+        tall = (
+            sum(taller) >= sight.options.stature.decisive_log_odds
+            and min(taller) > 0
+            and rather > -sight.options.arrivals.exchange_log
+        )
+        certain = tall and min(taller) >= sight.options.stature.decisive_log_odds
         well = not (one.elsewhere(sight, now) or other.elsewhere(sight, now))
-        if min(cross) > -LIKE and (certain or (well and (dressed or tall))):
+        if min(cross) > -sight.options.arrivals.exchange_usual_log and (
+            certain or (well and (dressed or tall))
+        ):
             yield one, other, certain
 
 
@@ -64,7 +67,7 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
         one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
         if one.named and other.named:
             one.doubt(other)
-        if certain or min(one.mistaken, other.mistaken) >= FRAMES:
+        if certain or min(one.mistaken, other.mistaken) >= sight.options.arrivals.exchange_frames:
             mine, others = sight.owner == one.label, sight.owner == other.label
             sight.owner[mine], sight.owner[others] = other.label, one.label
             one.become(other)

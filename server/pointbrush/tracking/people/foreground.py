@@ -22,30 +22,11 @@ from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.paths import Paths, paths_over, reach
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
 
-TOUCH = 1.7
-"""Distance of cells that touch, in cells."""
-THIN = 0.15
-"""Cells with less than this share of the usual number of points lead nowhere: flying pixels."""
-UNLIKE = 0.08
-"""Colour difference, in the units of ``View.colour``, that makes a way twice as long."""
-BRIDGE = 0.25
-"""What lies apart is a figure's within this share of the longest way."""
-BODY, CLEARLY = 12, 0.7
-"""Cells from which a part shows whose clothes it wears, and how much commoner, in the mean
-logarithm, its colours have to be among another's."""
-MOSTLY, ALIKE = 0.5, 0.6
-"""Share of the points of a cell, or of the claims on a body, that decide what it is; and of the
-cells of a part that have the colours of the figure beside it."""
-ENOUGH = 0.03
-"""Share of a body that has to be claimed by whom it is given to."""
 OTHER = -(2**20)
 """What other moving things have, for a label."""
-SMALLEST = 4
-"""Cells of a part that lies apart."""
-FAR = 0.6
-"""A way ends at this share of the figure's radius."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +68,7 @@ class Foreground:
     ``middle`` and ``colour``.
     """
 
+    options: TrackerOptions
     indices: I64
     cell: I64
     count: I64
@@ -103,6 +85,7 @@ class Foreground:
         cell = cells_of(xyz, size)
         count = np.bincount(cell)
         return Foreground(
+            view.options,
             indices,
             cell,
             count,
@@ -115,12 +98,14 @@ class Foreground:
     @cached_property
     def solid(self) -> Mask:
         """(cells,) those that are no mere outline."""
-        return np.asarray(self.firm >= THIN * np.median(self.count), np.bool_)
+        return np.asarray(
+            self.firm >= self.options.body.thin_share * np.median(self.count), np.bool_
+        )
 
     @cached_property
     def touching(self) -> I64:
         """(P, 2) the pairs of cells that touch."""
-        return pairs(self.middle, TOUCH * self.size)
+        return pairs(self.middle, self.options.body.touching_cells * self.size)
 
     def bodies(self, least: int) -> list[I64]:
         """The cells of each part that hangs together, of ``least`` solid cells or more."""
@@ -154,7 +139,7 @@ class Foreground:
         owner, way = figures.nearest(ways, bare, away)
         self._whole_bodies(owner, figures, ways, sure & solid & ~bare & ~(off < way))
         apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
-        self._join_apart(owner, apart, BRIDGE * figures.limit)
+        self._join_apart(owner, apart, self.options.body.bridge_share * figures.limit)
         owner[~solid] = 0
         result: I64 = np.array([0, *cores])[owner][self.cell]
         result[((owner == 0) & (off < way))[self.cell] | other] = OTHER
@@ -169,7 +154,7 @@ class Foreground:
     def _mostly(self, points: Mask) -> Mask:
         """(cells,) those most of whose points are among these (M,)."""
         inside = np.bincount(self.cell, weights=points, minlength=len(self.count))
-        return np.asarray(inside > MOSTLY * self.count)
+        return np.asarray(inside > self.options.body.majority_share * self.count)
 
     def _figures(
         self,
@@ -191,7 +176,7 @@ class Foreground:
         """(cells,) those that touch the cells of a figure; all where it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
-        return close_to(self.middle, self.middle[own], TOUCH * self.size)
+        return close_to(self.middle, self.middle[own], self.options.body.touching_cells * self.size)
 
     def _whole_bodies(self, owner: I64, figures: _Figures, ways: Paths, sure: Mask) -> None:
         """Give what hangs together, surely before the scene, to who has his claims there.
@@ -222,20 +207,24 @@ class Foreground:
         votes = figures.votes[:, inside]
         count = part.max() + 1
         claim = np.stack([np.bincount(part, weights=v, minlength=count) for v in votes])
-        there = claim > MOSTLY * claim.sum(axis=0)
+        there = claim > self.options.body.majority_share * claim.sum(axis=0)
         there[np.arange(len(claim)), claim.argmax(axis=1)] = True
-        there &= claim > ENOUGH * np.bincount(part, weights=self.count[inside], minlength=count)
+        there &= claim > self.options.body.min_claim_share * np.bincount(
+            part, weights=self.count[inside], minlength=count
+        )
         sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
         middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
         main = middle[claim.argmax(axis=1)]
-        spans = figures.far / FAR
+        spans = figures.far / self.options.body.way_radii
         there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
         like = np.stack([worn.each(self.colour[inside]) for worn in figures.clothes])
         for who, body in np.argwhere(there).tolist():
             claimed = (part == body) & (votes[who] > 0)
-            if np.count_nonzero(claimed) >= BODY:
+            if np.count_nonzero(claimed) >= self.options.body.clothed_cells:
                 mean = like[:, claimed].mean(axis=1)
-                there[who, body] = mean[figures.wears[who]] > mean.max() - CLEARLY
+                there[who, body] = (
+                    mean[figures.wears[who]] > mean.max() - self.options.body.clearly_log
+                )
         return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
@@ -255,16 +244,22 @@ class Foreground:
             beside = np.bincount(part[there], minlength=count) > 0
             if not beside.any():
                 continue
-            tone = close_to(self.colour[apart], self.colour[own], UNLIKE / 2)
+            tone = close_to(
+                self.colour[apart], self.colour[own], self.options.body.unlike_colour / 2
+            )
             alike = np.bincount(part, weights=tone, minlength=count)
             whole = np.bincount(part, minlength=count)
-            beside &= (alike > ALIKE * whole) & (whole >= SMALLEST) & (whole < len(own))
+            beside &= (
+                (alike > self.options.body.alike_cells_share * whole)
+                & (whole >= self.options.body.min_part_cells)
+                & (whole < len(own))
+            )
             owner[apart[beside[part]]] = label
 
     def _ways(self) -> Paths:
         a, b = self.touching.T
         length = _between(self.middle, a, b) + 1e-6
-        length *= 1 + _between(self.colour, a, b) / UNLIKE
+        length *= 1 + _between(self.colour, a, b) / self.options.body.unlike_colour
         return paths_over(self.touching, length, self.solid)
 
 

@@ -15,41 +15,19 @@ import numpy as np
 
 from pointbrush.tracking.background.depth_background import PictureBackground
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.objects.confidence import REGAIN
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers, rules_out
-from pointbrush.tracking.people.bodies import CELL, FINE
 from pointbrush.tracking.people.displacement import strides
 from pointbrush.tracking.people.exchanges import exchange
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.observation import SAMPLE, Observation
-from pointbrush.tracking.people.ownership import CAP, Shares, shared_out
+from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.ownership import Shares, shared_out
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.person_confidence import PersonEvidence
-from pointbrush.tracking.people.stature import DECISIVE, ratio
+from pointbrush.tracking.people.stature import ratio
 from pointbrush.tracking.people.vertical import across, upright
 from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.settle import PATIENCE
-
-NOISY, LIMB = 4.5, 0.1
-"""Deviations of the depth noise that a cell has, so that those beside each other agree, and share
-of somebody's radius that is a limb: for noise alone no cell is larger."""
-FORGOTTEN = 5
-"""Frames unseen after which who has no label is forgotten."""
-GROWN, LIKE = 1.3, 0.7
-"""Times as many cells as people have that are too many for one, and how much less like his clothes
-what he has may be to be his without doubt."""
-SPREAD = 0.2
-"""Metres by which one person is spread along the ground, a standard deviation, at most."""
-NEAREST = (0.1, 1.0)
-"""Metres under which somebody is where he was expected, and beyond which he is not another."""
-SURE = 0.75
-"""Likelihood of a frame from which it tells how tall somebody is, and what he wears."""
-MORE, FREE = 1.5, 0.02
-"""Times as much of somebody as his clothes are told by that tells them anew, and share of it that
-touches others at most."""
-DOUBTED = 0.4
-"""Confidence of what may be another's at most."""
 
 
 @dataclass(eq=False)
@@ -57,6 +35,7 @@ class Group:
     """Everybody there, in cells of ``size`` metres; ``unit`` of tolerance, ``flat`` (3, 2) is the
     ground, ``up`` (3,) the way off it."""
 
+    options: TrackerOptions
     people: list[Person]
     size: float
     unit: float
@@ -73,7 +52,7 @@ class Group:
         unit = float(np.median([thing.unit for thing in things.values()]))
         flat = across(view, people.values())
         up = upright(view, flat)
-        group = Group([], float(np.median(sizes)), unit, flat, up, 0.0)
+        group = Group(view.options, [], float(np.median(sizes)), unit, flat, up, 0.0)
         sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, thing in things.items():
             group.put(view, label, thing)
@@ -100,12 +79,14 @@ class Group:
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        person = Person.met(label, cells.middle, cells.colour, self.now, thing.worn)
+        person = Person.met(self.options, label, cells.middle, cells.colour, self.now, thing.worn)
         person.identity.with_flying = thing.painted.with_flying
         person.went = thing.motion.poses[-1][:3, 3]
         if view.frame.rgb is not None:
             points = view.labels[label]
-            person.identity.colours = view.colour(points[:: max(1, len(points) // SAMPLE)])
+            person.identity.colours = view.colour(
+                points[:: max(1, len(points) // self.options.body.colour_points)]
+            )
             person.identity.shown = float((view.cells[1][points] ** 2).sum())
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
@@ -142,7 +123,9 @@ class Group:
             person.follow(sight, stride, self.now)
             if person.named:
                 found[person.label] = outcome(sight, person, looks)
-        self.people = [f for f in self.people if f.named or f.missing < FORGOTTEN]
+        self.people = [
+            f for f in self.people if f.named or f.missing < self.options.body.forgotten_frames
+        ]
         return found
 
     def leave_behind(self, background: PictureBackground) -> None:
@@ -157,19 +140,26 @@ class Group:
         clothes or stature tell; and who is as tall as another, while he is."""
         his = person.identity
         others = mistakable(sight, self.people, person, self.now)
-        most = GROWN * max(his.first, self.usual)
+        most = self.options.body.crowded_ratio * max(his.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
                 person.doubt(other)
         top = person.top(sight)
         here = [f for f in self.people if f.label in his.doubts and f not in others]
-        here = here if looks.like > -LIKE else []
+        here = here if looks.like > -self.options.body.own_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
-        as_tall = [f for f in as_tall if ratio(top, f.identity.stature, his.stature) >= DECISIVE]
+        as_tall = [
+            f
+            for f in as_tall
+            if ratio(top, f.identity.stature, his.stature) >= self.options.stature.decisive_log_odds
+        ]
         some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
         his.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
         his.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
-        if not his.doubts and looks.likelihood() > SURE:
+        if (
+            not his.doubts
+            and looks.likelihood(options=self.options) > self.options.body.sure_likelihood
+        ):
             his.sure = self.now
             person.measure(top)
             dress(sight, person, looks)
@@ -181,15 +171,23 @@ def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
     cells = sight.cells_of(person.label)
     some, area = sight.some(cells), sight.area(cells)
     his = person.identity
-    if some is not None and looks.touching < FREE and area > MORE * his.shown > 0.0:
+    if (
+        some is not None
+        and looks.touching < sight.options.body.touching_share
+        and area > sight.options.body.better_ratio * his.shown > 0.0
+    ):
         his.show(some, area)
 
 
 def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:
     """Metres of a cell that is fine enough for somebody."""
     noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
-    calm = min(NOISY * noise, LIMB * thing.span)
-    return max(CELL * thing.unit, FINE * thing.span, calm)
+    calm = min(view.options.body.cell_sigmas * noise, view.options.body.limb_share * thing.span)
+    return max(
+        view.options.body.cell_units * thing.unit,
+        view.options.body.cell_radius_share * thing.span,
+        calm,
+    )
 
 
 def _looks(
@@ -205,15 +203,15 @@ def _looks(
     if shares is None or not len(cells):
         return None
     return PersonEvidence(
-        fit=float(np.minimum(shares.cost[cells, k], CAP).mean()),
-        disputed=shares.disputed(cells, k),
+        fit=float(np.minimum(shares.cost[cells, k], sight.options.step.cap).mean()),
+        disputed=shares.disputed(cells, k, options=sight.view.options),
         size=len(cells) / max(person.size, 1.0),
         change=len(cells) / max(person.last, 1),
         shown=float(sight.shows(person.xyz + stride).mean()),
         like=person.likeness(sight.some(cells)),
         back=person.missing > 0,
         touching=sight.touching_others(cells, person.label),
-        wider=max(0.0, sight.spread(cells) - max(SPREAD, person.spread)),
+        wider=max(0.0, sight.spread(cells) - max(sight.options.body.spread_m, person.spread)),
         astray=astray(sight, person.label, cells, expected),
     )
 
@@ -224,8 +222,13 @@ def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F6
     middle = np.median(sight.ground[cells], axis=0)
     away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
     own = away.pop(label)
-    other = min(away.values(), default=NEAREST[1])
-    return float(np.log(max(own, NEAREST[0]) / np.clip(other, *NEAREST)))
+    other = min(away.values(), default=sight.options.body.nearest_m[1])
+    return float(
+        np.log(
+            max(own, sight.options.body.nearest_m[0])
+            / np.clip(other, *sight.options.body.nearest_m)
+        )
+    )
 
 
 def outcome(
@@ -239,10 +242,12 @@ def outcome(
         points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
     if person.missing or looks is None:  # what shows of him is his, but too little to follow
-        his.trust = max(0.0, his.trust - REGAIN)
-        lost = person.missing > PATIENCE
+        his.trust = max(0.0, his.trust - sight.options.confidence.regain)
+        lost = person.missing > sight.options.update.lost_frames
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
-    his.trust = min(looks.likelihood(), his.trust + REGAIN)
+    his.trust = min(
+        looks.likelihood(options=sight.view.options), his.trust + sight.options.confidence.regain
+    )
     if his.doubts:
-        his.trust = min(his.trust, DOUBTED)
+        his.trust = min(his.trust, sight.options.body.doubted_confidence)
     return TrackState(pose, 0.0, looks.shown, his.trust, len(points), "tracked"), points

@@ -15,11 +15,6 @@ from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.stature import top_of
 
-STANDS_OUT = 0.2
-"""Metres by which a head is above the highest place where somebody touches another."""
-APART, LOWER = 0.25, 0.6
-"""Metres along the ground between two people at least, and by which one's head is lower at most."""
-
 
 def beneath_heads(
     sight: Observation, cells: I64, least: float, area: float
@@ -32,17 +27,19 @@ def beneath_heads(
     links = paths_into(sight.cells.touching, np.ones(len(sight.cells.touching)), some)
     height = sight.cells.middle @ sight.up
     order = cells[np.argsort(-height[cells], kind="stable")]
-    head = _peaks(order, links, height, sight.ground, STANDS_OUT)[cells]
+    head = _peaks(order, links, height, sight.ground, sight.options.body.head_m)[cells]
     heads, count = np.unique(head, return_counts=True)
     largest = np.argsort(-count, kind="stable")[:2]
     if len(largest) < 2 or count[largest[1]] < least:
         return []
     one, two = (cells[head == heads[n]] for n in largest)
     top, other = (top_of(sight, each, area) for each in (one, two))
-    if top is None or other is None or abs(top - other) > LOWER:
+    if top is None or other is None or abs(top - other) > sight.options.body.head_lower_m:
         return []
     gap = np.median(sight.ground[one], axis=0) - np.median(sight.ground[two], axis=0)
-    return [(one, two), (two, one)] if np.linalg.norm(gap) > APART else []
+    return (
+        [(one, two), (two, one)] if np.linalg.norm(gap) > sight.options.body.heads_apart_m else []
+    )
 
 
 @compiled

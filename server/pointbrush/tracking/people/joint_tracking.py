@@ -7,11 +7,9 @@ from collections.abc import Iterable, Mapping
 from pointbrush.tracking.background.depth_background import Background, PictureBackground
 from pointbrush.tracking.interface import I64, Mask, TrackState
 from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.group import Group
 from pointbrush.tracking.sensor.view import View
-
-LIMB = 0.1
-"""Metres between points up to which they may be somebody's: limbs are no thicker."""
 
 
 class JointTracking:
@@ -21,9 +19,11 @@ class JointTracking:
     one claim; nor where points too far apart to be limbs are a label.
     """
 
-    def __init__(self, things: Mapping[int, Thing], *, continue_lost: bool) -> None:
+    def __init__(
+        self, things: Mapping[int, Thing], options: TrackerOptions, *, continue_lost: bool
+    ) -> None:
         """``things`` are all of the run at any time; see ``TrackOptions.continue_lost``."""
-        self._things, self._continue_lost = things, continue_lost
+        self._things, self._continue_lost, self.options = things, continue_lost, options
         self.group: Group | None = None
 
     def __contains__(self, label: int) -> bool:
@@ -33,7 +33,9 @@ class JointTracking:
     def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
         """Begin with those of the ``labels`` of a frame that are people, where they can be."""
         bodies = {n: self._things[n] for n in labels if self._things[n].body}
-        alone = all(thing.body and thing.unit < LIMB for thing in self._things.values())
+        alone = all(
+            thing.body and thing.unit < self.options.body.limb_m for thing in self._things.values()
+        )
         if bodies and alone and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background)
 

@@ -8,21 +8,14 @@ from functools import cached_property
 import numpy as np
 
 from pointbrush.tracking.background.depth_background import PictureBackground
-from pointbrush.tracking.fitting.search import PATIENT
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.paths import Paths, paths_into
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.segmentation.flying_pixels import flying
 from pointbrush.tracking.sensor.view import View
-
-CHANGE = 0.08
-"""Change of colour, in the units of ``View.colour``, at which cells agree a third as much."""
-SAMPLE = 400
-"""Points whose colours are compared."""
-BEFORE = 0.15
-"""Metres by which something has to be nearer to hide a place."""
 
 
 @dataclass(eq=False)
@@ -37,6 +30,11 @@ class Observation:
     up: F64
     flying: I64
     owner: I64 = field(init=False)
+
+    @property
+    def options(self) -> TrackerOptions:
+        """The options of the run."""
+        return self.view.options
 
     def __post_init__(self) -> None:
         """At first all are nobody's."""
@@ -55,7 +53,9 @@ class Observation:
         """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
-        moving = ~background.scenery(view, some, PATIENT) | (background.again(view, some) != 0)
+        moving = ~background.scenery(view, some, view.options.search.never_frames) | (
+            background.again(view, some) != 0
+        )
         some = some[moving]
         loose = flying(view, some, unit)
         return Observation(view, Foreground.of(view, some[~loose], size), flat, up, some[loose])
@@ -86,7 +86,7 @@ class Observation:
         """From each cell to the solid ones that touch it, and how much it agrees with them."""
         one, other = self.cells.touching.T
         change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
-        agree = np.exp(-change / CHANGE).astype(np.float64)
+        agree = np.exp(-change / self.options.body.colour_change).astype(np.float64)
         return paths_into(self.cells.touching, agree, self.cells.solid)
 
     def cells_of(self, label: int) -> I64:
@@ -134,7 +134,7 @@ class Observation:
     def shows(self, world: F64) -> Mask:
         """Which of the places (M, 3) are in the picture, and hidden by nothing."""
         at, depth = self.view.project(world)
-        return np.asarray((self.view.depth[at] > depth - BEFORE) & (at >= 0))
+        return np.asarray((self.view.depth[at] > depth - self.options.body.before_m) & (at >= 0))
 
     def smooth(self, each: F64) -> F64:
         """(N,) the mean of ``each`` cell's value and those of the ones that it touches."""
@@ -153,4 +153,4 @@ class Observation:
         mask = np.zeros(len(self.owner), np.bool_)
         mask[cells] = True
         tints = self.tints[mask[self.cells.cell]]
-        return tints[:: max(1, len(tints) // SAMPLE)]
+        return tints[:: max(1, len(tints) // self.options.body.colour_points)]

@@ -10,31 +10,9 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.stature import Stature, top_of
-
-FEWEST, HARDLY = 4, 0.02
-"""Cells, and share of the most that there were, under which somebody is not seen."""
-SCRAP = 0.3
-"""Share of the most that showed of him under which he may be elsewhere."""
-WIDE = 0.6
-"""Metres along the ground from his middle within which his surface is remembered."""
-APART, BEHIND = 2.0, 0.1
-"""Cells from what is seen at which surface is remembered that is hidden, by so many metres."""
-FAR = 1.3
-"""Metres from the middle of what is seen beyond which nothing hidden is remembered."""
-NEW = 0.7
-"""Share of the newest step in what is expected."""
-STOPS = 0.7
-"""Share of a step that who is hidden goes on by."""
-UNLIKE = 1.5
-"""How much less like his clothes, in the mean logarithm, something has to be to be not his."""
-SHRINKS = 0.98
-"""Share of the most cells that counts a frame later."""
-GONE, AWHILE = 0.45, 2
-"""Metres that somebody has gone, in so many frames or more, with which all of him has moved."""
-LATELY = 60
-"""Frames for which it is remembered where he was."""
 
 
 @dataclass(eq=False)
@@ -49,21 +27,26 @@ class Identity:
     and ``shown`` how much of him they are of, as ``Observation.area`` says it.
     """
 
+    options: TrackerOptions
     label: int
     worn: ColourHistogram | None
     first: float
     sure: int
     with_flying: bool = False
-    stature: Stature = field(default_factory=Stature)
+    stature: Stature = field(init=False)
     trust: float = 1.0
     doubts: set[int] = field(default_factory=set)
     colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
     shown: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Begin without a measured stature."""
+        self.stature = Stature(self.options)
+
     def show(self, colours: F32, area: float) -> None:
         """So much of him shows as never before: what he wears has also these ``colours`` (M, 3)."""
         self.colours, self.shown = np.vstack([self.colours, colours]), area
-        self.worn = ColourHistogram.of(self.colours)
+        self.worn = ColourHistogram.of(self.colours, self.options)
 
 
 @dataclass(eq=False)
@@ -79,6 +62,7 @@ class Person:
     which show him.
     """
 
+    options: TrackerOptions
     identity: Identity
     xyz: F64
     colour: F32
@@ -95,19 +79,27 @@ class Person:
     known: F64 = field(init=False)
     back: int = -(2**20)
     mistaken: int = 0
-    ways: deque[F64] = field(default_factory=lambda: deque(maxlen=LATELY))
+    ways: deque[F64] = field(init=False)
 
     def __post_init__(self) -> None:
         """What he starts with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
         self.well, self.known = self.since, self.xyz
+        self.ways = deque(maxlen=self.options.body.way_frames)
 
     @staticmethod
     def met(
-        label: int, xyz: F64, colour: F32, now: int, worn: ColourHistogram | None = None
+        options: TrackerOptions,
+        label: int,
+        xyz: F64,
+        colour: F32,
+        now: int,
+        worn: ColourHistogram | None = None,
     ) -> Person:
         """Somebody whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
-        return Person(Identity(label, worn, float(len(xyz)), now), xyz, colour, now)
+        return Person(
+            options, Identity(options, label, worn, float(len(xyz)), now), xyz, colour, now
+        )
 
     @property
     def label(self) -> int:
@@ -121,7 +113,10 @@ class Person:
 
     def elsewhere(self, sight: Observation, now: int) -> bool:
         """Whether he may be where he was not expected: too little of him was there, or is."""
-        return self.well < now - 1 or sight.area(sight.cells_of(self.label)) < SCRAP * self.area
+        return (
+            self.well < now - 1
+            or sight.area(sight.cells_of(self.label)) < self.options.body.scrap_share * self.area
+        )
 
     def likeness(self, colour: F32 | None) -> float:
         """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
@@ -156,27 +151,36 @@ class Person:
     def follow(self, sight: Observation, step: F64, now: int) -> None:
         """Take in the cells he has in a frame, ``step`` (3,) metres on."""
         cells = sight.cells_of(self.label)
-        if len(cells) < max(FEWEST, HARDLY * self.size):
+        if len(cells) < max(
+            self.options.body.seen_min_cells, self.options.body.seen_min_share * self.size
+        ):
             self._hide()
             return
         hidden = self._hidden(sight, cells, step)
         ground = sight.ground[cells]
         away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
         # The median of what lies apart may be where nothing is.
-        core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < WIDE]
+        core = cells[
+            np.linalg.norm(ground - ground[away.argmin()], axis=1) < self.options.body.memory_m
+        ]
         self.xyz = np.vstack([sight.cells.middle[core], (self.xyz + step)[hidden]])
         self.colour = np.vstack([sight.cells.colour[core], self.colour[hidden]])
         if self.missing:
             self.step, self.back = np.zeros(3), now
         else:
-            self.step = step.copy() if self.age == 0 else (1 - NEW) * self.step + NEW * step
+            self.step = (
+                step.copy()
+                if self.age == 0
+                else (1 - self.options.body.newest_step_weight) * self.step
+                + self.options.body.newest_step_weight * step
+            )
         self.went = self.went + step
         self.last = len(cells)
-        self.size = max(SHRINKS * self.size, float(self.last))
+        self.size = max(self.options.body.most_decay * self.size, float(self.last))
         # Of what is nobody, many cells may hold a few points each.
         area = sight.area(cells)
-        self.area = max(SHRINKS * self.area, area)
-        if area >= SCRAP * self.area:
+        self.area = max(self.options.body.most_decay * self.area, area)
+        if area >= self.options.body.scrap_share * self.area:
             self.well, self.known = now, self.xyz
         self.missing, self.age = 0, self.age + 1
         self.ways.append(self.went @ sight.flat)
@@ -185,7 +189,7 @@ class Person:
         """Frames within which he has gone so far that all of him has moved, and how far (m)."""
         for frames, way in enumerate(reversed(self.ways)):
             far = float(np.linalg.norm(way - self.ways[-1]))
-            if frames >= AWHILE and far > GONE:
+            if frames >= self.options.body.gone_frames and far > self.options.body.gone_m:
                 return frames, far
         return None
 
@@ -195,14 +199,17 @@ class Person:
         self.last = 0
         self.ways.clear()
         self.xyz, self.went = self.xyz + self.step, self.went + self.step
-        self.step = STOPS * self.step
+        self.step = self.options.body.hidden_step_share * self.step
 
     def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
         """The cells of his surface that something hides now."""
         if self.missing:
             return np.empty(0, np.int64)
         seen, there = sight.cells.middle[cells], self.xyz + step
-        hides = sight.view.hides(there, BEHIND)
-        apart = cKDTree(seen).query(there)[0] > APART * sight.cells.size
-        close = np.linalg.norm(there - np.median(seen, axis=0), axis=1) < FAR
+        hides = sight.view.hides(there, self.options.body.memory_behind_m)
+        apart = cKDTree(seen).query(there)[0] > self.options.body.memory_cells * sight.cells.size
+        close = (
+            np.linalg.norm(there - np.median(seen, axis=0), axis=1)
+            < self.options.body.memory_seen_m
+        )
         return np.flatnonzero(hides & apart & close)

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.objects.confidence import log_ratio, squashed
-
-WEIGHTS, OFFSET = np.array([-0.5, -3.0, -1.2, -0.3, 1.0, -0.5, -5.0, -20.0, -1.4]), 3.0
-"""Of the log odds: a weight for each of the ``features``, set by hand, and what is added."""
-SIZE_MOST, CHANGE_MOST, LIKE_LEAST = 4.0, 1.0, -3.0
-"""Logarithms at most of the size and of a sudden change of it, and at least of how like the clothes
-are: beyond, they say no more."""
+from pointbrush.tracking.options import TrackerOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,20 +32,25 @@ class PersonEvidence:
     wider: float
     astray: float
 
-    def features(self) -> list[float]:
+    def features(self, options: TrackerOptions) -> list[float]:
         """What the odds are made of."""
         return [
             self.fit,
             self.disputed,
-            abs(log_ratio(self.size, SIZE_MOST)),
-            abs(log_ratio(self.change, CHANGE_MOST)),
-            max(min(self.like, 0.0), LIKE_LEAST),
+            abs(log_ratio(self.size, options.person_confidence.max_log_size)),
+            abs(log_ratio(self.change, options.person_confidence.max_log_change)),
+            max(min(self.like, 0.0), options.person_confidence.min_log_clothes),
             float(self.back),
             self.touching,
             self.wider,
             self.astray,
         ]
 
-    def likelihood(self) -> float:
+    def likelihood(self, options: TrackerOptions) -> float:
         """0..1, of this frame by itself."""
-        return squashed(float(WEIGHTS @ self.features()) + OFFSET, stretch=1.0)
+        return squashed(
+            float(np.array(options.person_confidence.weights) @ self.features(options=options))
+            + options.person_confidence.offset,
+            stretch=1.0,
+            options=options,
+        )

@@ -11,18 +11,8 @@ import numpy as np
 
 from pointbrush.tracking.geometry.grid import cells_of
 from pointbrush.tracking.interface import F64
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.view import View
-
-LEANING = 0.7
-"""Cosine of the image's downward axis and the way people stand under which that is not known."""
-EVERY, BROAD, DEEP = 3, 300, 0.3
-"""Which points are asked for what is level, how many of them have to lie on it, and their deviation
-in metres along its shorter side."""
-PATCH, FEWEST, THIN, TILTED = 0.4, 20, 0.1, 0.85
-"""Metres of a patch of surface, points it has to have, its variance through itself over the lesser
-along itself, and cosine of the angle to the rough way up at most."""
-WITHIN = (0.12, 0.06, 0.06)
-"""Metres about the level that are fitted, one after the other."""
 
 
 def across(view: View, people: Iterable[F64]) -> F64:
@@ -37,7 +27,7 @@ def across(view: View, people: Iterable[F64]) -> F64:
     right, down, ahead = view.T_picture_world[:3, :3]
     up = np.linalg.eigh(spread)[1][:, 2]
     up = up * np.sign(-up @ down)
-    if -up @ down < LEANING:
+    if -up @ down < view.options.stature.leaning_cos:
         up = -down
     flat = np.stack([way - (way @ up) * up for way in (right, ahead)], axis=1)
     return np.asarray(flat / np.linalg.norm(flat, axis=0))
@@ -52,28 +42,37 @@ def upright(view: View, flat: F64) -> F64:
     """
     up = np.cross(flat[:, 0], flat[:, 1])
     up = up / np.linalg.norm(up) * -np.sign(up @ view.T_picture_world[1, :3])
-    rest = view.xyz[~view.labelled()][::EVERY].astype(np.float64)
-    if len(rest) < BROAD:
+    rest = view.xyz[~view.labelled()][:: view.options.stature.level_stride].astype(np.float64)
+    if len(rest) < view.options.stature.level_points:
         return up
-    level = max(_patches(rest, up), key=len, default=rest[:0])
-    for within in WITHIN:
-        if len(level) < BROAD:
+    level = max(_patches(rest, up, options=view.options), key=len, default=rest[:0])
+    for within in view.options.stature.fit_m:
+        if len(level) < view.options.stature.level_points:
             return up
         normal, spread = _plane(level)
         level = rest[np.abs((rest - level.mean(axis=0)) @ normal) < within]
-    return np.asarray(normal * np.sign(normal @ up)) if spread[1] > DEEP**2 else up
+    return (
+        np.asarray(normal * np.sign(normal @ up))
+        if spread[1] > view.options.stature.level_sigma_m**2
+        else up
+    )
 
 
-def _patches(xyz: F64, up: F64) -> Iterable[F64]:
+def _patches(xyz: F64, up: F64, options: TrackerOptions) -> Iterable[F64]:
     """The points (N, 3) about the plane of each patch that is level, roughly."""
-    patch = cells_of(xyz, PATCH)
+    patch = cells_of(xyz, options.stature.patch_m)
     count = np.bincount(patch)
     order = np.split(np.argsort(patch, kind="stable"), np.cumsum(count)[:-1])
-    for n in np.flatnonzero(count >= max(FEWEST, float(np.median(count)))).tolist():
+    for n in np.flatnonzero(
+        count >= max(options.stature.patch_points, float(np.median(count)))
+    ).tolist():
         some = xyz[order[n]]
         normal, spread = _plane(some)
-        if spread[0] < THIN * spread[1] and abs(normal @ up) > TILTED:
-            yield xyz[np.abs((xyz - some.mean(axis=0)) @ normal) < WITHIN[0]]
+        if (
+            spread[0] < options.stature.patch_flatness * spread[1]
+            and abs(normal @ up) > options.stature.patch_cos
+        ):
+            yield xyz[np.abs((xyz - some.mean(axis=0)) @ normal) < options.stature.fit_m[0]]
 
 
 def _plane(xyz: F64) -> tuple[F64, F64]:

@@ -13,10 +13,6 @@ from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.sensor.view import View
 
-NEARER, ASIDE, BY_CHANCE = 3.0, 2, 0.05
-"""Units by which what may hide how a thing goes on is nearer, pixels aside at which it is looked
-for, and the share of the points beside it up to which it hides nothing."""
-
 
 @dataclass(eq=False)
 class Claim:
@@ -117,10 +113,10 @@ def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
         return False
     cell, depth = view.cells
     width = view.lens.shape[1]
-    steps = ASIDE * np.array([-width, -1, 1, width])
+    steps = view.options.claim.hiding_px * np.array([-width, -1, 1, width])
     around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
     with np.errstate(invalid="ignore"):
-        nearer = view.depth[around] < depth[rest][:, None] - NEARER * unit
+        nearer = view.depth[around] < depth[rest][:, None] - view.options.claim.hiding_units * unit
     if by is not None:
         nearer &= by[around]
-    return float(nearer.any(axis=1).mean()) > BY_CHANCE
+    return float(nearer.any(axis=1).mean()) > view.options.claim.hiding_share

@@ -11,26 +11,27 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.sensor.view import View
 
-EXPLAINED = 4.0
-"""Units from something unlabelled within which it explains a point beside a thing."""
-YIELD = 0.7
-"""Share of its cost at which something unlabelled takes a point from a claim."""
-AGAIN = 7.0
-"""Units within which something unlabelled is taken to be where it was."""
-BESIDE = 12.0
-"""Units from a soft thing within which what is beside it goes along with it."""
-STAYED = 0.25
-"""Units by which a thing moves that stays where it is."""
-
 
 def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:
     """Which claimed points are more like something known to be unlabelled."""
-    return _explained(thing, view, place, found.indices, YIELD * found.cost.astype(np.float64))
+    return _explained(
+        thing,
+        view,
+        place,
+        found.indices,
+        view.options.context.yield_ratio * found.cost.astype(np.float64),
+    )
 
 
 def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which points nothing unlabelled explains, where it was or gone along with the thing."""
-    return ~_explained(thing, view, place, points, np.full(len(points), EXPLAINED * thing.unit))
+    return ~_explained(
+        thing,
+        view,
+        place,
+        points,
+        np.full(len(points), thing.options.context.explained_units * thing.unit),
+    )
 
 
 def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
@@ -40,7 +41,9 @@ def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) 
     explained = thing.rivals.explain(xyz, colour, reach, step_of(thing, place))
     if thing.soft and len(thing.rivals.xyz):  # Each part of it has a motion of its own.
         before = transform(thing.motion.poses[-1], thing.model.xyz)
-        bent = thing.rivals.along(before, place.world, BESIDE * thing.unit)
+        bent = thing.rivals.along(
+            before, place.world, thing.options.context.along_units * thing.unit
+        )
         explained |= bent.explain(xyz, colour, reach)
     return explained
 
@@ -48,7 +51,10 @@ def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) 
 def was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -> Mask:
     """Which points lie where something unlabelled was in the last frame, or has gone by ``step``
     since."""
-    reach, xyz = np.full(len(points), AGAIN * thing.unit), view.xyz[points].astype(np.float64)
+    reach, xyz = (
+        np.full(len(points), thing.options.context.stayed_units * thing.unit),
+        view.xyz[points].astype(np.float64),
+    )
     return thing.rivals.explain(xyz, view.colour(points), reach, step)
 
 
@@ -56,6 +62,9 @@ def step_of(thing: Thing, place: Place) -> F64 | None:
     """How a thing has moved (4, 4) since it was seen; None where that is next to nothing."""
     last = thing.motion.poses[-1]
     ends = thing.ends
-    if np.abs(transform(place.pose, ends) - transform(last, ends)).max() < STAYED * thing.unit:
+    if (
+        np.abs(transform(place.pose, ends) - transform(last, ends)).max()
+        < thing.options.context.rest_units * thing.unit
+    ):
         return None
     return place.pose @ inverse(last)

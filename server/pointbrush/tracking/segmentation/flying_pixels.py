@@ -15,11 +15,6 @@ from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
 
-BEHIND, BESIDE = 4.0, 2.0
-"""Units by which it lies behind a neighbour, and within which a neighbour is as deep as it is."""
-MOSTLY, FEWEST = 0.5, 20
-"""Share of them that a thing was painted with, to have them ever after, and how many tell it."""
-
 
 class FlyingRule(NamedTuple):
     """What makes a pixel a flying one: it lies ``behind`` metres behind one that it touches.
@@ -55,12 +50,21 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
     cell = view.cells.cell
     near = np.flatnonzero(view.around(points)[cell])
     loose = near[_loose(view, near, np.isfinite(view.depth), unit)]
-    return len(loose) >= FEWEST and float(view.marked(points)[cell[loose]].mean()) > MOSTLY
+    return (
+        len(loose) >= view.options.flying.min_pixels
+        and float(view.marked(points)[cell[loose]].mean()) > view.options.flying.painted_share
+    )
 
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
     cell, depth = view.cells.pick(points)
-    rule = FlyingRule(BEHIND * unit, BESIDE * unit, reach=1, few=0, margin=0)
+    rule = FlyingRule(
+        view.options.flying.behind_units * unit,
+        view.options.flying.level_units * unit,
+        reach=1,
+        few=0,
+        margin=0,
+    )
     return lies_behind(cell, depth, view.depth, own, view.camera.shape[1], rule)
 
 

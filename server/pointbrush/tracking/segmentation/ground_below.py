@@ -18,20 +18,14 @@ from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import together
 from pointbrush.tracking.sensor.view import View
 
-MOSTLY = 0.5
-"""Share of the ground within its outline that a thing was painted with, to have it ever after."""
-FEWEST = 3
-"""Points of that ground that tell it."""
-CORNERS = 4
-"""Points of a model from which it has an outline."""
-BELOW = 0.3
-"""Metres under the model down to which the ground is its."""
-
 
 def painted_with_ground(view: View, indices: I64) -> bool:
     """Whether most of the ground within the outline of painted points (M,) is painted too."""
     inside = _within(view, view.xyz[indices].astype(np.float64))
-    return len(inside) >= FEWEST and float(np.isin(inside, indices).mean()) > MOSTLY
+    return (
+        len(inside) >= view.options.ground_contact.min_points
+        and float(np.isin(inside, indices).mean()) > view.options.ground_contact.painted_share
+    )
 
 
 def with_ground(
@@ -55,7 +49,7 @@ def with_ground(
 def _within(view: View, world: F64) -> I64:
     """Sorted indices of what lies on the ground within the outline of ``world`` (M, 3)."""
     none = np.empty(0, np.int64)
-    if not view.scans or len(world) < CORNERS:
+    if not view.scans or len(world) < view.options.ground_contact.min_corners:
         return none
     flat = np.delete(np.arange(3), view.up)
     try:
@@ -63,7 +57,7 @@ def _within(view: View, world: F64) -> I64:
     except QhullError:
         return none
     lo, hi = bounds(world)
-    lo[view.up] -= BELOW
+    lo[view.up] -= view.options.ground_contact.below_m
     near = view.box(lo, hi)
     near = near[view.ground[near]]
     away = view.xyz[near][:, flat] @ sides[:, :2].T + sides[:, 2]

@@ -16,11 +16,6 @@ from pointbrush.tracking.segmentation.flying_pixels import FlyingRule, lies_behi
 from pointbrush.tracking.sensor.lens import I32
 from pointbrush.tracking.sensor.view import View
 
-BEHIND, LEVEL = 6.6, 4.6
-"""Units by which a flying pixel lies behind the thing, and within which pixels are as deep."""
-FEW = 2
-"""Pixels as deep up to which hardly any are."""
-
 
 def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     """Which of a thing's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,) its rim.
@@ -30,7 +25,13 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
     cell, depth = view.cells
     image, width = view.depth, view.camera.shape[1]
     mine = view.marked(own)
-    rule = FlyingRule(BEHIND * unit, LEVEL * unit, reach=2, few=FEW, margin=2)
+    rule = FlyingRule(
+        view.options.flying.outline_behind_units * unit,
+        view.options.flying.outline_level_units * unit,
+        reach=2,
+        few=view.options.flying.outline_few,
+        margin=2,
+    )
     flying = lies_behind(cell[own], depth[own], image, mine, width, rule)
     return flying, _rim(cell[rest], depth[rest], image, mine, width, rule)
 

@@ -16,31 +16,11 @@ from pointbrush.tracking.geometry.components import pieces
 from pointbrush.tracking.geometry.near import close_to, within
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.objects.free_space import ENOUGH, carved
+from pointbrush.tracking.objects.free_space import carved
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import cut_off
 from pointbrush.tracking.sensor.view import View
-
-MOST = 1.1
-"""Share of its size up to which a thing is given pieces."""
-SELDOM = 4
-"""Frames in one of which what is slow is asked: it soon shows them again."""
-LEAST, FEWEST = 0.01, 5.0
-"""Share of its size, and number of points, that a piece has at least."""
-BESIDE, LONELY = 2.5, 6.0
-"""Units between a thing and what touches it, and around a piece where nothing else may be."""
-FEW, SHARP = 0.2, 0.2
-"""Share of its points up to which others may be near a piece, as flying pixels are, or a piece may
-lie where the sensor looked through; cost of a fit up to which that can be told."""
-ALIKE = 0.7
-"""Share of a piece's colours that the thing showed where it was painted."""
-SMALL, LONG, MOSTLY = 0.1, 8, 0.5
-"""Share of a thing at rest that a piece of other colours may be; frames for which it must have
-stayed, and share of its points that must be as deep as then, since the last one wavers too."""
-FARTHEST, END = 1.3, 0.3
-"""Radii from the middle of a thing on the move from which what reaches so far is an end of it, and
-share of its points that an end has at most: a hand has more."""
 
 
 def lost_pieces(
@@ -51,7 +31,9 @@ def lost_pieces(
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
     what never moves, or no colour, and the thing is not ``pliant``.
     """
-    asked = (view.number + thing.label) % SELDOM == 0 or not thing.motion.slow(thing.unit)
+    asked = (
+        view.number + thing.label
+    ) % thing.options.pieces.slow_frames == 0 or not thing.motion.slow(thing.unit)
     tells = view.lens is not None and (thing.weight > 0.0 or thing.pliant)
     if not (tells and asked) or thing.bends:
         return _NONE
@@ -59,13 +41,13 @@ def lost_pieces(
     if len(rest) < least:
         return _NONE
     xyz = view.xyz[rest].astype(np.float64)
-    piece = pieces(xyz, thing.unit)
+    piece = pieces(xyz, thing.unit, options=thing.options)
     size = np.bincount(piece)
     number = len(size)
     lo, hi = place.box
-    edge = BESIDE * thing.unit
+    edge = thing.options.pieces.touching_units * thing.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
-    found, left = [_NONE], MOST * thing.size - len(core)
+    found, left = [_NONE], thing.options.pieces.max_size_share * thing.size - len(core)
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
         mine = piece == one
         points = rest[mine]
@@ -84,39 +66,51 @@ def _apart(view: View, points: I64, background: Background) -> I64:
 
 def _least(thing: Thing) -> float:
     """How many points a piece has at least."""
-    return max(FEWEST, LEAST * thing.size)
+    return max(thing.options.pieces.min_points, thing.options.pieces.min_size_share * thing.size)
 
 
 def _looks_like(thing: Thing, view: View, core: I64, points: I64, background: Background) -> bool:
     """Whether a piece has the thing's colours, or is small and has come to rest with it."""
     colour = view.colour(points)
-    if thing.worn.share(colour) >= ALIKE and not thing.worn.unlike(colour):
+    if thing.worn.share(
+        colour
+    ) >= thing.options.pieces.alike_colours_share and not thing.worn.unlike(colour):
         return True
-    if not thing.motion.rests(thing.unit) or len(points) > SMALL * len(core):
+    if not thing.motion.rests(thing.unit) or len(
+        points
+    ) > thing.options.pieces.other_colour_share * len(core):
         return False
-    return float(background.stayed(view, points, LONG).mean()) > MOSTLY
+    return (
+        float(background.stayed(view, points, thing.options.pieces.rested_frames).mean())
+        > thing.options.pieces.same_depth_share
+    )
 
 
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
     """Whether a piece touches the thing and no ``others`` (M, 3), and may be a part of it."""
     xyz = view.xyz[points].astype(np.float64)
-    if not close_to(view.xyz[core], xyz, BESIDE * thing.unit).any():
+    if not close_to(view.xyz[core], xyz, thing.options.pieces.touching_units * thing.unit).any():
         return False
-    if np.count_nonzero(close_to(others, xyz, LONELY * thing.unit)) > FEW * len(points):
+    if np.count_nonzero(
+        close_to(others, xyz, thing.options.pieces.lonely_units * thing.unit)
+    ) > thing.options.pieces.few_share * len(points):
         return False
     if not thing.motion.rests(thing.unit):
         away = xyz - transform(place.pose, thing.model.centre[None])
-        far = np.linalg.norm(away, axis=1).max() > FARTHEST * thing.model.radius
-        if far and len(points) > END * len(core):
+        far = (
+            np.linalg.norm(away, axis=1).max() > thing.options.pieces.end_radii * thing.model.radius
+        )
+        if far and len(points) > thing.options.pieces.end_share * len(core):
             return False
         # What goes on behind the thing itself is what holds it.
         if cut_off(view, points, thing.unit, by=view.marked(core)):
             return False
-    if thing.soft or len(thing.glimpses) < ENOUGH:
+    if thing.soft or len(thing.glimpses) < thing.options.surface.carve_min_views:
         return True
     return (
-        place.cost < SHARP
-        and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean()) < FEW
+        place.cost < thing.options.pieces.sharp_cost
+        and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean())
+        < thing.options.pieces.few_share
     )
 
 

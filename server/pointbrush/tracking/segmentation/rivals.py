@@ -13,13 +13,6 @@ from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing
 from pointbrush.tracking.sensor.view import View
 
-REACH = 1.0
-"""Metres about a thing within which whoever may hold it is."""
-BESIDE, SPARE = 0.5, 4.0
-"""Radii, and units, about a thing within which what is unlabelled is beside it."""
-MOST = 1000
-"""Rivals kept of those beside a thing."""
-
 
 def set_rivals_around(thing: Thing, view: View, world: F64) -> None:
     """Let what is unlabelled beside a thing, whose surface is at ``world`` (M, 3), be known."""
@@ -28,7 +21,11 @@ def set_rivals_around(thing: Thing, view: View, world: F64) -> None:
 
 
 def _beside(thing: Thing, world: F64) -> tuple[F64, F64]:
-    return _box_around(world, BESIDE * thing.model.radius + SPARE * thing.unit)
+    return _box_around(
+        world,
+        thing.options.context.beside_radii * thing.model.radius
+        + thing.options.context.beside_units * thing.unit,
+    )
 
 
 def _box_around(world: F64, margin: float) -> tuple[F64, F64]:
@@ -47,7 +44,7 @@ def set_rivals(thing: Thing, view: View, indices: I64, box: tuple[F64, F64]) -> 
 
     What has colours that it alone has, or that are far commoner in it than among them, is that.
     """
-    some = indices[:: max(1, -(-len(indices) // MOST))]
+    some = indices[:: max(1, -(-len(indices) // thing.options.context.max_points))]
     colour = view.colour(some)
     if thing.dyed and len(some):
         others = ~(thing.worn.rather(colour) | thing.distinct(colour))
@@ -75,6 +72,10 @@ def tell_apart(things: Mapping[int, Thing], view: View, labels: Iterable[int]) -
         thing = things[label]
         beside = view.colour(_unlabelled(view, _beside(thing, thing.model.xyz)))
         others = [other.worn for other in things.values() if other is not thing]
-        about = view.colour(_unlabelled(view, _box_around(thing.model.xyz, REACH)))
-        thing.worn = thing.worn.apart_from([ColourHistogram.of(beside), *others])
+        about = view.colour(
+            _unlabelled(view, _box_around(thing.model.xyz, view.options.context.reach_m))
+        )
+        thing.worn = thing.worn.apart_from(
+            [ColourHistogram.of(beside, options=view.options), *others]
+        )
         thing.worn = thing.worn.commoner_than(about, thing.size)

@@ -18,9 +18,10 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.geometry.deformation import nodes_of
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
-from pointbrush.tracking.sensor.range_image import FAR, find_eye, reach_of
+from pointbrush.tracking.sensor.range_image import find_eye, reach_of
 from pointbrush.tracking.sensor.shifts import likely_shifts
 from pointbrush.tracking.sensor.trajectory import (
     RecordedTrajectory,
@@ -28,43 +29,6 @@ from pointbrush.tracking.sensor.trajectory import (
     Trajectory,
     recorded_pose,
 )
-
-COARSE = 0.02
-"""Size of the cells that a frame is thinned to, as a share of the median distance from its
-middle."""
-LEAST = 0.5
-"""Metres of such a cell at least, of what sees farther than depth cameras: down a narrow street
-most of what is seen is near, but the next frame is metres on, too far for small cells."""
-ENOUGH = 100_000
-"""Points that planes are looked for in."""
-AROUND = 10
-"""Neighbours that a plane is fitted to."""
-FEWEST_POINTS, FEWEST, ASKED = 500, 10, 6
-"""Points of a frame, and neighbourhoods of cells, that planes are looked for in at least; and
-places asked for one that may be registered."""
-FLAT, BROAD = 0.05, 0.08
-"""Share of the variance across a plane at most, and along its shorter side at least."""
-SAMPLE = 1500
-"""Planes that are registered."""
-SCALES = (8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 1.0, 0.7, 0.7, 0.5, 0.5, 0.3, 0.3)
-"""Scales of the robust weights, in cells."""
-TRIES = (1, 4, 12)
-"""Frames after the first at which a sensor is asked whether it has moved; a depth camera also at
-the middle and at the end."""
-MOVED = 0.25
-"""Cells by which the scene has to be displaced, at the median, for a sensor to have moved."""
-AT_REST = 1e-4
-"""Metres, and radians, between the poses of a sensor that is told to be at rest."""
-NARROW = 0.2
-"""Cells off its plane up to which something lies on it."""
-STANDS, AGREE, LEFT = 0.95, 0.5, 0.75
-"""Share of the planes still in place above which the sensor stands; share that has to be in
-place after it was moved, and share of those that were not in place before that may still not be."""
-AGREED, LESS = 0.95, 0.05
-"""Share in place from which no other start is tried; and how much less than between the frames
-before is no reason to: along a street the ground and the walls fit however far a frame slips."""
-SHIFTS, APART = 2, 1.0
-"""Shifts that are tried, and cells from what was found at which they are another start."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,38 +41,48 @@ class Planes:
     cell: float
 
 
-def planes_of(xyz: F64) -> Planes | None:
+def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
     """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
-    xyz = xyz[:: max(1, len(xyz) // ENOUGH)]
-    if len(xyz) < FEWEST_POINTS:
+    xyz = xyz[:: max(1, len(xyz) // options.scan_odometry.plane_points)]
+    if len(xyz) < options.scan_odometry.min_points:
         return None
-    least = LEAST if reach_of(xyz) > FAR else 0.0
-    cell = _cell(xyz, least)
+    least = (
+        options.scan_odometry.cell_min_m
+        if reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        else 0.0
+    )
+    cell = _cell(xyz, least, options=options)
     if cell <= 0.0:
         return None
     # The ground before a sensor is seen by most of its points: what is far counts by its area.
     for _ in range(2):
-        cell = _cell(nodes_of(xyz, cell), least)
+        cell = _cell(nodes_of(xyz, cell), least, options=options)
     some = nodes_of(xyz, cell)
-    if len(some) < FEWEST * AROUND:
+    if len(some) < options.scan_odometry.min_planes * options.scan_odometry.plane_neighbours:
         return None
     tree = cKDTree(some)
-    asked = some[:: max(1, len(some) // (ASKED * SAMPLE))]
-    _, near = tree.query(asked, k=AROUND)
+    asked = some[
+        :: max(
+            1, len(some) // (options.scan_odometry.asked_per_plane * options.scan_odometry.planes)
+        )
+    ]
+    _, near = tree.query(asked, k=options.scan_odometry.plane_neighbours)
     around = some[near] - some[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
-    flat = (values[:, 0] < FLAT * values[:, 2]) & (values[:, 1] > BROAD * values[:, 2])
+    flat = (values[:, 0] < options.scan_odometry.plane_flatness * values[:, 2]) & (
+        values[:, 1] > options.scan_odometry.plane_breadth * values[:, 2]
+    )
     at, normal = asked[flat], vectors[flat, :, 0]
-    kept = _all_ways(normal)
+    kept = _all_ways(normal, options=options)
     return Planes(at[kept], normal[kept], tree, cell)
 
 
-def _cell(xyz: F64, least: float) -> float:
+def _cell(xyz: F64, least: float, options: TrackerOptions) -> float:
     away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
-    return max(COARSE * float(np.median(away)), least)
+    return max(options.scan_odometry.cell_share * float(np.median(away)), least)
 
 
-def _all_ways(normal: F64) -> I64:
+def _all_ways(normal: F64, options: TrackerOptions) -> I64:
     """Sorted indices of planes with ``normal`` (M, 3), about as many facing along each axis.
 
     Along a street nearly all are of the ground and the walls, on which a frame may slip.
@@ -116,22 +90,28 @@ def _all_ways(normal: F64) -> I64:
     """
     axis = np.abs(normal).argmax(axis=1)
     ways = [np.flatnonzero(axis == a) for a in range(3)]
-    return np.sort(np.concatenate([way[:: max(1, len(way) * 3 // (2 * SAMPLE))] for way in ways]))
+    return np.sort(
+        np.concatenate(
+            [way[:: max(1, len(way) * 3 // (2 * options.scan_odometry.planes))] for way in ways]
+        )
+    )
 
 
-def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:
+def register(
+    planes: Planes, target: cKDTree, start: F64, options: TrackerOptions
+) -> tuple[F64, float]:
     """The motion (4, 4) of ``planes`` onto the points of ``target``, from ``start``.
 
     Also the share of the planes that are in place after it.
     """
     T = start
-    for scale in SCALES:
+    for scale in options.scan_odometry.scales_cells:
         reach = scale * planes.cell
         moved = transform(T, planes.at)
         normal = planes.normal @ T[:3, :3].T
         gap, index = target.query(moved, distance_upper_bound=max(reach, 2 * planes.cell))
         there = np.flatnonzero(np.isfinite(gap))
-        if len(there) < AROUND:
+        if len(there) < options.scan_odometry.plane_neighbours:
             return T, 0.0
         point, n = moved[there], normal[there]
         off = ((target.data[np.asarray(index)[there]] - point) * n).sum(axis=1)
@@ -144,24 +124,36 @@ def register(planes: Planes, target: cKDTree, start: F64) -> tuple[F64, float]:
         D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
         D[:3, 3] = step[:3] + middle - D[:3, :3] @ middle
         T = D @ T
-    return T, in_place(planes, target, T)
+    return T, in_place(planes, target, T, options=options)
 
 
 def register_anywhere(
-    planes: Planes, target: Planes, starts: Sequence[F64], enough: float = AGREED
+    planes: Planes,
+    target: Planes,
+    starts: Sequence[F64],
+    options: TrackerOptions,
+    enough: float | None = None,
 ) -> tuple[F64, float]:
     """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
     of place than ``enough``, from the others and from where the scenery seems to have gone."""
-    best = register(planes, target.tree, starts[0])
+    if enough is None:
+        enough = options.scan_odometry.restart_share
+    best = register(planes, target.tree, starts[0], options=options)
     if best[1] >= enough or not len(planes.at):
         return best
     moved = transform(starts[0], np.asarray(planes.tree.data))
-    shifts = likely_shifts(moved, np.asarray(target.tree.data), planes.cell, SHIFTS)
+    shifts = likely_shifts(
+        moved,
+        np.asarray(target.tree.data),
+        planes.cell,
+        options.scan_odometry.shifts,
+        options=options,
+    )
     middle = planes.at.mean(axis=0)[None]
     for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
         away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
-        if away > APART * planes.cell:
-            best = max(best, register(planes, target.tree, start), key=_share)
+        if away > options.scan_odometry.shift_cells * planes.cell:
+            best = max(best, register(planes, target.tree, start, options=options), key=_share)
     return best
 
 
@@ -171,7 +163,7 @@ def _shifted(T: F64, shift: F64) -> F64:
     return moved
 
 
-def in_place(planes: Planes, target: cKDTree, T: F64) -> float:
+def in_place(planes: Planes, target: cKDTree, T: F64, options: TrackerOptions) -> float:
     """The share of the planes, moved by ``T``, on which something of the target lies."""
     moved = transform(T, planes.at)
     gap, index = target.query(moved, distance_upper_bound=2 * planes.cell)
@@ -180,74 +172,97 @@ def in_place(planes: Planes, target: cKDTree, T: F64) -> float:
         return 0.0
     normal = planes.normal[there] @ T[:3, :3].T
     off = ((target.data[np.asarray(index)[there]] - moved[there]) * normal).sum(axis=1)
-    return float((np.abs(off) < NARROW * planes.cell).sum() / len(moved))
+    return float(
+        (np.abs(off) < options.scan_odometry.on_plane_cells * planes.cell).sum() / len(moved)
+    )
 
 
-def stands(frames: Frames, order: Sequence[int]) -> bool:
+def stands(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
     """Whether the sensor is at rest, as far as the first frames show it."""
-    first = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
+    first = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
     if first is None:
         return True
-    for ahead in TRIES:
+    for ahead in options.scan_odometry.asked_frames:
         if ahead >= len(order):
             break
-        other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64))
+        other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64), options=options)
         if other is None:
             break
-        before = in_place(first, other.tree, np.eye(4))
-        if before > STANDS:
+        before = in_place(first, other.tree, np.eye(4), options=options)
+        if before > options.scan_odometry.rest_share:
             continue
-        T, share = register_anywhere(first, other, [np.eye(4)])
+        T, share = register_anywhere(first, other, [np.eye(4)], options=options)
         shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
-        moved = share > AGREE and 1.0 - share < LEFT * (1.0 - before)
-        if moved and float(np.median(shift)) > MOVED * first.cell:
+        moved = (
+            share > options.scan_odometry.agreed_share
+            and 1.0 - share < options.scan_odometry.left_share * (1.0 - before)
+        )
+        if moved and float(np.median(shift)) > options.scan_odometry.moved_cells * first.cell:
             return False
     return True
 
 
 def find_trajectory(
-    frames: Frames, order: Sequence[int], painted: I64 | None = None
+    frames: Frames, order: Sequence[int], painted: I64 | None = None, *, options: TrackerOptions
 ) -> Trajectory | None:
     """The way of the sensor over ``order``, in the first frame of which the world is.
 
     As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
     first frame; None where the sensor is at rest.
     """
-    first, *others = (recorded_pose(frames(order[at])) for at in (0, len(order) // 2, -1))
+    first, *others = (
+        recorded_pose(frames(order[at]), options=options) for at in (0, len(order) // 2, -1)
+    )
     back = None if first is None else np.linalg.inv(first)
     if back is not None and any(
-        pose is not None and np.abs(back @ pose - np.eye(4)).max() > AT_REST for pose in others
+        pose is not None and np.abs(back @ pose - np.eye(4)).max() > options.scan_odometry.rest_pose
+        for pose in others
     ):
-        return RecordedTrajectory(frames, np.asarray(back, np.float64))
-    lens = find_lens(frames(order[0]), moves=True)
+        return RecordedTrajectory(frames, np.asarray(back, np.float64), options=options)
+    lens = find_lens(frames(order[0]), moves=True, options=options)
     if lens is not None:
         last = len(order) - 1
-        asked = [order[at] for at in sorted({0, *TRIES, last // 2, last}) if at <= last]
-        at_rest = not framed(frames(order[0]), lens) or not moves(frames, asked, lens, painted)
-        return None if at_rest else CameraTrajectory(frames, order, lens, painted)
-    at_rest = not _of_one(frames(order[0])) or stands(frames, order)
+        asked = [
+            order[at]
+            for at in sorted({0, *options.scan_odometry.asked_frames, last // 2, last})
+            if at <= last
+        ]
+        at_rest = not framed(frames(order[0]), lens, options=options) or not moves(
+            frames, asked, lens, painted, options=options
+        )
+        return None if at_rest else CameraTrajectory(frames, order, options, lens, painted)
+    at_rest = not _of_one(frames(order[0]), options=options) or stands(
+        frames, order, options=options
+    )
     if not at_rest:
-        return ScanTrajectory(frames, order)
-    if not _goes_about(frames, order):
+        return ScanTrajectory(frames, order, options)
+    if not _goes_about(frames, order, options=options):
         return None
     still = np.eye(4) if back is None else back
-    return RecordedTrajectory(frames, np.asarray(still, np.float64))
+    return RecordedTrajectory(frames, np.asarray(still, np.float64), options=options)
 
 
-def _goes_about(frames: Frames, order: Sequence[int]) -> bool:
+def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
     """Whether a lidar tells viewpoints along a way: then its frames lie in the world, at rest."""
     first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
-    if first.viewpoint is None or reach_of(np.asarray(first.xyz)) <= FAR:
+    if (
+        first.viewpoint is None
+        or reach_of(np.asarray(first.xyz), options=options) <= options.range_image.camera_reach_m
+    ):
         return False
     ways = [eye - first.viewpoint for f in others if (eye := f.viewpoint) is not None]
-    return any(float(np.abs(way).max()) > AT_REST for way in ways)
+    return any(float(np.abs(way).max()) > options.scan_odometry.rest_pose for way in ways)
 
 
-def _of_one(frame: TrackFrame) -> bool:
+def _of_one(frame: TrackFrame, options: TrackerOptions) -> bool:
     """Whether one sensor saw a frame: what several saw together, or a figure without its room, has
     nothing that shows how a sensor moves but what moves itself."""
     xyz = np.asarray(frame.xyz)
-    return frame.viewpoint is not None or reach_of(xyz) > FAR or find_eye(xyz) is not None
+    return (
+        frame.viewpoint is not None
+        or reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        or find_eye(xyz, options=options) is not None
+    )
 
 
 def _share(fit: tuple[F64, float]) -> float:
@@ -257,19 +272,22 @@ def _share(fit: tuple[F64, float]) -> float:
 class ScanTrajectory(RegisteredTrajectory):
     """A sensor's way as the planes of the scenery show it."""
 
-    def __init__(self, frames: Frames, order: Sequence[int]) -> None:
-        super().__init__(frames, order)
-        self._enough = AGREED
-        self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64))
+    def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
+        super().__init__(frames, order, options)
+        self._enough = self.options.scan_odometry.restart_share
+        self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
 
     def _registered(self, frame: TrackFrame) -> F64:
-        here = planes_of(np.asarray(frame.xyz, np.float64))
+        here = planes_of(np.asarray(frame.xyz, np.float64), options=self.options)
         before = self._poses[-1]
         step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
         if self._last is None or here is None:
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
-        T, share = register_anywhere(self._last, here, starts, self._enough)
-        self._enough = min(AGREED, share - LESS)
+        T, share = register_anywhere(self._last, here, starts, self.options, self._enough)
+        self._enough = min(
+            self.options.scan_odometry.restart_share,
+            share - self.options.scan_odometry.restart_drop,
+        )
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))

@@ -9,41 +9,36 @@ import numpy as np
 from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking.interface import F32, Mask
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.range_image import axis_up
 
-SCALE = 0.02
-"""Share of the median distance from the origin that lengths are counted in."""
-CELL, THICK, STEP = 6.0, 0.5, 1.0
-"""Size of a cell, height above the ground up to which something lies there, and height above the
-lowest point around up to which a cell's own lowest is ground, as on a kerb."""
-FEWEST, MOST = 2000, 4_000_000
-"""Points of a frame from which ground is looked for, and cells of the grid at most."""
-ENDS = 0.05
-"""Share of the points that are the lowest, or the highest: stray ones are among them."""
 
-
-def on_ground(xyz: F32) -> Mask:
+def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
     """Which points (N, 3) of a frame are hardly higher than the ground there."""
     none = np.zeros(len(xyz), np.bool_)
-    if len(xyz) < FEWEST:
+    if len(xyz) < options.ground.min_points:
         return none
-    up = axis_up(xyz)
-    scale = SCALE * float(np.median(np.linalg.norm(xyz, axis=1)))
+    up = axis_up(xyz, options=options)
+    scale = options.ground.length_share * float(np.median(np.linalg.norm(xyz, axis=1)))
     flat = np.delete(xyz, up, axis=1)
-    cell = np.floor((flat - flat.min(axis=0)) / max(CELL * scale, 1e-6)).astype(np.int64)
+    cell = np.floor((flat - flat.min(axis=0)) / max(options.ground.cell * scale, 1e-6)).astype(
+        np.int64
+    )
     shape = cell.max(axis=0) + 1
-    if float(np.prod(shape, dtype=np.float64)) > MOST:
+    if float(np.prod(shape, dtype=np.float64)) > options.ground.max_cells:
         return none
     number = cell[:, 0] * shape[1] + cell[:, 1]
-    height = xyz[:, up] * (1.0 if _stands(xyz[:, up]) else -1.0)
+    height = xyz[:, up] * (1.0 if _stands(xyz[:, up], options=options) else -1.0)
     lowest = np.full(int(np.prod(shape)), np.inf, np.float32)
     np.minimum.at(lowest, number, height)
     around = minimum_filter(lowest.reshape(shape), 3, mode="nearest").ravel()
-    ground = np.where(lowest < around + STEP * scale, lowest, around)
-    return np.asarray(height < ground[number] + THICK * scale)
+    ground = np.where(lowest < around + options.ground.kerb * scale, lowest, around)
+    return np.asarray(height < ground[number] + options.ground.thickness * scale)
 
 
-def _stands(height: F32) -> bool:
+def _stands(height: F32, options: TrackerOptions) -> bool:
     """Whether the axis points up: most of what is measured densely lies below."""
-    low, middle, high = np.quantile(height, [ENDS, 0.5, 1 - ENDS])
+    low, middle, high = np.quantile(
+        height, [options.ground.stray_share, 0.5, 1 - options.ground.stray_share]
+    )
     return bool(middle - low < high - middle)

@@ -13,14 +13,9 @@ import numpy as np
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.sensor.lens import NEAREST, Lens
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.view import View
-
-LARGEST, SMALLEST = 200, 20
-"""Pixels of the finest picture's longer side at most, and of the coarsest one's shorter side at
-least; each is half as large as the one before."""
-SAMPLE = 4000
-"""Points of a picture that are compared."""
 
 
 class Image(NamedTuple):
@@ -46,26 +41,31 @@ class Layer:
     values: F32
 
 
-def picture_of(frame: TrackFrame, lens: Lens, aside: I64 | None = None) -> list[Layer]:
+def picture_of(
+    frame: TrackFrame, lens: Lens, aside: I64 | None = None, *, options: TrackerOptions
+) -> list[Layer]:
     """The layers of a frame whose sensor has a pixel lattice, the coarsest first.
 
     Without the points ``aside`` (M,), which may have moved by themselves.
     """
-    cell, depth = lens.cells(np.asarray(frame.xyz, np.float32))
+    cell, depth = lens.cells(np.asarray(frame.xyz, np.float32), options=options)
     there = cell >= 0
     if aside is not None:
         there[aside] = False
     seen = np.flatnonzero(there)
-    tones = View(0, frame, lens).colour(seen)[:, : 0 if frame.rgb is None else 3]
+    tones = View(0, frame, lens, options=options).colour(seen)[:, : 0 if frame.rgb is None else 3]
     flat = np.full((lens.shape[0] * lens.shape[1], tones.shape[1] + 1), np.nan, np.float32)
     flat[cell[seen]] = np.column_stack([tones, 1.0 / depth[seen]])
     image = Image(flat.reshape(*lens.shape, -1), lens.least, lens.pitch)
-    while max(image.values.shape) > LARGEST and min(image.values.shape[:2]) >= 2 * SMALLEST:
+    while (
+        max(image.values.shape) > options.visual_odometry.longest_side_px
+        and min(image.values.shape[:2]) >= 2 * options.visual_odometry.shortest_side_px
+    ):
         image = _halved(image)
-    layers = [_layer(image)]
-    while min(image.values.shape[:2]) >= 2 * SMALLEST:
+    layers = [_layer(image, options=options)]
+    while min(image.values.shape[:2]) >= 2 * options.visual_odometry.shortest_side_px:
         image = _halved(image)
-        layers.insert(0, _layer(image))
+        layers.insert(0, _layer(image, options=options))
     return layers
 
 
@@ -80,11 +80,11 @@ def _halved(image: Image) -> Image:
     return Image(values, (x + 0.5 * across, y + 0.5 * down), (2 * across, 2 * down))
 
 
-def _layer(image: Image) -> Layer:
+def _layer(image: Image, options: TrackerOptions) -> Layer:
     _, width, channels = image.values.shape
     flat = image.values.reshape(-1, channels)
     there = np.flatnonzero(np.isfinite(flat[:, -1]))
-    there = there[:: max(1, -(-len(there) // SAMPLE))]
+    there = there[:: max(1, -(-len(there) // options.visual_odometry.sampled_pixels))]
     row, column = np.divmod(there, width)
     plane = np.array(image.least) + np.array(image.pitch) * np.stack([column, row], axis=1)
     depth = 1.0 / flat[there, -1:].astype(np.float64)
@@ -92,12 +92,14 @@ def _layer(image: Image) -> Layer:
 
 
 @innermost
-def _seen_at(T: F64, point: F64, image: Image) -> tuple[float, float, float, float, float]:
+def _seen_at(
+    T: F64, point: F64, image: Image, nearest_m: float
+) -> tuple[float, float, float, float, float]:
     """A moved point, and the column and row of it, -1 outside the image."""
     x = T[0, 0] * point[0] + T[0, 1] * point[1] + T[0, 2] * point[2] + T[0, 3]
     y = T[1, 0] * point[0] + T[1, 1] * point[1] + T[1, 2] * point[2] + T[1, 3]
     z = T[2, 0] * point[0] + T[2, 1] * point[1] + T[2, 2] * point[2] + T[2, 3]
-    if not z > NEAREST:
+    if not z > nearest_m:
         return x, y, z, -1.0, -1.0
     u = (x / z - image.least[0]) / image.pitch[0]
     v = (y / z - image.least[1]) / image.pitch[1]
@@ -108,12 +110,12 @@ def _seen_at(T: F64, point: F64, image: Image) -> tuple[float, float, float, flo
 
 
 @compiled
-def compared(T: F64, points: F64, values: F32, image: Image) -> F32:
+def compared(T: F64, points: F64, values: F32, image: Image, nearest_m: float) -> F32:
     """(M, channels) what an image shows at moved points, less what it should; NaN outside."""
     off = np.full(values.shape, np.nan, np.float32)
     last = values.shape[1] - 1
     for i in range(len(points)):
-        _, _, z, u, v = _seen_at(T, points[i], image)
+        _, _, z, u, v = _seen_at(T, points[i], image, nearest_m)
         if u < 0:
             continue
         row, column = int(v), int(u)
@@ -127,7 +129,9 @@ def compared(T: F64, points: F64, values: F32, image: Image) -> F32:
 
 
 @compiled
-def equations(T: F64, points: F64, off: F32, image: Image, reach: F64) -> tuple[F64, F64]:
+def equations(
+    T: F64, points: F64, off: F32, image: Image, reach: F64, nearest_m: float
+) -> tuple[F64, F64]:
     """The normal equations (6, 6) and (6,) of a shift, then a turn about the camera.
 
     ``off`` as ``compared`` gives it; ``reach`` (channels,) at which a pixel's weight is a quarter.
@@ -142,7 +146,7 @@ def equations(T: F64, points: F64, off: F32, image: Image, reach: F64) -> tuple[
             continue
         # What is off in one channel is another surface, and says nothing in any.
         weight = 1.0 / (1.0 + far) ** 2
-        x, y, z, u, v = _seen_at(T, points[i], image)
+        x, y, z, u, v = _seen_at(T, points[i], image, nearest_m)
         row, column = int(v), int(u)
         a, b = u - column, v - row
         for c in range(last + 1):

@@ -15,8 +15,8 @@ from scipy import fft
 
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
-from pointbrush.tracking.options import JumpOptions
-from pointbrush.tracking.sensor.ego_motion import AT_REST, Planes, in_place, planes_of, register
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensor.ego_motion import Planes, in_place, planes_of, register
 from pointbrush.tracking.sensor.trajectory import recorded_pose
 
 
@@ -29,17 +29,14 @@ class Jump:
     T: F64
 
 
-def find_jumps(
-    frames: Frames, order: Sequence[int], options: JumpOptions | None = None
-) -> Iterator[Jump]:
+def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) -> Iterator[Jump]:
     """Yield the jumps along ``order``; none where the recording tells poses or the sensor moves."""
-    options = options or JumpOptions()
-    if len(order) < 2 or _told(frames, order):
+    if len(order) < 2 or _told(frames, order, options=options):
         return
     at, moving = 0, 0
-    while at < len(order) - 1 and moving < options.patience:
+    while at < len(order) - 1 and moving < options.jumps.patience:
         start = frames(order[at])
-        to = min(at + options.stride_frames, len(order) - 1)
+        to = min(at + options.jumps.stride_frames, len(order) - 1)
         if _stays(start, frames(order[to]), options):
             at = to
             continue
@@ -58,34 +55,37 @@ def find_jumps(
             at = after
 
 
-def _told(frames: Frames, order: Sequence[int]) -> bool:
-    poses = [recorded_pose(frames(order[at])) for at in (0, len(order) // 2, -1)]
+def _told(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
+    poses = [recorded_pose(frames(order[at]), options=options) for at in (0, len(order) // 2, -1)]
     known = [pose for pose in poses if pose is not None]
-    return any(np.abs(pose - known[0]).max() > AT_REST for pose in known)
+    return any(np.abs(pose - known[0]).max() > options.scan_odometry.rest_pose for pose in known)
 
 
-def _stays(one: TrackFrame, other: TrackFrame, options: JumpOptions) -> bool:
+def _stays(one: TrackFrame, other: TrackFrame, options: TrackerOptions) -> bool:
     """Whether most of what one frame shows is there in another."""
     xyz = np.asarray(one.xyz, np.float64)
     if not len(xyz) or not len(other.xyz):
         return True
-    some = xyz[:: max(1, len(xyz) // options.sampled_points)]
+    some = xyz[:: max(1, len(xyz) // options.jumps.sampled_points)]
     size = float(np.median(np.linalg.norm(some - np.median(some, axis=0), axis=1)))
     beside, _ = other.kdtree.query(
-        np.asarray(other.xyz)[:: max(1, len(other.xyz) // options.sampled_points)], k=[2]
+        np.asarray(other.xyz)[:: max(1, len(other.xyz) // options.jumps.sampled_points)], k=[2]
     )
     spacing = float(np.median(beside))
-    reach = max(options.near_share * size, options.near_spacings * spacing)
+    reach = max(options.jumps.near_share * size, options.jumps.near_spacings * spacing)
     gap, _ = other.kdtree.query(some, distance_upper_bound=reach)
-    return float(np.isfinite(gap).mean()) >= options.stays_share
+    return float(np.isfinite(gap).mean()) >= options.jumps.stays_share
 
 
 def _jump_between(
-    frames: Frames, order: Sequence[int], before: int, options: JumpOptions
+    frames: Frames, order: Sequence[int], before: int, options: TrackerOptions
 ) -> F64 | None:
     """The jump from position ``before`` to the next, where the sensor rests beside it."""
     beside = range(max(before - 1, 0), min(before + 3, len(order)))
-    planes = {at: planes_of(np.asarray(frames(order[at]).xyz, np.float64)) for at in beside}
+    planes = {
+        at: planes_of(np.asarray(frames(order[at]).xyz, np.float64), options=options)
+        for at in beside
+    }
     one, other = planes[before], planes[before + 1]
     if one is None or other is None:
         return None
@@ -96,25 +96,27 @@ def _jump_between(
         a, b = planes.get(first), planes.get(second)
         if a is None or b is None:
             continue
-        step, _ = register(a, b.tree, np.eye(4))
-        if _displaced(a, step) > options.rest_share * _displaced(one, T):
+        step, _ = register(a, b.tree, np.eye(4), options=options)
+        if _displaced(a, step) > options.jumps.rest_share * _displaced(one, T):
             return None  # it moves all the time
     return T
 
 
-def find_shift(one: Planes, other: Planes, options: JumpOptions) -> F64 | None:
+def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | None:
     """Where the surfaces of a frame lie in another (4, 4); None where they are where they were, or
     are not found."""
-    before = in_place(one, other.tree, np.eye(4))
+    before = in_place(one, other.tree, np.eye(4), options=options)
     best, share = np.eye(4), before
     for shift in _likely(one, other, options):
         start = np.eye(4)
         start[:3, 3] = shift
-        T, found = register(one, other.tree, start)
+        T, found = register(one, other.tree, start, options=options)
         if found > share:
             best, share = T, found
-    better = share > options.agreed_share and 1 - share < options.left_share * (1 - before)
-    return best if better and _displaced(one, best) > options.least_cells else None
+    better = share > options.jumps.agreed_share and 1 - share < options.jumps.left_share * (
+        1 - before
+    )
+    return best if better and _displaced(one, best) > options.jumps.least_cells else None
 
 
 def _displaced(planes: Planes, T: F64) -> float:
@@ -125,10 +127,10 @@ def _displaced(planes: Planes, T: F64) -> float:
     return float(np.median(moved)) / planes.cell
 
 
-def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
+def _likely(one: Planes, other: Planes, options: TrackerOptions) -> F64:
     """(K, 3) metres, the shifts under which most surfaces that face alike lie on each other."""
-    side = options.side_pixels
-    pixel = options.pixel_cells * max(one.cell, other.cell)
+    side = options.jumps.side_pixels
+    pixel = options.jumps.pixel_cells * max(one.cell, other.cell)
     middles = [np.median(planes.at, axis=0) for planes in (one, other)]
     product = np.zeros((side, side, side // 2 + 1), np.complex64)
     for axis in range(3):
@@ -139,7 +141,7 @@ def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
         product += second * np.conj(first)
     likeness: F32 = np.asarray(fft.irfftn(product, s=(side,) * 3), np.float32)
     shifts = []
-    for _ in range(options.shifts):
+    for _ in range(options.jumps.shifts):
         peak = np.array(np.unravel_index(likeness.argmax(), likeness.shape))
         around = np.ix_(*((p + np.arange(-2, 3)) % side for p in peak))
         likeness[around] = -np.inf

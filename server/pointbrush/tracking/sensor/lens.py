@@ -16,39 +16,10 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.sensor.range_image import FAR, reach_of
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensor.range_image import reach_of
 
 I32 = NDArray[np.int32]
-FEWEST = 500
-"""Points from which a frame can have an image."""
-SPREAD = 1.5
-"""Pixels of a sensor without a known lattice, in spacings of its points: above the square root of
-two a lattice turned in any way leaves none empty."""
-LEAST = 0.1
-"""Spacings of the points under which a pitch is chance, not a lattice's."""
-MARGIN = 8
-"""Pixels beyond the outermost points of the sample, which may miss some."""
-BEHIND, SEES, MIXED = 1.25, 0.02, 0.1
-"""Depths beyond the nearest of a pixel that no sensor at that place can see, and the share of such
-points up to which the sensor is there, and up to which it may be where it is told to be."""
-FILLED, FILLED_TURNED = 0.5, 0.3
-"""Share of the pixels that a depth image fills at least, outlines and all; and one seen from a
-place that was looked for, which may lie askew, or show no background."""
-STEP, TORN = 0.03, 0.15
-"""Share of its depth by which a pixel is off the next where no surface goes on between them, and
-the share of such pairs from which an image is none: rings of a lidar lie far apart on a street."""
-WIDEST = 1.6
-"""Tangent of half the widest field of view that a pinhole image is made for."""
-MOST_CELLS = 4_000_000
-"""Pixels of an image at most: a pitch that asks for more is no depth camera's."""
-SAMPLE = 20_000
-"""Points that tell which way an image looks, how wide it is and how far its pixels lie apart."""
-NEAREST = 1e-3
-"""Metres before the eye, along the axis, from which a point has a pixel: others lie behind it."""
-LEVEL, FEWEST_LEVELS, FULL = 2e-5, 20, 4
-"""Tangents nearer to each other than that are of one column, or row, but for rounding; columns, or
-rows, that make a lattice at least; and points of each in the mean: where there are fewer they are
-scattered, and lie on none."""
 
 
 class Projection(NamedTuple):
@@ -82,9 +53,9 @@ class Lens:
     shape: tuple[int, int]
     lattice: bool = True
 
-    def cells(self, xyz: F32) -> Projection:
+    def cells(self, xyz: F32, options: TrackerOptions) -> Projection:
         """Where points (N, 3) lie in the image."""
-        return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32)))
+        return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32), options.lens.nearest_m))
 
     @cached_property
     def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)
@@ -123,7 +94,7 @@ class Pixels(NamedTuple):
 
 
 @innermost
-def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
+def pixel(lens: Pixels, at: tuple[float, float, float], nearest_m: float) -> tuple[int, float]:
     """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
     x, y, z = at[0] - lens.eye[0], at[1] - lens.eye[1], at[2] - lens.eye[2]
     turn = lens.turn
@@ -133,7 +104,7 @@ def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
         turn[2, 0] * x + turn[2, 1] * y + turn[2, 2] * z,
     )
     depth = lens.sign * local[lens.axes[2]]
-    if not depth > NEAREST:
+    if not depth > nearest_m:
         return -1, depth
     u = (local[lens.axes[0]] / depth - lens.least[0]) / lens.pitch[0] + 0.5
     v = (local[lens.axes[1]] / depth - lens.least[1]) / lens.pitch[1] + 0.5
@@ -143,14 +114,16 @@ def pixel(lens: Pixels, at: tuple[float, float, float]) -> tuple[int, float]:
 
 
 @compiled
-def _cells(lens: Pixels, xyz: F32) -> tuple[I32, F32]:
+def _cells(lens: Pixels, xyz: F32, nearest_m: float) -> tuple[I32, F32]:
     cell, depth = np.empty(len(xyz), np.int32), np.empty(len(xyz), np.float32)
     for i in range(len(xyz)):
-        cell[i], depth[i] = pixel(lens, (xyz[i, 0], xyz[i, 1], xyz[i, 2]))
+        cell[i], depth[i] = pixel(lens, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), nearest_m)
     return cell, depth
 
 
-def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = None) -> Lens | None:
+def find_lens(
+    frame: TrackFrame, *, moves: bool = False, place: F64 | None = None, options: TrackerOptions
+) -> Lens | None:
     """The pixel grid of a pinhole-like frame, None where it has none.
 
     ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
@@ -158,40 +131,67 @@ def find_lens(frame: TrackFrame, *, moves: bool = False, place: F64 | None = Non
     cameras do: a lidar's front view is better followed as one that looks all round.
     """
     xyz = np.asarray(frame.xyz)
-    if len(xyz) < FEWEST:
+    if len(xyz) < options.lens.min_points:
         return None
     told = frame.viewpoint is not None
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
-    sample = xyz[:: max(1, len(xyz) // SAMPLE)].astype(np.float64) - eye
-    along, turn = _axis(sample), None
+    sample = xyz[:: max(1, len(xyz) // options.lens.sampled_points)].astype(np.float64) - eye
+    along, turn = _axis(sample, options=options), None
     if along is None:
         turn = _facing(sample)
         sample = sample @ turn.T
-        along = _axis(sample)
+        along = _axis(sample, options=options)
         if along is None:
             return None
     plane = _tangents(sample, *along)
     spacing = float(np.sqrt(np.ptp(plane[0]) * np.ptp(plane[1]) / len(xyz)))
-    pitch = [p for p in map(_lattice, plane) if p is not None and p > LEAST * spacing]
+    pitch = [
+        p
+        for p in (_lattice(tangents, options) for tangents in plane)
+        if p is not None and p > options.lens.min_pitch_spacings * spacing
+    ]
     if turn is None and len(pitch) == 2:
-        return _lens(sample, eye, None, along, (pitch[0], pitch[1]))
-    if spacing <= 0 or (moves and reach_of(xyz) > FAR):
+        return _lens(sample, eye, None, along, (pitch[0], pitch[1]), options=options)
+    if spacing <= 0 or (
+        moves and reach_of(xyz, options=options) > options.range_image.camera_reach_m
+    ):
         return None
-    lens = _lens(sample, eye, turn, along, (SPREAD * spacing, SPREAD * spacing))
-    least = 0.0 if told else FILLED if place is None else FILLED_TURNED
-    if lens is None or not _sees(lens, xyz, told, least):
+    lens = _lens(
+        sample,
+        eye,
+        turn,
+        along,
+        (options.lens.pixel_spacings * spacing, options.lens.pixel_spacings * spacing),
+        options=options,
+    )
+    least = (
+        0.0
+        if told
+        else options.lens.filled_share
+        if place is None
+        else options.lens.filled_share_sought
+    )
+    if lens is None or not _sees(lens, xyz, told, least, options=options):
         return None
     return replace(lens, lattice=False)
 
 
 def _lens(
-    local: F64, eye: F64, turn: F64 | None, along: tuple[int, float], pitch: tuple[float, float]
+    local: F64,
+    eye: F64,
+    turn: F64 | None,
+    along: tuple[int, float],
+    pitch: tuple[float, float],
+    options: TrackerOptions,
 ) -> Lens | None:
     plane = _tangents(local, *along)
-    low = [float(t.min()) - MARGIN * p for t, p in zip(plane, pitch, strict=True)]
-    width, height = (int(np.ptp(t) / p) + 2 * MARGIN + 1 for t, p in zip(plane, pitch, strict=True))
-    if width * height > MOST_CELLS:
+    low = [float(t.min()) - options.lens.margin_px * p for t, p in zip(plane, pitch, strict=True)]
+    width, height = (
+        int(np.ptp(t) / p) + 2 * options.lens.margin_px + 1
+        for t, p in zip(plane, pitch, strict=True)
+    )
+    if width * height > options.lens.max_pixels:
         return None
     turned = None if turn is None else turn.astype(np.float32)
     at = eye.astype(np.float32)
@@ -203,13 +203,13 @@ def _tangents(local: F64, axis: int, sign: float) -> list[F64]:
     return [local[:, a] / depth for a in range(3) if a != axis]
 
 
-def _axis(local: F64) -> tuple[int, float] | None:
+def _axis(local: F64, options: TrackerOptions) -> tuple[int, float] | None:
     """The axis that the points (N, 3) lie about, and 1 or -1, None where they spread too far."""
     for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
         sign = 1.0 if local[:, axis].mean() > 0 else -1.0
         depth = sign * local[:, axis]
         others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
-        if depth.min() > 0 and (others / depth).max() < WIDEST:
+        if depth.min() > 0 and (others / depth).max() < options.lens.half_view_tan:
             return axis, sign
     return None
 
@@ -229,40 +229,44 @@ def axes_along(forward: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32, told: bool, least: float) -> bool:
+def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: TrackerOptions) -> bool:
     """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
     fill at least that share of the image; somebody may have ``told`` that the sensor was there.
     """
-    cell, depth = lens.cells(np.asarray(xyz, np.float32))
+    cell, depth = lens.cells(np.asarray(xyz, np.float32), options=options)
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
     np.minimum.at(nearest, cell, depth)
-    behind = float((depth / np.float32(BEHIND) > nearest[cell]).mean())
-    height, width = (size - 2 * MARGIN for size in lens.shape)
+    behind = float((depth / np.float32(options.lens.behind_ratio) > nearest[cell]).mean())
+    height, width = (size - 2 * options.lens.margin_px for size in lens.shape)
     filled = np.isfinite(nearest).sum() > least * height * width
-    if _torn(nearest[:-1].reshape(lens.shape)) > TORN:
+    if _torn(nearest[:-1].reshape(lens.shape), options=options) > options.lens.torn_share:
         return False
-    return bool(filled) and behind < (MIXED if told else SEES)
+    return bool(filled) and behind < (
+        options.lens.behind_share_told if told else options.lens.behind_share
+    )
 
 
-def _torn(image: F32) -> float:
+def _torn(image: F32, options: TrackerOptions) -> float:
     """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
     pairs, torn = 0, 0
     for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
         near, far = np.minimum(one, other), np.maximum(one, other)
         known = np.isfinite(far)
         pairs += int(np.count_nonzero(known))
-        torn += int(np.count_nonzero(far[known] > (1.0 + STEP) * near[known]))
+        torn += int(np.count_nonzero(far[known] > (1.0 + options.lens.torn_depth) * near[known]))
     return torn / max(pairs, 1)
 
 
-def _lattice(tangent: F64) -> float | None:
+def _lattice(tangent: F64, options: TrackerOptions) -> float | None:
     """Pitch of the lattice that the tangents (N,) of points along one side of an image lie on.
 
     None where they lie on none.
     """
     values = np.sort(tangent)
-    levels = values[np.diff(values, prepend=-np.inf) > LEVEL]
-    if len(levels) < FEWEST_LEVELS or FULL * len(levels) > len(values):
+    levels = values[np.diff(values, prepend=-np.inf) > options.lens.lattice_tolerance]
+    if len(levels) < options.lens.min_lattice_lines or options.lens.min_points_per_line * len(
+        levels
+    ) > len(values):
         return None
     roughly = float(np.median(np.diff(levels)))
     width = float(np.ptp(levels))

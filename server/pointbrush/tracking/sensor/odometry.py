@@ -18,34 +18,13 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.image_pyramid import Image, Layer, compared, equations, picture_of
-from pointbrush.tracking.sensor.lens import MARGIN, Lens
+from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.trajectory import RegisteredTrajectory, Trajectory
 
-NEAR = 1.0
-"""Pixels of the coarsest picture from its start up to which a motion is taken to be the nearest."""
-TRIED, STEPS = 10, 30
-"""Times that a motion is mended when it is tried, and at most at each size."""
-STILL = 0.02
-"""Pixels under which a step ends the mending."""
-SPREAD, OFF = 1.4826, 2.0
-"""Standard deviation over median deviation, and deviations at which a pixel's weight is a
-quarter."""
-FEWEST = 60
-"""Pixels that have to fall into both pictures."""
-ASIDE, UPWARD = (-6.0, -3.0, 0.0, 3.0, 6.0), (-3.0, 0.0, 3.0)
-"""Pixels of the coarsest picture by which a camera may have turned."""
-FOLLOWED = 6
-"""Starts that are followed to the next size."""
-MOVED, LEFT = 0.2, 0.8
-"""Pixels of the finest picture by which the scene has to be displaced for a sensor to have moved,
-and share of what did not agree before that may still not agree after the motion."""
-BAND, BORDER = 0.03, 0.3
-"""Share of a picture that is its border, and of the border where a scene shows at least."""
-FAR = 0.1
-"""Share of a picture by which its scene may be displaced before another is registered to."""
-LOST = 0.25
-"""How well a frame has to agree, by what agrees in the first two, to tell where it was seen."""
+SPREAD = 1.4826
+"""Standard deviation over median deviation, of normally distributed values."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +45,11 @@ class Fit:
 
 
 def motion_between(
-    one: Sequence[Layer], other: Sequence[Layer], lens: Lens, starts: Sequence[F64]
+    one: Sequence[Layer],
+    other: Sequence[Layer],
+    lens: Lens,
+    starts: Sequence[F64],
+    options: TrackerOptions,
 ) -> Fit:
     """The motion of ``one`` picture's scene to where the ``other`` shows it.
 
@@ -76,16 +59,37 @@ def motion_between(
     to = lens.T_picture_frame
     back = np.linalg.inv(to)
     begun = [_rigid(to @ start @ back) for start in starts]
-    T = _followed(one, other, begun)
-    if min(_shift(one[0], T, start) for start in begun) > NEAR:
-        begun += [turn @ begun[0] for turn in _turns(one[0].image)]
-        tried = [_mended(one[0], other[0].image, start, TRIED) for start in begun]
-        T = _followed(one, other, [T, *_best(one[0], other[0].image, tried)[:FOLLOWED]])
-    off = _off(one[-1], other[-1].image, T)
-    scale = _scale(off)
-    before = _agreement(_off(one[-1], other[-1].image, np.eye(4)), scale)
+    T = _followed(one, other, begun, options=options)
+    if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
+        begun += [turn @ begun[0] for turn in _turns(one[0].image, options=options)]
+        tried = [
+            _mended(
+                one[0],
+                other[0].image,
+                start,
+                options.visual_odometry.tried_iterations,
+                options=options,
+            )
+            for start in begun
+        ]
+        T = _followed(
+            one,
+            other,
+            [
+                T,
+                *_best(one[0], other[0].image, tried, options=options)[
+                    : options.visual_odometry.starts_followed
+                ],
+            ],
+            options=options,
+        )
+    off = _off(one[-1], other[-1].image, T, options=options)
+    scale = _scale(off, options=options)
+    before = _agreement(
+        _off(one[-1], other[-1].image, np.eye(4), options=options), scale, options=options
+    )
     shift = _shift(one[-1], T, np.eye(4))
-    return Fit(back @ T @ to, _agreement(off, scale), before, shift, off, scale)
+    return Fit(back @ T @ to, _agreement(off, scale, options=options), before, shift, off, scale)
 
 
 def _rigid(T: F64) -> F64:
@@ -95,50 +99,57 @@ def _rigid(T: F64) -> F64:
     return result
 
 
-def _followed(one: Sequence[Layer], other: Sequence[Layer], found: list[F64]) -> F64:
+def _followed(
+    one: Sequence[Layer], other: Sequence[Layer], found: list[F64], options: TrackerOptions
+) -> F64:
     """The best of some motions, mended from the coarse to the fine."""
     for layer, target in zip(one, other, strict=True):
-        found = [_mended(layer, target.image, T, STEPS) for T in found]
+        found = [
+            _mended(layer, target.image, T, options.visual_odometry.iterations, options=options)
+            for T in found
+        ]
         if layer is not one[0]:
-            found = _best(layer, target.image, found)[:1]
-    return _best(one[-1], other[-1].image, found)[0]
+            found = _best(layer, target.image, found, options=options)[:1]
+    return _best(one[-1], other[-1].image, found, options=options)[0]
 
 
-def _turns(image: Image) -> list[F64]:
+def _turns(image: Image, options: TrackerOptions) -> list[F64]:
     """Turns of a camera aside and upward by some pixels."""
     x, y = image.pitch
     turns = []
-    for aside, upward in product(ASIDE, UPWARD):
+    for aside, upward in product(
+        options.visual_odometry.start_aside_px, options.visual_odometry.start_upward_px
+    ):
         turn = np.eye(4)
         turn[:3, :3] = Rotation.from_rotvec([upward * y, aside * x, 0.0]).as_matrix()
         turns.append(turn)
     return turns
 
 
-def _best(layer: Layer, image: Image, found: list[F64]) -> list[F64]:
+def _best(layer: Layer, image: Image, found: list[F64], options: TrackerOptions) -> list[F64]:
     """The motions, the one by which the pictures agree best first."""
-    off = [_off(layer, image, T) for T in found]
-    scale = np.min([_scale(each) for each in off], axis=0)
-    order = np.argsort([-_agreement(each, scale) for each in off], kind="stable")
+    off = [_off(layer, image, T, options=options) for T in found]
+    scale = np.min([_scale(each, options=options) for each in off], axis=0)
+    order = np.argsort([-_agreement(each, scale, options=options) for each in off], kind="stable")
     return [found[i] for i in order.tolist()]
 
 
-def _off(layer: Layer, image: Image, T: F64) -> F32:
-    return compared(T, layer.points, layer.values, image)
+def _off(layer: Layer, image: Image, T: F64, options: TrackerOptions) -> F32:
+    return compared(T, layer.points, layer.values, image, options.lens.nearest_m)
 
 
-def _scale(off: F32) -> F64:
+def _scale(off: F32, options: TrackerOptions) -> F64:
     """(channels,) deviation of what agrees; infinite where hardly anything can be compared."""
     there = off[np.isfinite(off[:, -1])]
-    if len(there) < FEWEST:
+    if len(there) < options.visual_odometry.min_pixels:
         return np.full(off.shape[1], np.inf)
     return np.asarray(SPREAD * np.median(np.abs(there), axis=0) + 1e-6, np.float64)
 
 
-def _agreement(off: F32, scale: F64) -> float:
+def _agreement(off: F32, scale: F64, options: TrackerOptions) -> float:
     if not len(off):
         return 0.0
-    far = ((off / (OFF * scale)) ** 2).mean(axis=1)
+    far = ((off / (options.visual_odometry.robust_sigmas * scale)) ** 2).mean(axis=1)
     return float((1.0 / (1.0 + np.nan_to_num(far, nan=np.inf))).mean())
 
 
@@ -152,55 +163,88 @@ def _shift(layer: Layer, T: F64, start: F64) -> float:
     return float(np.median(np.linalg.norm((one - other) / np.array(layer.image.pitch), axis=1)))
 
 
-def _mended(layer: Layer, image: Image, T: F64, steps: int) -> F64:
+def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
     """A motion made better by Gauss and Newton's steps."""
     away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
     for _ in range(steps):
-        off = _off(layer, image, T)
-        scale = _scale(off)
+        off = _off(layer, image, T, options=options)
+        scale = _scale(off, options=options)
         if np.isinf(scale).any():
             break
-        H, g = equations(T, layer.points, off, image, OFF * scale)
+        H, g = equations(
+            T,
+            layer.points,
+            off,
+            image,
+            options.visual_odometry.robust_sigmas * scale,
+            options.lens.nearest_m,
+        )
         step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), g)
         D = np.eye(4)
         D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
         D[:3, 3] = step[:3]
         T = D @ T
-        if np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:]) < STILL * image.pitch[0]:
+        if (
+            np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:])
+            < options.visual_odometry.settled_px * image.pitch[0]
+        ):
             break
     return T
 
 
-def moves(frames: Frames, numbers: Sequence[int], lens: Lens, painted: I64 | None = None) -> bool:
+def moves(
+    frames: Frames,
+    numbers: Sequence[int],
+    lens: Lens,
+    painted: I64 | None = None,
+    *,
+    options: TrackerOptions,
+) -> bool:
     """Whether the sensor has moved between the first of some frames and any other.
 
     What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
     nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
     """
     first, *others = numbers
-    picture = picture_of(frames(first), lens, painted)
+    picture = picture_of(frames(first), lens, painted, options=options)
     scale = None
     for number in others:
-        fit = motion_between(picture, picture_of(frames(number), lens), lens, [np.eye(4)])
+        fit = motion_between(
+            picture,
+            picture_of(frames(number), lens, options=options),
+            lens,
+            [np.eye(4)],
+            options=options,
+        )
         scale = fit.scale if scale is None else scale
-        better = fit.shift > MOVED and 1.0 - fit.agree < LEFT * (1.0 - fit.before)
-        if better and _agreement(fit.off, scale) >= LOST:
+        better = (
+            fit.shift > options.visual_odometry.moved_px
+            and 1.0 - fit.agree < options.visual_odometry.left_share * (1.0 - fit.before)
+        )
+        if (
+            better
+            and _agreement(fit.off, scale, options=options)
+            >= options.visual_odometry.lost_agreement
+        ):
             return True
     return False
 
 
-def framed(frame: TrackFrame, lens: Lens) -> bool:
+def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
     """Whether a scene goes on to the borders of its picture.
 
     Where a figure was cut out of it, only what moves is left, and shows no way of a camera.
     """
     height, width = lens.shape
     seen = np.zeros(height * width + 1, np.bool_)
-    seen[lens.cells(np.asarray(frame.xyz, np.float32)).cell] = True
-    image = seen[:-1].reshape(height, width)[MARGIN:-MARGIN, MARGIN:-MARGIN]
-    band = max(1, int(BAND * min(image.shape)))
+    seen[lens.cells(np.asarray(frame.xyz, np.float32), options=options).cell] = True
+    image = seen[:-1].reshape(height, width)[
+        options.lens.margin_px : -options.lens.margin_px,
+        options.lens.margin_px : -options.lens.margin_px,
+    ]
+    band = max(1, int(options.visual_odometry.band_share * min(image.shape)))
     sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])
-    return float(np.mean([side.mean() for side in sides])) > BORDER
+    return float(np.mean([side.mean() for side in sides])) > options.visual_odometry.border_share
 
 
 class CameraTrajectory(RegisteredTrajectory):
@@ -212,28 +256,33 @@ class CameraTrajectory(RegisteredTrajectory):
     """
 
     def __init__(
-        self, frames: Frames, order: Sequence[int], lens: Lens, painted: I64 | None = None
+        self,
+        frames: Frames,
+        order: Sequence[int],
+        options: TrackerOptions,
+        lens: Lens,
+        painted: I64 | None = None,
     ) -> None:
         """What is ``painted`` (M,) in the first frame may move by itself, and tells nothing."""
-        super().__init__(frames, order)
+        super().__init__(frames, order, options)
         self._lens, self._painted = lens, painted
-        first = _Key(picture_of(frames(order[0]), lens, painted), np.eye(4))
+        first = _Key(picture_of(frames(order[0]), lens, painted, options=options), np.eye(4))
         self._last, self._keys = first, [first]
         self._scale: F64 | None = None
 
     def over(self, some: Sequence[int]) -> Trajectory:
         """See ``Trajectory``."""
-        return CameraTrajectory(self._frames, some, self._lens, self._painted)
+        return CameraTrajectory(self._frames, some, self.options, self._lens, self._painted)
 
     def _registered(self, frame: TrackFrame) -> F64:
-        here = picture_of(frame, self._lens)
+        here = picture_of(frame, self._lens, options=self.options)
         last = self._poses[-1]
         step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
         fit = self._onto(here, self._last, [last @ step, last])
         if self._scale is None and np.isfinite(fit.scale).all():
             self._scale = fit.scale
         pose, lost = self._last.pose @ inverse(fit.T), self._lost(fit)
-        most = FAR * max(here[-1].image.values.shape)
+        most = self.options.visual_odometry.keyframe_shift * max(here[-1].image.values.shape)
         for key in self._keys:
             if key is self._last or not (lost or self._apart(key, pose) <= most):
                 continue
@@ -252,11 +301,15 @@ class CameraTrajectory(RegisteredTrajectory):
 
     def _onto(self, here: list[Layer], key: _Key, guesses: list[F64]) -> Fit:
         starts = [inverse(guess) @ key.pose for guess in guesses]
-        return motion_between(key.picture, here, self._lens, starts)
+        return motion_between(key.picture, here, self._lens, starts, options=self.options)
 
     def _lost(self, fit: Fit) -> bool:
         """Whether hardly anything agrees as well as it usually does."""
-        return self._scale is None or _agreement(fit.off, self._scale) < LOST
+        return (
+            self._scale is None
+            or _agreement(fit.off, self._scale, options=self.options)
+            < self.options.visual_odometry.lost_agreement
+        )
 
     def _apart(self, key: _Key, pose: F64) -> float:
         """Pixels of the finest picture between where a key shows the scene and where ``pose``

@@ -12,53 +12,75 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F64
-
-WIDTH = 256
-"""Pixels of a picture, along each side."""
-PIXEL = 3.0
-"""Size of a pixel, in cells that the frames were thinned to."""
-STEEP = 1.0
-"""Pixels between the highest and the lowest point of one that shows what stands up."""
-FAR = 64
-"""Pixels of the longest shift."""
-WHITE = 0.5
-"""How far the correlation is whitened: 0 not at all, 1 to the phases alone."""
-BESIDE = 2
-"""Pixels around a shift that are no other shift."""
+from pointbrush.tracking.options import TrackerOptions
 
 
-def likely_shifts(before: F64, here: F64, cell: float, count: int) -> F64:
+def likely_shifts(before: F64, here: F64, cell: float, count: int, options: TrackerOptions) -> F64:
     """(count, 3) metres, the likeliest first, that bring points (N, 3) near to points (M, 3).
 
     Both thinned to cells of ``cell`` metres; ``before`` turned as ``here`` is.
     """
-    pixel = PIXEL * cell
+    pixel = options.scan_odometry.shift_pixel_cells * cell
     middle = np.median(before, axis=0)
     around = before - middle
-    around = around[(np.abs(around) < WIDTH * pixel).all(axis=1)]
+    around = around[(np.abs(around) < options.scan_odometry.shift_side_px * pixel).all(axis=1)]
     _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", around, around))
     wide = axes[:, :0:-1]
-    pictures = [_upright((xyz - middle) @ axes[:, ::-1], pixel) for xyz in (before, here)]
+    pictures = [
+        _upright((xyz - middle) @ axes[:, ::-1], pixel, options=options) for xyz in (before, here)
+    ]
     one, other = (np.fft.rfft2(picture) for picture in pictures)
     product = other * np.conj(one)
-    product /= np.abs(product) ** WHITE + 1e-9
-    middle_part = slice(WIDTH // 2 - FAR, WIDTH // 2 + FAR + 1)
-    likeness = np.fft.fftshift(np.fft.irfft2(product, s=(WIDTH, WIDTH)))[middle_part, middle_part]
+    product /= np.abs(product) ** options.scan_odometry.shift_whitening + 1e-9
+    middle_part = slice(
+        options.scan_odometry.shift_side_px // 2 - options.scan_odometry.shift_max_px,
+        options.scan_odometry.shift_side_px // 2 + options.scan_odometry.shift_max_px + 1,
+    )
+    likeness = np.fft.fftshift(
+        np.fft.irfft2(
+            product, s=(options.scan_odometry.shift_side_px, options.scan_odometry.shift_side_px)
+        )
+    )[middle_part, middle_part]
     shifts = np.empty((count, 3))
     for number in range(count):
         row, column = (int(i) for i in np.unravel_index(likeness.argmax(), likeness.shape))
-        shifts[number] = wide @ (np.array([row - FAR, column - FAR]) * pixel)
-        rows = slice(max(0, row - BESIDE), row + BESIDE + 1)
-        likeness[rows, max(0, column - BESIDE) : column + BESIDE + 1] = -np.inf
+        shifts[number] = wide @ (
+            np.array(
+                [
+                    row - options.scan_odometry.shift_max_px,
+                    column - options.scan_odometry.shift_max_px,
+                ]
+            )
+            * pixel
+        )
+        rows = slice(
+            max(0, row - options.scan_odometry.shift_same_px),
+            row + options.scan_odometry.shift_same_px + 1,
+        )
+        likeness[
+            rows,
+            max(0, column - options.scan_odometry.shift_same_px) : column
+            + options.scan_odometry.shift_same_px
+            + 1,
+        ] = -np.inf
     return shifts
 
 
-def _upright(xyz: F64, pixel: float) -> NDArray[np.float64]:
+def _upright(xyz: F64, pixel: float, options: TrackerOptions) -> NDArray[np.float64]:
     """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
-    xyz = xyz[(np.abs(xyz[:, :2]) < (WIDTH // 2 - 1) * pixel).all(axis=1)]
-    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + WIDTH // 2
-    number, height = at[:, 0] * WIDTH + at[:, 1], xyz[:, 2]
-    high, low = np.full(WIDTH**2, -np.inf), np.full(WIDTH**2, np.inf)
+    xyz = xyz[
+        (np.abs(xyz[:, :2]) < (options.scan_odometry.shift_side_px // 2 - 1) * pixel).all(axis=1)
+    ]
+    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + options.scan_odometry.shift_side_px // 2
+    number, height = at[:, 0] * options.scan_odometry.shift_side_px + at[:, 1], xyz[:, 2]
+    high, low = (
+        np.full(options.scan_odometry.shift_side_px**2, -np.inf),
+        np.full(options.scan_odometry.shift_side_px**2, np.inf),
+    )
     np.maximum.at(high, number, height)
     np.minimum.at(low, number, height)
-    return np.asarray(high > low + STEEP * pixel).astype(np.float64).reshape(WIDTH, WIDTH)
+    return (
+        np.asarray(high > low + options.scan_odometry.shift_steep_px * pixel)
+        .astype(np.float64)
+        .reshape(options.scan_odometry.shift_side_px, options.scan_odometry.shift_side_px)
+    )

@@ -12,18 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64
-from pointbrush.tracking.sensor.lens import SPREAD, Lens
-
-PARALLAX = 0.03
-"""Tangent of the angle by which near and far surfaces are displaced against each other at most."""
-NEAR, FAR = 10, 90
-"""Percentiles of the depths that are near and far."""
-WIDER, MARGIN = 2.0, 0.1
-"""Sizes of the sensor's own picture up to which all that it sees may extend, across and down; and
-what is added on each side for frames between those that were asked."""
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensor.lens import Lens
 
 
-def steadied(lens: Lens, depth: F32, poses: Sequence[F64]) -> Lens | None:
+def steadied(lens: Lens, depth: F32, poses: Sequence[F64], options: TrackerOptions) -> Lens | None:
     """The pixel grid in the world of a camera at rest that sees what the sensor saw.
 
     ``poses`` (4, 4) ``T_world_frame`` of frames all over a run, in each of which the sensor has
@@ -31,8 +24,11 @@ def steadied(lens: Lens, depth: F32, poses: Sequence[F64]) -> Lens | None:
     """
     way = np.array([pose[:3, :3] @ lens.eye + pose[:3, 3] for pose in poses])
     eye = 0.5 * (way.min(axis=0) + way.max(axis=0))
-    near, far = np.percentile(depth, [NEAR, FAR])
-    if np.linalg.norm(way - eye, axis=1).max() * (1.0 / near - 1.0 / far) > PARALLAX:
+    near, far = np.percentile(depth, [options.sway.near_percentile, options.sway.far_percentile])
+    if (
+        np.linalg.norm(way - eye, axis=1).max() * (1.0 / near - 1.0 / far)
+        > options.sway.max_parallax
+    ):
         return None
     to = lens.T_picture_frame[:3, :3]
     low, pitch = np.array(lens.least), np.array(lens.pitch)
@@ -44,10 +40,10 @@ def steadied(lens: Lens, depth: F32, poses: Sequence[F64]) -> Lens | None:
         return None
     plane = turned[:, :2] / turned[:, 2:]
     least, most = plane.min(axis=0), plane.max(axis=0)
-    if (most - least > WIDER * size).any():
+    if (most - least > options.sway.max_extent * size).any():
         return None
-    least, most = least - MARGIN * size, most + MARGIN * size
-    pitch = pitch * (SPREAD if lens.lattice else 1.0)
+    least, most = least - options.sway.margin_share * size, most + options.sway.margin_share * size
+    pitch = pitch * (options.lens.pixel_spacings if lens.lattice else 1.0)
     across, down = np.ceil((most - least) / pitch).astype(int).tolist()
     return replace(
         lens,

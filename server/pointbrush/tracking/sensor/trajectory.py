@@ -8,9 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
-
-SKEW = 0.1
-"""Determinant off 1 from which what a recording tells is no pose."""
+from pointbrush.tracking.options import TrackerOptions
 
 
 class Trajectory(ABC):
@@ -34,21 +32,24 @@ class Trajectory(ABC):
 class RecordedTrajectory(Trajectory):
     """A way that the recording tells."""
 
-    def __init__(self, frames: Frames, back: F64) -> None:
+    def __init__(self, frames: Frames, back: F64, options: TrackerOptions) -> None:
         """``back`` (4, 4) from where the recording counts to the world."""
         super().__init__()
-        self._frames, self._back = frames, back
+        self._frames, self._back, self.options = frames, back, options
 
     def pose(self, number: int) -> F64:
         """See ``Trajectory``."""
-        pose = recorded_pose(self._frames(number))
+        pose = recorded_pose(self._frames(number), options=self.options)
         return np.eye(4) if pose is None else np.asarray(self._back @ pose, np.float64)
 
 
-def recorded_pose(frame: TrackFrame) -> F64 | None:
+def recorded_pose(frame: TrackFrame, options: TrackerOptions) -> F64 | None:
     """The pose of a frame as the recording tells it, None where that is no motion of space."""
     pose = frame.pose
-    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > SKEW:
+    if (
+        pose is None
+        or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > options.scan_odometry.max_skew
+    ):
         return None
     return pose
 
@@ -56,9 +57,9 @@ def recorded_pose(frame: TrackFrame) -> F64 | None:
 class RegisteredTrajectory(Trajectory):
     """A way that the frames ``order`` show, each registered to those before it."""
 
-    def __init__(self, frames: Frames, order: Sequence[int]) -> None:
+    def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
         super().__init__()
-        self._frames, self._order = frames, list(order)
+        self._frames, self._order, self.options = frames, list(order), options
         self._poses = [np.eye(4)]
 
     def pose(self, number: int) -> F64:

@@ -18,25 +18,18 @@ from pointbrush.tracking.geometry.near import Runs, in_box, runs_of
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.geometry.windows import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensor.ground import on_ground
 from pointbrush.tracking.sensor.lens import Lens, Projection
 from pointbrush.tracking.sensor.range_image import (
-    FAR,
     RangeImage,
     axis_up,
     range_image_of,
     reach_of,
 )
 
-RED = 1.7
-"""Weight of red against green beside blue against both: nearly sqrt(3), by which hues that are
-as different lie as far apart."""
-DARK = 60.0
-"""Added to the sum of a colour's channels: the tint of what is nearly black is noise."""
 WHITE = 765.0
 """Greatest sum of a colour's channels."""
-BRIGHTNESS = 0.3
-"""Greatest difference by brightness alone: shading changes it, so that it says less than tint."""
 
 
 @dataclass(eq=False)
@@ -46,6 +39,7 @@ class View:
     number: int
     frame: TrackFrame
     lens: Lens | None
+    options: TrackerOptions
     T_world_frame: F64 | None = None
     about: F64 | None = None
     """(3,) where the sensor seems to be, local, for frames that do not say it."""
@@ -98,7 +92,13 @@ class View:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
-        return _tints(self._rgb, indices)
+        return _tints(
+            self._rgb,
+            indices,
+            self.options.tint.red_weight,
+            self.options.tint.dark_sum,
+            self.options.tint.brightness,
+        )
 
     @cached_property
     def _rgb(self) -> NDArray[np.uint8]:
@@ -141,7 +141,8 @@ class View:
     def cells(self) -> Projection:
         """Where every point (N,) lies in the depth image; needs a camera."""
         return self.camera.cells(
-            self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32)
+            self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
+            options=self.options,
         )
 
     @cached_property
@@ -167,7 +168,9 @@ class View:
     @cached_property
     def shade(self) -> RangeImage | None:
         """The nearest range in each direction, in the world, where there is no depth image."""
-        return None if self.eye is None else range_image_of(self.xyz, self.eye)
+        return (
+            None if self.eye is None else range_image_of(self.xyz, self.eye, options=self.options)
+        )
 
     @cached_property
     def low(self) -> Mask:
@@ -182,12 +185,15 @@ class View:
             return np.zeros(len(xyz), np.bool_)
         if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
             xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
-        return on_ground(xyz)
+        return on_ground(xyz, options=self.options)
 
     @cached_property
     def up(self) -> int:
         """The axis of the world that points up, or down, before a lidar."""
-        return axis_up(self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye))
+        return axis_up(
+            self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye),
+            options=self.options,
+        )
 
     @cached_property
     def roams(self) -> bool:
@@ -195,7 +201,9 @@ class View:
         that lie in the world do not tell where their lidar was."""
         if self.lens is not None:
             return False
-        return self.T_world_frame is not None or (self.eye is None and self._reach > FAR)
+        return self.T_world_frame is not None or (
+            self.eye is None and self._reach > self.options.range_image.camera_reach_m
+        )
 
     @cached_property
     def scans(self) -> bool:
@@ -203,11 +211,15 @@ class View:
         one place, or sees farther than depth cameras do."""
         if self.lens is not None:
             return False
-        return self.roams or self.shade is not None or self._reach > FAR
+        return (
+            self.roams
+            or self.shade is not None
+            or self._reach > self.options.range_image.camera_reach_m
+        )
 
     @property
     def _reach(self) -> float:
-        return reach_of(self.xyz)
+        return reach_of(self.xyz, options=self.options)
 
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
@@ -228,7 +240,7 @@ class View:
     def project(self, world: F64) -> Projection:
         """Where any points (M, 3) of the world lie in the depth image; needs a camera."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
-        return self.camera.cells(local.astype(np.float32))
+        return self.camera.cells(local.astype(np.float32), options=self.options)
 
     def hides(self, world: F64, margin: float) -> Mask:
         """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what
@@ -245,14 +257,16 @@ class View:
 
 
 @compiled
-def _tints(rgb: NDArray[np.uint8], indices: I64) -> F32:
+def _tints(
+    rgb: NDArray[np.uint8], indices: I64, red_weight: float, dark_sum: float, brightness: float
+) -> F32:
     """(M, 3) chromaticities red against green and blue against both, and a little brightness."""
     result = np.empty((len(indices), 3), np.float32)
     for i in range(len(indices)):
         at = indices[i]
         red, green, blue = float(rgb[at, 0]), float(rgb[at, 1]), float(rgb[at, 2])
         total = red + green + blue
-        result[i, 0] = RED * (red - green) / (total + DARK)
-        result[i, 1] = (2.0 * blue - red - green) / (total + DARK)
-        result[i, 2] = total * (BRIGHTNESS / WHITE)
+        result[i, 0] = red_weight * (red - green) / (total + dark_sum)
+        result[i, 1] = (2.0 * blue - red - green) / (total + dark_sum)
+        result[i, 2] = total * (brightness / WHITE)
     return result

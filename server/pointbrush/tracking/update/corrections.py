@@ -11,37 +11,33 @@ from dataclasses import replace
 import numpy as np
 
 from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.judge import IN_FRONT, ON_SURFACE
 from pointbrush.tracking.fitting.search import search_among
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import claim
 from pointbrush.tracking.sensor.view import View
 
-FEWEST = 20
-"""Painted points from which a pose is found among them."""
-FITS = 0.3
-"""Cost up to which a model is the thing that a person painted."""
-EXPLAINED = 0.6
-"""Share of the painted points that it has to explain."""
-BESIDE = 8.0
-"""Units from the model within which a painted point is new surface."""
-
 
 def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
-    if thing.bends or thing.large or thing.missing or len(points) < FEWEST:
+    if (
+        thing.bends
+        or thing.large
+        or thing.missing
+        or len(points) < thing.options.update.correction_min_points
+    ):
         return None
     place = find(search_among(thing, view, points))
-    model, reach = thing.model, BESIDE * thing.unit
+    model, reach = thing.model, thing.options.update.new_surface_units * thing.unit
     found = claim(view, points, place.world, model.colour, thing.weight, 2 * thing.reach)
-    if place.cost > FITS or len(found.indices) < EXPLAINED * len(points):
+    if place.cost > thing.options.update.correction_max_cost or len(
+        found.indices
+    ) < thing.options.update.correction_explained_share * len(points):
         return None
-    model.drop(_denied(thing, view, place, points) & (model.hits < SURE))
+    model.drop(_denied(thing, view, place, points) & (model.hits < thing.options.surface.sure_hits))
     back = inverse(place.pose)
     eye = None if view.eye is None else transform(back, view.eye[None])[0]
     found = claim(view, points, transform(place.pose, model.xyz), model.colour, 0.0, reach)
@@ -56,8 +52,10 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
 
 def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
-    painted = close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
+    painted = close_to(
+        place.world, view.xyz[points], thing.options.verdict.surface_units * thing.unit
+    )
     denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
     if view.lens is not None:
-        denied &= ~view.hides(place.world, IN_FRONT * thing.unit)
+        denied &= ~view.hides(place.world, thing.options.verdict.hidden_units * thing.unit)
     return np.asarray(denied)

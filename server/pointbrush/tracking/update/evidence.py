@@ -7,16 +7,10 @@ import numpy as np
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.confidence import Evidence
-from pointbrush.tracking.objects.model import SURE
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.sighting import Sighting
-
-BESIDE = 8.0
-"""Units around a thing within which what is left over may be its."""
-SAMPLE = 1000
-"""Points whose colours are compared with those worn."""
 
 
 def evidence(thing: Thing, sighting: Sighting, points: I64) -> Evidence:
@@ -25,11 +19,11 @@ def evidence(thing: Thing, sighting: Sighting, points: I64) -> Evidence:
     verdict = sighting.verdict
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
-    some = points[:: max(1, len(points) // SAMPLE)]
+    some = points[:: max(1, len(points) // thing.options.update.colour_points)]
     left, others = _beside(thing, view, place, points)
     return Evidence(
         inliers=verdict.inliers,
-        sure=float((thing.model.hits[found.nearest] >= SURE).mean()),
+        sure=float((thing.model.hits[found.nearest] >= thing.options.surface.sure_hits).mean()),
         gap=float(found.gap.mean() / thing.reach),
         cost=float(found.cost.mean() / thing.reach),
         fit=place.cost,
@@ -61,7 +55,7 @@ def _beside(thing: Thing, view: View, place: Place, points: I64) -> tuple[int, i
     if not (thing.scanned and len(points)):
         return 0, 0
     lo, hi = bounds(view.xyz[points])
-    margin = BESIDE * thing.unit
+    margin = thing.options.update.left_over_units * thing.unit
     had = np.zeros(len(view.xyz), np.bool_)
     had[points] = True
     rest = place.moving[~had[place.moving]]

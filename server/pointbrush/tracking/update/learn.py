@@ -4,33 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from pointbrush.tracking.fitting.judge import ON_SURFACE
 from pointbrush.tracking.geometry.columns import NONE, columns, nearest
 from pointbrush.tracking.geometry.near import close_to
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F64, I64
-from pointbrush.tracking.objects.model import MOST_BENT, NEW_SURFACE, Model
+from pointbrush.tracking.objects.model import Model
 from pointbrush.tracking.objects.thing import Thing
 from pointbrush.tracking.segmentation.assign import Claim, claim
 from pointbrush.tracking.sensor.view import View
 from pointbrush.tracking.update.bending import note_looseness
 from pointbrush.tracking.update.sighting import Sighting
 
-SNAP = 0.7
-"""Share of its way to the points measured there that a soft thing's surface goes."""
-NEW, NEW_ALONE = 3.0, 8.0
-"""Units from the model within which its points and new surface teach it; more where nothing else
-is beside it, or where a lidar sees it."""
-CERTAIN = 0.8
-"""Share of the model found, weighed by what shows, from which its size is learnt."""
-FORGOTTEN = 15
-"""Frames out of sight after which the surface of what bends is given up."""
-
 
 def learn(thing: Thing, sighting: Sighting) -> None:
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
     found, grown = sighting.found, sighting.grown
-    if sighting.verdict.confidence > CERTAIN:
+    if sighting.verdict.confidence > thing.options.update.size_matched_share:
         thing.size = max(thing.size, float(len(found.indices) + len(grown)))
     was_rigid = not thing.bends
     note_looseness(thing, sighting)
@@ -47,10 +36,19 @@ def _make_anew(thing: Thing, sighting: Sighting) -> None:
     xyz = transform(back, view.xyz[points].astype(np.float64))
     unseen = sighting.verdict.hidden
     if thing.scanned:  # what hides it from a lidar is known too coarsely
-        unseen = unseen | ~close_to(place.world, view.xyz[points], ON_SURFACE * thing.unit)
-    old = np.flatnonzero(unseen & (thing.model.misses < FORGOTTEN))
+        unseen = unseen | ~close_to(
+            place.world, view.xyz[points], thing.options.verdict.surface_units * thing.unit
+        )
+    old = np.flatnonzero(unseen & (thing.model.misses < thing.options.update.forgotten_frames))
     before = thing.model
-    new = Model.of(xyz, view.colour(points), _eye_of(back, view), before.spacing, MOST_BENT)
+    new = Model.of(
+        xyz,
+        view.colour(points),
+        _eye_of(back, view),
+        before.spacing,
+        thing.options,
+        thing.options.surface.max_points_bent,
+    )
     new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
     new.colour = np.vstack([new.colour, before.colour[old]])
     new.seen = np.vstack([new.seen, before.seen[old]])
@@ -73,7 +71,8 @@ def _gather(thing: Thing, sighting: Sighting, was_rigid: bool) -> None:
         again = again.pick(again.cost < 2 * thing.reach)
     if not thing.painted.flat:  # Ground beside what is known is no new surface.
         again = again.pick(
-            ~view.low[again.indices] | (again.gap < NEW_SURFACE * thing.model.spacing)
+            ~view.low[again.indices]
+            | (again.gap < thing.options.surface.new_spacings * thing.model.spacing)
         )
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
@@ -90,7 +89,11 @@ def _claimed_again(thing: Thing, sighting: Sighting, number: I64) -> Claim:
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
     view, place, found = sighting.view, sighting.place, sighting.found
-    reach = (NEW_ALONE if place.whole or thing.scanned else NEW) * thing.unit
+    reach = (
+        thing.options.update.teach_units_alone
+        if place.whole or thing.scanned
+        else thing.options.update.teach_units
+    ) * thing.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
     rest = np.concatenate([found.indices[~kept], sighting.grown])
@@ -109,7 +112,10 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
     count = np.bincount(found.nearest, minlength=len(world))
     away = view.xyz[found.indices] - world[found.nearest]
     sums = [np.bincount(found.nearest, weights=away[:, a], minlength=len(world)) for a in range(3)]
-    return np.asarray(world + SNAP * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None])
+    return np.asarray(
+        world
+        + view.options.update.soft_step * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None]
+    )
 
 
 def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pointbrush.tracking.fitting.judge import IN_FRONT
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.objects.place import Place
@@ -32,4 +31,4 @@ def _hidden_at_rest(thing: Thing, view: View) -> F64:
     if thing.motion.rested is None:
         return np.empty((0, 3))
     world = transform(thing.motion.rested, thing.model.xyz)
-    return np.asarray(world[view.hides(world, -IN_FRONT * thing.unit)])
+    return np.asarray(world[view.hides(world, -thing.options.verdict.hidden_units * thing.unit)])

@@ -1,25 +1,14 @@
-"""The tunable numbers of `auto`: a tree of frozen dataclasses that check their values."""
+"""Options of a run: the labels that go along, and jumps of the sensor."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 
-from pointbrush.errors import BadInputError
-
-
-def _check(options: object, **bounds: tuple[float, float]) -> None:
-    """Raise BadInputError for a field outside its bounds, both included; others are above zero."""
-    for each in fields(options):  # type: ignore[arg-type]
-        value = getattr(options, each.name)
-        low, high = bounds.get(each.name, (0.0, float("inf")))
-        if not isinstance(value, int | float) or not low <= value <= high:
-            raise BadInputError(
-                f"{type(options).__name__}.{each.name}: expected {low:g} to {high:g}, got {value!r}"
-            )
+from pointbrush.tracking.options.base import Options
 
 
 @dataclass(frozen=True, slots=True)
-class CompanionOptions:
+class CompanionOptions(Options):
     """Which labels go along with those that a run is asked for, and how near they are followed."""
 
     most: int = 12
@@ -36,13 +25,9 @@ class CompanionOptions:
     sampled_points: int = 60
     """Points of a label by which that is told."""
 
-    def __post_init__(self) -> None:
-        """Check the values; raises BadInputError."""
-        _check(self, sampled_points=(1, 10_000))
-
 
 @dataclass(frozen=True, slots=True)
-class JumpOptions:
+class JumpOptions(Options):
     """When a sensor at rest has jumped, and how its jump is found."""
 
     stride_frames: int = 8
@@ -76,20 +61,3 @@ class JumpOptions:
     """Confidence at most of what is found in the first frame behind a jump."""
     reach_spacings: float = 2.5
     """Spacings within which points are an object's there: what does not move along is given up."""
-
-    def __post_init__(self) -> None:
-        """Check the values; raises BadInputError."""
-        share = (0.0, 1.0)
-        _check(
-            self, stride_frames=(1, 10_000), sampled_points=(10, 1_000_000), shifts=(1, 100),
-            side_pixels=(16, 512), stays_share=share, agreed_share=share, left_share=share,
-            sure=share,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class TrackerOptions:
-    """All of them, by step."""
-
-    companions: CompanionOptions = field(default_factory=CompanionOptions)
-    jumps: JumpOptions = field(default_factory=JumpOptions)

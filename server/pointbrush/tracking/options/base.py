@@ -1,0 +1,56 @@
+"""The base of all options: frozen values that are checked when they are made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import ClassVar
+
+from pointbrush.errors import BadInputError
+
+
+class Options:
+    """Numbers of one step, each with its unit in its name or comment."""
+
+    __slots__ = ()
+    signed: ClassVar[frozenset[str]] = frozenset()
+    """Fields that may be below zero."""
+    above_one: ClassVar[frozenset[str]] = frozenset()
+    """Shares of something that may be more than all of it."""
+
+    def __post_init__(self) -> None:
+        """Check the values; raises BadInputError."""
+        self.check()
+
+    def check(self) -> None:
+        """Raise BadInputError for the first field whose value cannot be, and say what can."""
+        for each in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, each.name)
+            if isinstance(value, Options):
+                continue
+            low, high = self._bounds(each.name)
+            whole = "int" in str(each.type)
+            expected = "a whole number" if whole else "a number"
+            numbers = value if str(each.type).startswith("tuple") else (value,)
+            kinds = int if whole else (int, float)
+            good = isinstance(numbers, tuple) and all(
+                isinstance(number, kinds)
+                and not isinstance(number, bool)
+                and math.isfinite(number)
+                and low <= number <= high
+                for number in numbers
+            )
+            if not good:
+                raise BadInputError(
+                    f"{type(self).__name__}.{each.name}: expected {expected} from {low:g} to "
+                    f"{high:g}, got {value!r}"
+                )
+
+    def _bounds(self, name: str) -> tuple[float, float]:
+        if name in self.signed:
+            return -math.inf, math.inf
+        if name.endswith("_cos"):
+            return -1.0, 1.0
+        if name.endswith("_share") and name not in self.above_one:
+            return 0.0, 1.0
+        return 0.0, math.inf

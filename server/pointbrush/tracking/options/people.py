@@ -1,0 +1,208 @@
+"""Options of people, who are followed together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pointbrush.tracking.options.base import Options
+
+
+@dataclass(frozen=True, slots=True)
+class BodyOptions(Options):
+    """Bodies before a known scene: cells, parts, people followed together."""
+
+    cell_units: float = 3.0  # size of a cell in units
+    cell_radius_share: float = 0.045  # share of the figure's radius that a cell is at least
+    disputed_share: float = 0.3  # share of the smaller claim from which two tracks want one body
+    distinct_log: float = 1.4  # log ratio from which a colour is one track's alone
+    # Cells from the resting scene within which unlabelled points are of it.
+    scene_cells: float = 1.5
+    # Radii from where a person is expected within which clothes are looked for.
+    clothes_radii: float = 0.2
+    clothes_radii_per_frame: float = 0.2  # radii more for each frame unseen
+    clothes_max_frames: int = 8  # frames unseen for which that adds up
+    sampled_points: int = 4000  # moving points of which it is told what they touch
+    min_claim_points: int = 5  # points of a claim from which it counts
+    touching_cells: float = 1.7  # distance of cells that touch, in cells
+    thin_share: float = 0.15  # share of the usual number of points under which a cell leads nowhere
+    unlike_colour: float = 0.08  # colour difference that makes a way twice as long
+    # Share of the longest way within which what lies apart is a figure's.
+    bridge_share: float = 0.25
+    clothed_cells: int = 12  # cells from which a part shows whose clothes it wears
+    # Mean log ratio by which its colours have to be commoner among another's.
+    clearly_log: float = 0.7
+    # Share of the points of a cell, or of the claims on a body, that decide.
+    majority_share: float = 0.5
+    # Share of a part's cells that have the colours of the figure beside it.
+    alike_cells_share: float = 0.6
+    min_claim_share: float = 0.03  # share of a body that its owner has to have claimed
+    min_part_cells: int = 4  # cells of a part that lies apart
+    way_radii: float = 0.6  # share of the figure's radius at which a way ends
+    cell_sigmas: float = 4.5  # deviations of the depth noise that a cell has at least
+    limb_share: float = 0.1  # share of a person's radius that is a limb: the largest cell
+    forgotten_frames: int = 5  # frames unseen after which an unlabelled person is forgotten
+    crowded_ratio: float = 1.3  # times as many cells as people have that are too many for one
+    own_log: float = 0.7  # mean log ratio by which a person's cells may be less like their clothes
+    # Metres by which a person is spread along the ground, a standard deviation.
+    spread_m: float = 0.2
+    # Metres under which a person is as expected, and beyond which no other's.
+    nearest_m: tuple[float, float] = (0.1, 1.0)
+    sure_likelihood: float = 0.75  # likelihood from which a frame tells stature and clothes
+    better_ratio: float = 1.5  # times as much of a person that tells their clothes anew
+    touching_share: float = 0.02  # share of that which touches others at most
+    doubted_confidence: float = 0.4  # confidence of what may be another's at most
+    head_m: float = 0.2  # metres by which a head is above the highest touch with another
+    heads_apart_m: float = 0.25  # metres along the ground between two people at least
+    head_lower_m: float = 0.6  # metres by which one's head is lower at most
+    limb_m: float = 0.1  # metres between points of one person at most: limbs are no thicker
+    colour_change: float = 0.08  # change of colour at which cells agree a third as much
+    colour_points: int = 400  # points whose colours are compared
+    before_m: float = 0.15  # metres by which something nearer hides a place
+    seen_min_cells: int = 4  # cells under which a person is not seen
+    seen_min_share: float = 0.02  # share of their most cells likewise
+    scrap_share: float = 0.3  # share of their most under which they may be elsewhere
+    # Metres along the ground from the middle within which surface is remembered.
+    memory_m: float = 0.6
+    memory_cells: float = 2.0  # cells from what is seen at which hidden surface is remembered
+    memory_behind_m: float = 0.1  # metres by which it must be hidden
+    # Metres from the middle of what is seen beyond which none is remembered.
+    memory_seen_m: float = 1.3
+    newest_step_weight: float = 0.7  # weight of the newest step in the expected one
+    hidden_step_share: float = 0.7  # share of a step by which a hidden person goes on
+    unlike_log: float = 1.5  # mean log ratio of clothes by which something is not theirs
+    most_decay: float = 0.98  # share of the most cells that counts a frame later
+    gone_m: float = 0.45  # metres of way with which all of a person has moved
+    gone_frames: int = 2  # frames of that way at least
+    way_frames: int = 60  # frames for which places are remembered
+
+
+@dataclass(frozen=True, slots=True)
+class StrideOptions(Options):
+    """Strides of people, and whose each cell is."""
+
+    stride_m: float = 0.08  # metres by which a stride varies
+    stride_share: float = 0.45  # share of the last stride by which it varies
+    stride_m_per_frame: float = 0.05  # metres more for each frame unseen
+    max_unseen_frames: int = 6  # frames unseen after which the search grows no more
+    sampled_cells: int = 120  # cells by which a place is judged
+    same_depth_m: float = 0.2  # metres within which surface is as deep as it should be
+    hidden_cost: float = 0.55  # cost of a cell that is hidden; one seen through costs 1
+    unknown_cost: float = 0.5  # cost of a cell where nothing is measured
+    depth_weight: float = 0.6  # weight of depth where it is measured
+    colour_weight: float = 0.7  # weight of colour where it is measured
+    other_colour: float = 0.1  # difference of another colour
+    # Weight of the mean cost against half a squared deviation of the stride.
+    evidence_weight: float = 14.0
+    own_cells: float = 1.5  # cells from a person within which a cell is theirs
+    limbs_m: float = 0.06  # metres by which limbs move anyhow
+    swing_share: float = 0.4  # share of the fastest step by which limbs swing
+    slowest_m: float = 0.02  # metres of that step at least
+    fastest_m: float = 0.3  # metres of that step at most
+    limbs_m_per_frame: float = 0.04  # metres more for each frame unseen
+    limbs_max_frames: int = 8  # frames unseen for which that adds up
+    shade: float = 0.06  # difference of colour that counts as much as that distance
+    cap: float = 4.0  # cost of a cell that is nowhere near a person
+    clothes_weight: float = 0.35  # weight of clothes
+    clothes_rarer_log: float = 0.5  # mean log ratio by which colours are rarer than usual ones
+    clothes_max_log: float = 4.0  # greatest log ratio that counts
+    hidden_cost_owner: float = 1.0  # cost of being a person's who was hidden
+    body_m: float = 0.25  # metres from the middle, along the ground, that hold a body
+    body_sigma_m: float = 0.2  # metres of deviation beyond
+    body_max_cost: float = 2.0  # cost beyond at most
+    rounds: int = 3  # times at most that strides are corrected
+    settled_m: float = 0.02  # metres up to which one correction is enough
+    visible_doubt: float = 0.15  # visible share at which a correction is half believed
+    corrected_share: float = 0.03  # share of their cells that a person has to have for a correction
+    met_swings: float = 2.5  # swings of limbs within which cells meet a person's surface
+    fitting_cap_share: float = 0.8  # share of the cap that fits
+    fitting_cells_share: float = 0.2  # share of its cells that must fit for a body to be anybody's
+    # Probability from which an outline far from everybody is somebody's.
+    sure_probability: float = 0.9
+    apart_m: float = 0.35  # metres of nothing between a part and the rest of a person
+    apart_share: float = 0.5  # share of the rest that such a part has at most
+    known_m: float = 0.15  # metres from a person's surface within which it may lie all the same
+    known_beside_m: float = 0.5  # metres from their middle likewise
+    known_share: float = 0.5  # share of the part that must
+    disputed_cost: float = 1.0  # cost less than another's by which a cell is disputed
+
+
+@dataclass(frozen=True, slots=True)
+class ArrivalOptions(Options):
+    """People who come, come back or were exchanged."""
+
+    min_cells: int = 12  # cells from which a body may be somebody new
+    min_share: float = 0.12  # share of the usual number of cells likewise
+    back_min_cells: int = 6  # cells from which a body may be somebody missing
+    back_min_share: float = 0.05  # share of the usual number of cells likewise
+    missing_frames: int = 3  # frames missing from which a part of another may be theirs
+    part_share: float = 0.2  # share of the usual number of cells that such a part has
+    part_log_clothes: float = 0.7  # mean log ratio by which the part is more like their clothes
+    unclaimed_share: float = 0.7  # share of a connected body that must be nobody's
+    back_m: float = 0.3  # metres from where a missing person should be
+    back_m_per_frame: float = 0.2  # metres more for each frame missing
+    back_max_frames: int = 10  # frames missing for which that adds up
+    clothes_weight: float = 0.5  # weight of clothes against the way
+    stature_weight: float = 0.25  # weight of stature against the way
+    unlabelled_cost: float = 0.5  # cost of a body that was followed without a label
+    # Log ratio of clothes from which a body is certainly not the other's.
+    told_log_clothes: float = 0.3
+    # Metres along the ground about a person within which new surface is theirs.
+    around_m: float = 0.6
+    joined_m: float = 0.3  # metres between unlabelled bodies that come together
+    touches_m: float = 0.1  # metres between a body and who came back
+    recent_frames: int = 3  # frames within which a person has just come
+    exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
+    exchange_usual_log: float = 0.7  # mean log ratio by which each may be less so than usual
+    exchange_frames: int = 3  # frames in which that has to be so, one after the other
+    return_alike_share: float = 0.7  # share of a figure's colours that show that it is the same
+    return_points: int = 400  # points whose colours are compared
+    # Mean log ratio by which it may look less like one's clothes than another's.
+    return_log: float = 0.1
+    # Radii from where a person was expected within which they may come out.
+    return_radii: float = 0.5
+    return_radii_per_frame: float = 0.25  # radii more for each frame unseen
+    # Share of a hardly visible object that a body must have to be it.
+    return_scrap_share: float = 0.25
+    return_edge_cost: float = 0.5  # cost of a body at the end of a figure's reach
+
+
+@dataclass(frozen=True, slots=True)
+class StatureOptions(Options):
+    """Stature of people, and the vertical."""
+
+    sampled_points: int = 50  # points that tell how far away a person is
+    top_share: float = 0.01  # share of a person's most points above what is taken for their top
+    # Metres above their top where only what lies behind may be seen.
+    above_m: tuple[float, float] = (0.12, 0.25)
+    behind_m: float = 0.15  # metres by which that lies behind
+    sigma_m: float = 0.02  # metres by which a measured top varies
+    bent_share: float = 0.1  # share of the frames in which a person bends, sits or lifts an arm
+    bent_range_m: float = 1.0  # metres over which their top is then
+    min_tops: int = 2  # measured tops from which a stature is known
+    decisive_log_odds: float = 3.0  # log odds (20 to 1) from which one of two is told
+    # Cosine of the picture's downward axis and the vertical, under which it is unknown.
+    leaning_cos: float = 0.7
+    level_stride: int = 3  # stride of the points that are asked for what is level
+    level_points: int = 300  # points that have to lie on it
+    level_sigma_m: float = 0.3  # metres of their deviation along its shorter side
+    patch_m: float = 0.4  # metres of a patch of surface
+    patch_points: int = 20  # points that it has to have
+    patch_flatness: float = 0.1  # variance through it over the lesser along it at most
+    patch_cos: float = 0.85  # cosine of its angle to the rough vertical at most
+    # Metres about the level that are fitted, one after the other.
+    fit_m: tuple[float, float, float] = (0.12, 0.06, 0.06)
+
+
+@dataclass(frozen=True, slots=True)
+class PersonConfidenceOptions(Options):
+    """Confidence of a person, the same way."""
+
+    signed: ClassVar[frozenset[str]] = frozenset({"weights", "min_log_clothes"})
+
+    # Log odds of each of the features.
+    weights: tuple[float, ...] = (-0.5, -3.0, -1.2, -0.3, 1.0, -0.5, -5.0, -20.0, -1.4)
+    offset: float = 3.0  # log odds that are added
+    max_log_size: float = 4.0  # greatest log ratio of size
+    max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
+    min_log_clothes: float = -3.0  # least log ratio of clothes

@@ -1,0 +1,206 @@
+"""Options of what a sensor is, where it was, and how it moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pointbrush.tracking.options.base import Options
+
+
+@dataclass(frozen=True, slots=True)
+class LensOptions(Options):
+    """Pinhole image of a depth camera."""
+
+    min_points: int = 500  # points from which a frame can have an image
+    # Pixel of a sensor without a known lattice, in spacings of its points.
+    pixel_spacings: float = 1.5
+    min_pitch_spacings: float = 0.1  # spacings under which a pitch is chance, not a lattice's
+    margin_px: int = 8  # pixels beyond the outermost points of the sample
+    behind_ratio: float = 1.25  # depth over the nearest of a pixel that the sensor cannot see
+    behind_share: float = 0.02  # share of such points up to which the sensor is there
+    behind_share_told: float = 0.1  # the same, up to which it may be where the recording tells
+    filled_share: float = 0.5  # share of the pixels that a depth image fills at least
+    filled_share_sought: float = 0.3  # the same, of an image from a place that was looked for
+    torn_depth: float = 0.03  # share of its depth by which a pixel is off the next at an edge
+    torn_share: float = 0.15  # share of such pairs from which an image is none
+    half_view_tan: float = 1.6  # tangent of half the widest field of view of a pinhole image
+    max_pixels: int = 4_000_000  # pixels of an image at most
+    sampled_points: int = 20_000  # points that tell where an image looks and its pixel size
+    nearest_m: float = 0.001  # metres before the eye from which a point has a pixel
+    lattice_tolerance: float = 2e-05  # tangents nearer than that are of one column or row
+    min_lattice_lines: int = 20  # columns or rows that make a lattice at least
+    min_points_per_line: int = 4  # points of each in the mean
+
+
+@dataclass(frozen=True, slots=True)
+class RangeImageOptions(Options):
+    """Range image of a lidar."""
+
+    azimuth_deg: float = 0.4  # degrees of a cell around
+    # Degrees of a cell up and down, the least that is mostly filled.
+    elevations_deg: tuple[float, ...] = (0.4, 0.8, 1.6, 3.2)
+    filled_share: float = 0.6  # share of the cells that show something
+    hidden_share: float = 0.03  # share of its range by which a hidden point lies behind all others
+    min_points: int = 2000  # points of a frame of which its sensor is asked
+    # Metres above a frame's origin at which its sensor is looked for.
+    sensor_heights_m: tuple[float, ...] = (0.0, 1.0, 1.8, 2.6)
+    behind_ratio: float = 1.25  # range over the nearest in its direction that the sensor cannot see
+    behind_share: float = 0.02  # share of such points up to which the sensor is there
+    swept_share: float = 0.07  # the same of all points: a lidar sees while it drives
+    # Farthest range over nearest from which a place between is a lidar's.
+    lidar_depth_ratio: float = 1.5
+    same_direction_deg: float = 0.1  # degrees within which a sensor sees one surface
+    min_same_direction: float = 0.005  # share of a frame with others in their direction that tells
+    camera_reach_m: float = 15.0  # metres that depth cameras measure
+    camera_share: float = 0.95  # share of the points that lie nearer
+    spread_power: float = 0.5  # power of the range by which points lie farther apart if seen
+    spread_neighbours: int = 3  # neighbours of which that is asked
+    spread_points: int = 2000  # points of which that is asked
+    rim_share: float = 0.02  # share of the points beyond the edges of what is seen
+    stray_share: float = 0.05  # share of the nearest and farthest points, stray ones
+    up_points: int = 5000  # points that tell which axis is up
+    blind_cells: int = 6  # cells beside the last measured direction from which nothing is seen
+
+
+@dataclass(frozen=True, slots=True)
+class ViewpointOptions(Options):
+    """Place of a sensor that the recording does not tell."""
+
+    part_spacings: float = 4.0  # spacings of the points across a part of the image
+    min_mean_ray: float = 0.6  # length of the mean ray of an image at least
+    min_ray_cos: float = 0.45  # cosine from the mean ray below which a ray is far aside
+    # Shares of the distance at which the search is begun.
+    distance_shares: tuple[float, ...] = (0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.5)
+    direction_steps: tuple[float, float] = (
+        0.2,
+        0.003,
+    )  # first and last step, in sizes of the scene
+    min_points: int = 2000  # points from which a place can be told
+    # Distances from the middle, in sizes of the scene.
+    distance_sizes: tuple[float, ...] = (0.7, 1.0, 1.4, 2.0, 2.8)
+    directions: int = 160  # directions from the middle
+    coarse_points: int = 4000  # points that places far apart are compared by
+    fine_points: int = 30_000  # points that places close together are compared by
+    followed_places: int = 4  # places from which it is looked for closer
+    # First and last step, and the last by all points, in sizes of the scene.
+    place_steps: tuple[float, float, float] = (0.3, 0.005, 0.002)
+    hidden_sizes: float = 0.05  # sizes of the scene behind another point from which one is hidden
+    hidden_share: float = 0.06  # share of the points that may be hidden
+    hidden_share_far: float = 0.4  # the same, far from the place
+    # Share of the points that may be farther aside than an image is wide.
+    stray_share: float = 0.002
+
+
+@dataclass(frozen=True, slots=True)
+class TintOptions(Options):
+    """Colour free of shading."""
+
+    red_weight: float = 1.7  # weight of red against green beside blue against both, nearly sqrt(3)
+    dark_sum: float = 60.0  # added to the sum of the channels: the tint of black is noise
+    brightness: float = 0.3  # greatest difference by brightness alone
+
+
+@dataclass(frozen=True, slots=True)
+class GroundOptions(Options):
+    """Ground under a lidar."""
+
+    length_share: float = 0.02  # share of the median distance that lengths are counted in
+    cell: float = 6.0  # size of a cell, in such lengths
+    thickness: float = 0.5  # height above the ground up to which something lies there
+    kerb: float = 1.0  # height above the lowest point around up to which a cell's lowest is ground
+    min_points: int = 2000  # points of a frame from which ground is looked for
+    max_cells: int = 4_000_000  # cells of the grid at most
+    stray_share: float = 0.05  # share of the lowest and highest points, stray ones among them
+
+
+@dataclass(frozen=True, slots=True)
+class VisualOdometryOptions(Options):
+    """Way of a depth camera: dense visual odometry."""
+
+    signed: ClassVar[frozenset[str]] = frozenset({"start_aside_px", "start_upward_px"})
+
+    longest_side_px: int = 200  # pixels of the finest picture's longer side at most
+    shortest_side_px: int = 20  # pixels of the coarsest picture's shorter side at least
+    sampled_pixels: int = 4000  # pixels of a picture that are compared
+    near_px: float = 1.0  # pixels of the coarsest picture up to which a motion is the nearest
+    tried_iterations: int = 10  # iterations of a motion that is tried
+    iterations: int = 30  # iterations at each size at most
+    settled_px: float = 0.02  # pixels under which a step ends the iterations
+    robust_sigmas: float = 2.0  # deviations at which the weight of a pixel is a quarter
+    min_pixels: int = 60  # pixels that have to fall into both pictures
+    # Pixels of the coarsest picture by which a camera may have turned aside.
+    start_aside_px: tuple[float, ...] = (-6.0, -3.0, 0.0, 3.0, 6.0)
+    # Pixels by which it may have turned upward.
+    start_upward_px: tuple[float, float, float] = (-3.0, 0.0, 3.0)
+    starts_followed: int = 6  # starts that are followed to the next size
+    moved_px: float = 0.2  # pixels of the finest picture by which the scene moves with the sensor
+    left_share: float = 0.8  # share that disagreed before and still may after the motion
+    band_share: float = 0.03  # share of a picture that is its border
+    border_share: float = 0.3  # share of the border where a scene shows at least
+    # Share of a picture by which its scene may move before a new keyframe.
+    keyframe_shift: float = 0.1
+    lost_agreement: float = 0.25  # agreement over that of the first two frames that tells a pose
+
+
+@dataclass(frozen=True, slots=True)
+class ScanOdometryOptions(Options):
+    """Way of a lidar: planes registered point to plane."""
+
+    cell_share: float = 0.02  # size of a thinning cell, as a share of the median distance
+    cell_min_m: float = 0.5  # metres of such a cell at least, of a lidar
+    plane_points: int = 100_000  # points that planes are looked for in
+    plane_neighbours: int = 10  # neighbours that a plane is fitted to
+    min_points: int = 500  # points of a frame that planes are looked for in at least
+    min_planes: int = 10  # neighbourhoods likewise
+    asked_per_plane: int = 6  # places asked for one that may be registered
+    plane_flatness: float = 0.05  # share of the variance across a plane at most
+    plane_breadth: float = 0.08  # share of the variance along its shorter side at least
+    planes: int = 1500  # planes that are registered
+    # Scales of the robust weights, in cells.
+    scales_cells: tuple[float, ...] = (
+        8.0,
+        6.0,
+        4.0,
+        3.0,
+        2.0,
+        1.5,
+        1.0,
+        1.0,
+        0.7,
+        0.7,
+        0.5,
+        0.5,
+        0.3,
+        0.3,
+    )
+    # Frames after the first at which a sensor is asked whether it moved.
+    asked_frames: tuple[int, int, int] = (1, 4, 12)
+    moved_cells: float = 0.25  # cells by which the scene is displaced, at the median, if it moved
+    rest_pose: float = 0.0001  # metres and radians between the poses of a sensor told to be at rest
+    on_plane_cells: float = 0.2  # cells off its plane up to which a point lies on it
+    rest_share: float = 0.95  # share of the planes in place above which the sensor rests
+    agreed_share: float = 0.5  # share that has to be in place after a motion
+    left_share: float = 0.75  # share of those out of place before that may still be
+    restart_share: float = 0.95  # share in place from which no other start is tried
+    restart_drop: float = 0.05  # fall of that share since the last frames that is no reason to
+    shifts: int = 2  # shifts that are tried
+    shift_cells: float = 1.0  # cells from what was found at which they are another start
+    shift_pixel_cells: float = 3.0  # size of a pixel, in thinning cells
+    shift_side_px: int = 256  # pixels of a picture along each side
+    shift_steep_px: float = 1.0  # pixels between the highest and lowest point of what stands up
+    shift_max_px: int = 64  # pixels of the longest shift
+    shift_whitening: float = 0.5  # whitening of the correlation: 0 none, 1 phases alone
+    shift_same_px: int = 2  # pixels around a shift that are no other shift
+    max_skew: float = 0.1  # determinant off 1 from which a matrix is no pose
+
+
+@dataclass(frozen=True, slots=True)
+class SwayOptions(Options):
+    """A camera that only sways."""
+
+    max_parallax: float = 0.03  # tangent of the angle by which near and far move against each other
+    near_percentile: int = 10  # percentile of the depths that are near
+    far_percentile: int = 90  # percentile of the depths that are far
+    max_extent: float = 2.0  # sizes of the sensor's picture up to which all that it sees extends
+    margin_share: float = 0.1  # share of a picture added on each side for the frames between

@@ -1,0 +1,132 @@
+"""Options of what is known of a track, and of tracks that meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pointbrush.tracking.options.base import Options
+
+
+@dataclass(frozen=True, slots=True)
+class StrainOptions(Options):
+    """Whether an object bends."""
+
+    signed: ClassVar[frozenset[str]] = frozenset({"outline_offsets_px"})
+
+    min_known_points: int = 100  # known points that have to be in sight
+    min_off_share: float = 0.005  # share of them off their place to ask for strain
+    stiff_frames: int = 4  # frames between two questions of a stiff object
+    hint_share: float = 0.25  # share of soft strain from which it is asked in all
+    loose_cost: float = 0.15  # cost of a fit from which it is asked in all of a dense object
+    max_frame_ratio: float = 1.5  # times the soft strain that one frame can say
+    bent_points: int = 600  # points at most that are bent to find out
+    target_points: int = 6000  # points at most onto which
+    off_units: float = 1.5  # units from a measurement at which a model point is off its place
+    on_units: float = 1.0  # units at which it is on it
+    far_units: float = 3.0  # units within which that is looked for
+    unexplained_units: float = 2.0  # units from the model from which it does not explain a point
+    # Pixels, each way, from which an outline is beside a point.
+    outline_offsets_px: tuple[int, int, int] = (-2, 0, 2)
+    share_rate: float = 0.15  # weight of a frame in the running mean of how much bends
+    strain_rate: float = 0.2  # weight of a frame in the running mean of strain
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceOptions(Options):
+    """Surface model of a track."""
+
+    carve_views: int = 10  # earlier views kept of an object
+    carve_units: float = 3.0  # units by which a measurement lies behind a place looked through
+    carve_min_views: int = 2  # views that have to agree: one pose may be wrong
+    carve_margin_px: int = 8  # pixels around the object that are kept
+    carve_turn_deg: float = 12.0  # degrees between two views that are kept
+    max_points: int = 2500  # points of a model
+    max_points_bent: int = 1000  # points of a model that is made anew in each frame, since it bends
+    sure_hits: float = 12.0  # hits from which a point may have new neighbours
+    radius_share: float = 0.98  # share of the points within the radius
+    hit_spacings: float = 1.2  # spacings up to which a measured point hits a known one
+    new_spacings: float = 0.9  # spacings from which a measured point is new surface
+    min_points: int = 10  # points that a model keeps at least
+    max_counted_hits: int = 4  # hits that count against misses
+    cell_spacings: float = 0.8  # spacings across a cell that keeps one point
+    coarser_factor: float = 1.05  # how much coarser a full model becomes
+    facing_cos: float = 0.25  # cosine between directions from which a point was and would be seen
+
+
+@dataclass(frozen=True, slots=True)
+class AppearanceOptions(Options):
+    """Colour histograms."""
+
+    rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
+    coarse_bins: int = 3  # bins, each way, of the cells of a histogram of few colours
+    common_share: float = 0.02  # share of colours from which they are common
+    # Mean log ratio by which colours may be rarer than its own and still like them.
+    rarer_log: float = 2.0
+    absent_share: float = 0.002  # share of colours that are nowhere among the painted ones
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectOptions(Options):
+    """What kind of object a label is, and its tolerance."""
+
+    # Confidence of a label begun anew from what came out from behind another.
+    emerged_confidence: float = 0.3
+    # Units within which a point is where something stood, without a depth image.
+    static_units: float = 1.5
+    default_unit_m: float = 0.02  # metres of a unit while nothing is tracked
+    sheet_radii: float = 0.016  # radii from its plane that hold half of a flat object
+    broad_m: float = 0.06  # metres of deviation across from which a label is part of a person
+    afar_m: float = 1.5  # metres from the sensor from which that can be told
+    flat_share: float = 0.6  # share of its points on the ground from which it lies there
+    ring_neighbours: int = 24  # neighbours among which the next ring of a lidar is looked for
+    ring_cos: float = 0.5  # cosine of a way aside
+    ring_share: float = 0.3  # share of the way between rings that is a unit
+    edge_px: int = 2  # pixels from the edge of the picture
+    edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
+    sampled_points: int = 400  # points whose neighbours are looked at
+    lone_spacing_m: float = 0.02  # metres between points where there are too few to tell
+    min_spacing_m: float = 0.0001  # metres between points at least, where all are one point
+    black_share: float = 0.1  # share of black points from which many were seen by no camera
+    min_colour_noise: float = 0.03  # least colour noise
+    bent_share: float = 0.2  # unexplained share from which an object bends
+    bent_share_large: float = 0.05  # the same, of a large one
+    tall_m: float = 0.4  # metres of radius from which an object is large as people are
+    tall_units: float = 12.0  # units of radius likewise, however coarsely it is seen
+    part_m: float = 0.25  # metres of radius from which a broad label is part of a person
+    part_units: float = 5.0  # units of radius that such a part has at least
+    # Share of known surface found by bending alone from which it is soft.
+    soft_strain: float = 0.006
+    hardly_share: float = 0.2  # share of its size under which hardly anything of it was seen
+    min_unit_spacings: float = 0.5  # share of the model's spacing that a unit is at least
+    max_approach: float = 2.0  # times as near or far as an object comes in a frame at most
+    colour_units: float = 0.5  # units that a usual colour difference between neighbours counts for
+    # Points from which an object is looked at more coarsely than it is seen.
+    dense_points: int = 3000
+
+
+@dataclass(frozen=True, slots=True)
+class IdentityOptions(Options):
+    """Two tracks that met."""
+
+    meeting_units: float = 6.0  # units between two from which each may be where the other went
+    prediction_units: float = 2.0  # units by which a prediction is off at the best
+    # Squared ways to both as found over swapped, from which they may be swapped.
+    uneven_ratio: float = 0.35
+    even_ratio: float = 0.7  # the same, from which it is as likely as not
+    unsure_confidence: float = 0.85  # confidence at most after the one
+    doubted_confidence: float = 0.45  # confidence at most after the other
+    alike_share: float = 0.7  # share of the other's colours from which two look alike
+    alike_radius_ratio: float = 1.5  # ratio of radii up to which two look alike
+    compared_frames: int = 4  # frames before and after that are compared
+    smooth_ratio: float = 0.25  # unevenness as found over swapped, up to which they are right
+    # Share of the way between two within which both are clearly themselves.
+    clear_share: float = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothingOptions(Options):
+    """Fixed-lag smoothing."""
+
+    lag_frames: int = 12  # frames for which a result is held back at most
+    sure: float = 0.5  # confidence from which an object is found
