@@ -89,7 +89,7 @@ def test_what_lies_just_beside_a_surface(
 ) -> None:
     away = apart(points, surface).min(axis=1)
     on, beside = np.sum(away < 3 * 0.1504), np.sum((away >= 3 * 0.1504) & (away < 6 * 0.1504))
-    found = excess(surface, Target(points, NONE, 0.0), 0.1504, options=OPTIONS)
+    found = excess(surface, Target(points, NONE, 0.0), 0.1504, options=OPTIONS.register)
     assert found == pytest.approx(0.3 * min(1.0, beside / max(on, 1)))
 
 

@@ -37,40 +37,40 @@ GOOD = Evidence(
 
 def test_what_shows_few_points_is_trusted_less() -> None:
     """Small things are taken for each other; a lidar's hardly ever show more."""
-    assert likelihood(replace(GOOD, points=1000), options=OPTIONS) > 0.9
+    assert likelihood(replace(GOOD, points=1000), options=OPTIONS.confidence) > 0.9
     assert (
-        likelihood(replace(GOOD, points=40), options=OPTIONS)
-        < likelihood(replace(GOOD, points=150), options=OPTIONS)
+        likelihood(replace(GOOD, points=40), options=OPTIONS.confidence)
+        < likelihood(replace(GOOD, points=150), options=OPTIONS.confidence)
         < 0.9
     )
     few = replace(GOOD, points=40, pixels=False)
-    assert likelihood(few, options=OPTIONS) == likelihood(
-        replace(few, points=1000), options=OPTIONS
+    assert likelihood(few, options=OPTIONS.confidence) == likelihood(
+        replace(few, points=1000), options=OPTIONS.confidence
     )
 
 
 def test_what_bends_and_shrinks_is_not_trusted() -> None:
     half = replace(GOOD, size=0.5)
     assert (
-        likelihood(replace(half, soft=True), options=OPTIONS)
+        likelihood(replace(half, soft=True), options=OPTIONS.confidence)
         < 0.5
-        < likelihood(half, options=OPTIONS)
+        < likelihood(half, options=OPTIONS.confidence)
     )
 
 
 def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     """Half a car, and a car whose neighbour was taken for it, leave points unclaimed beside it."""
     alone = replace(GOOD, pixels=False, scans=True, left=0.01, others=0.1)
-    assert likelihood(alone, options=OPTIONS) > 0.9
-    assert likelihood(replace(alone, left=1.0), options=OPTIONS) < 0.5
-    assert likelihood(replace(alone, left=0.1, bend=0.2), options=OPTIONS) < likelihood(
-        alone, options=OPTIONS
+    assert likelihood(alone, options=OPTIONS.confidence) > 0.9
+    assert likelihood(replace(alone, left=1.0), options=OPTIONS.confidence) < 0.5
+    assert likelihood(replace(alone, left=0.1, bend=0.2), options=OPTIONS.confidence) < likelihood(
+        alone, options=OPTIONS.confidence
     )
     crowded = replace(alone, others=1.0)
     assert (
-        likelihood(replace(alone, left=1.0), options=OPTIONS)
-        < likelihood(crowded, options=OPTIONS)
-        < likelihood(alone, options=OPTIONS)
+        likelihood(replace(alone, left=1.0), options=OPTIONS.confidence)
+        < likelihood(crowded, options=OPTIONS.confidence)
+        < likelihood(alone, options=OPTIONS.confidence)
     )
 
 
@@ -78,9 +78,9 @@ def test_what_is_not_as_tall_before_a_lidar_as_it_was_is_trusted_less() -> None:
     """Half of somebody in a group leaves only the others beside him."""
     group = replace(GOOD, pixels=False, scans=True, left=0.2, others=1.0)
     assert (
-        likelihood(replace(group, tall=0.5), options=OPTIONS)
+        likelihood(replace(group, tall=0.5), options=OPTIONS.confidence)
         < 0.5
-        < likelihood(group, options=OPTIONS)
+        < likelihood(group, options=OPTIONS.confidence)
     )
 
 
@@ -88,37 +88,37 @@ def test_what_suddenly_changes_before_a_lidar_is_trusted_less() -> None:
     """Who takes another's place shows more or less of himself, and what the model does not know."""
     before = replace(GOOD, pixels=False, scans=True, left=0.2, others=0.2)
     assert (
-        likelihood(replace(before, change=0.4), options=OPTIONS)
-        < likelihood(before, options=OPTIONS) - 0.1
+        likelihood(replace(before, change=0.4), options=OPTIONS.confidence)
+        < likelihood(before, options=OPTIONS.confidence) - 0.1
     )
     assert (
-        likelihood(replace(before, change=2.5), options=OPTIONS)
-        < likelihood(before, options=OPTIONS) - 0.1
+        likelihood(replace(before, change=2.5), options=OPTIONS.confidence)
+        < likelihood(before, options=OPTIONS.confidence) - 0.1
     )
     assert (
-        likelihood(replace(before, grown=0.6), options=OPTIONS)
-        < likelihood(before, options=OPTIONS) - 0.1
+        likelihood(replace(before, grown=0.6), options=OPTIONS.confidence)
+        < likelihood(before, options=OPTIONS.confidence) - 0.1
     )
 
 
 def test_what_is_all_in_one_place_is_not_trusted() -> None:
     """Points that are the same are told from nothing else that is there."""
     for seen in (GOOD, replace(GOOD, pixels=False, scans=True)):
-        assert likelihood(replace(seen, coarse=1.0), options=OPTIONS) == 0.0
+        assert likelihood(replace(seen, coarse=1.0), options=OPTIONS.confidence) == 0.0
 
 
 def test_colours_that_always_differ_so_much_are_not_held_against_a_thing() -> None:
     dear = replace(GOOD, cost=2.4)
     assert (
-        likelihood(dear, options=OPTIONS)
+        likelihood(dear, options=OPTIONS.confidence)
         < 0.9
-        < likelihood(replace(dear, usual=2.4), options=OPTIONS)
+        < likelihood(replace(dear, usual=2.4), options=OPTIONS.confidence)
     )
-    assert likelihood(replace(dear, cost=4.8, usual=2.4), options=OPTIONS) == likelihood(
-        dear, options=OPTIONS
+    assert likelihood(replace(dear, cost=4.8, usual=2.4), options=OPTIONS.confidence) == likelihood(
+        dear, options=OPTIONS.confidence
     )
-    assert likelihood(replace(GOOD, usual=0.5), options=OPTIONS) == likelihood(
-        GOOD, options=OPTIONS
+    assert likelihood(replace(GOOD, usual=0.5), options=OPTIONS.confidence) == likelihood(
+        GOOD, options=OPTIONS.confidence
     )
 
 

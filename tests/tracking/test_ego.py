@@ -166,12 +166,12 @@ def test_what_drove_on_is_found_where_its_points_find_one() -> None:
     wall = np.array([0.0, 4.0, 0.0]) + rng.uniform(-1, 1, (2000, 3)) * [6.0, 0.05, 1.5]
     pose = np.eye(4)
     moved = np.vstack([car + [1.7, 0.1, 0.0], wall])
-    found = shifts(car[::4], moved, pose, 0.08, options=OPTIONS)
+    found = shifts(car[::4], moved, pose, 0.08, options=OPTIONS.propose)
     off = [np.abs(transform(T, car).mean(0) - car.mean(0) - [1.7, 0.1, 0.0]).max() for T in found]
     assert min(off) < 0.32
     # A point that flew off, and a thing whose points are all in one place.
     flown = np.vstack([moved, [[3e7, 0.0, 0.0]]])
-    assert len(shifts(car[::4], flown, pose, 1e-4, options=OPTIONS)) > 0
+    assert len(shifts(car[::4], flown, pose, 1e-4, options=OPTIONS.propose)) > 0
 
 
 def test_a_figure_sampled_about_its_own_middle_was_not_seen_from_there() -> None:

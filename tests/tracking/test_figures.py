@@ -164,7 +164,7 @@ def test_a_body_that_two_want_goes_whole_to_the_likelier(
     both = len(points) // 2
     wanted = {1: points[: both + 100], 2: points[100:]}
     claims = {n: claim_of(p, 0.004 if n == likelier else 0.008) for n, p in wanted.items()}
-    result = undisputed(claims, things, options=OPTIONS)
+    result = undisputed(claims, things, options=OPTIONS.body)
     loser = 3 - likelier
     np.testing.assert_array_equal(result[likelier].indices, wanted[likelier])
     np.testing.assert_array_equal(
@@ -177,10 +177,10 @@ def test_a_touch_and_small_things_are_no_dispute(passing: list[scenes.Frame]) ->
     other, _ = thing_of(passing[0], 1, 2)
     third = len(points) // 3
     touch = {1: claim_of(points[: third + 20], 0.004), 2: claim_of(points[third:], 0.008)}
-    assert undisputed(touch, {1: one, 2: other}, options=OPTIONS) == touch
+    assert undisputed(touch, {1: one, 2: other}, options=OPTIONS.body) == touch
     other.unit = other.span
     same = {1: claim_of(points, 0.004), 2: claim_of(points, 0.008)}
-    assert undisputed(same, {1: one, 2: other}, options=OPTIONS) == same
+    assert undisputed(same, {1: one, 2: other}, options=OPTIONS.body) == same
 
 
 def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Frame]) -> None:

@@ -130,7 +130,7 @@ def outlined(frame: scenes.Frame, painted: bool) -> tuple[scenes.Frame, np.ndarr
     lens = find_lens(frame, options=OPTIONS)
     assert lens is not None
     assert frame.truth is not None
-    cell = lens.cells(frame.xyz, options=OPTIONS)[0]
+    cell = lens.cells(frame.xyz, options=OPTIONS.lens)[0]
     image = np.zeros(lens.shape, np.bool_)
     image.ravel()[cell] = frame.truth > 0
     rim = (image & ~minimum_filter(image, 3)).ravel()[cell]

@@ -106,14 +106,16 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
         return np.array(labels, np.int32)
 
     held = LastSeen.nothing(4)
-    held.learn(seen(2, 2, 2, 4), owned(7, 7, 7, 0), limit, unknown, options=OPTIONS)
-    held.learn(seen(1, 1, 2, 4), owned(3, 3, 7, 0), limit, unknown, options=OPTIONS)
-    missed = held.learn(seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS)
+    held.learn(seen(2, 2, 2, 4), owned(7, 7, 7, 0), limit, unknown, options=OPTIONS.background)
+    held.learn(seen(1, 1, 2, 4), owned(3, 3, 7, 0), limit, unknown, options=OPTIONS.background)
+    missed = held.learn(
+        seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS.background
+    )
     assert missed.tolist() == [True, False, True, False]
     assert held.again(np.arange(4), seen(2, 2.5, 2, 4), limit).tolist() == [7, 0, 7, 0]
-    held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS)
+    held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS.background)
     assert held.label.tolist() == [0, 7, 7, 0]
-    held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown, options=OPTIONS)
+    held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown, options=OPTIONS.background)
     assert held.label.tolist() == [0, 0, 0, 7]
 
 

@@ -59,7 +59,7 @@ def test_robust_fit_leaves_what_is_not_the_object_alone() -> None:
     seen = np.ones((1, 400), bool)
     scales = [0.05, 0.05, 0.03, 0.02, 0.02]
     fits = robust_fits(
-        Source(thing, colour), seen, target, np.eye(4)[None], scales, options=OPTIONS
+        Source(thing, colour), seen, target, np.eye(4)[None], scales, options=OPTIONS.register
     )
     off = np.linalg.norm(transform(fits.T[0], thing) - transform(T, thing), axis=1)
     assert off.mean() < 0.01

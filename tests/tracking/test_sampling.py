@@ -23,9 +23,11 @@ def _room() -> np.ndarray:
 def test_a_place_that_is_too_far_away_comes_back() -> None:
     xyz = _room()
     behind = PLACE - [0.05, 0.3, 1.0]
-    found = evened(xyz, behind, 1.5, options=OPTIONS)
+    found = evened(xyz, behind, 1.5, options=OPTIONS.viewpoint)
     assert np.linalg.norm(found - PLACE) < 0.06
-    assert unevenness(xyz, found, options=OPTIONS) < 0.5 * unevenness(xyz, behind, options=OPTIONS)
+    assert unevenness(xyz, found, options=OPTIONS.viewpoint) < 0.5 * unevenness(
+        xyz, behind, options=OPTIONS.viewpoint
+    )
 
 
 def test_a_camera_is_looked_for_by_that_too() -> None:
@@ -38,4 +40,4 @@ def test_a_camera_is_looked_for_by_that_too() -> None:
 def test_no_image_is_all_round() -> None:
     rng = np.random.default_rng(0)
     rays = rng.normal(size=(4000, 3))
-    assert unevenness(rays, np.zeros(3), options=OPTIONS) == np.inf
+    assert unevenness(rays, np.zeros(3), options=OPTIONS.viewpoint) == np.inf

@@ -49,7 +49,7 @@ def test_floors_and_walls_go_on_behind_what_hides_them() -> None:
     hidden[20:60, 50:70] = True  # before the wall
     hidden[80:88, 20:60] = True  # on the floor
     seen = np.where(hidden, 1.0, scene).astype(np.float32)
-    depth = drawn_on(seen.ravel(), SHAPE, hidden.ravel(), options=OPTIONS).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, hidden.ravel(), options=OPTIONS.background).reshape(SHAPE)
     wrong = np.abs(depth[hidden] / scene[hidden] - 1)
     assert wrong.max() < 0.03
     assert np.isnan(depth[0]).all()
@@ -61,9 +61,9 @@ def test_what_was_not_measured_is_drawn_on_too_and_nothing_is_made_of_nothing() 
     seen = scene.copy()
     seen[10:25, 90:110] = np.nan
     nothing = np.zeros(scene.size, np.bool_)
-    depth = drawn_on(seen.ravel(), SHAPE, nothing, options=OPTIONS).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, nothing, options=OPTIONS.background).reshape(SHAPE)
     np.testing.assert_allclose(depth[10:25, 90:110], 4.0, rtol=0.01)
-    assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing, options=OPTIONS)).all()
+    assert np.isnan(drawn_on(seen.ravel(), SHAPE, ~nothing, options=OPTIONS.background)).all()
 
 
 def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
@@ -72,7 +72,7 @@ def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
     people = (across < 10) | (across >= 116)
     thing = (across >= 60) & (across < 66)
     seen = np.where(people | thing, 3.0, np.nan).astype(np.float32)
-    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel(), options=OPTIONS).reshape(SHAPE)
+    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel(), options=OPTIONS.background).reshape(SHAPE)
     assert (depth[thing] > 6.0).all()
 
 
@@ -88,7 +88,7 @@ def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
     for image in images:
         image[:32, :32] = np.nan  # and here an object is known to be
     found = wavering(
-        [i.ravel() for i in images], deviation.ravel(), SHAPE, options=OPTIONS
+        [i.ravel() for i in images], deviation.ravel(), SHAPE, options=OPTIONS.background
     ).reshape(SHAPE)
     np.testing.assert_allclose(found[32:, :64], 1.8 * 1.15, rtol=0.35)
     np.testing.assert_allclose(found[:64, 64:], 1.15, rtol=0.35)
@@ -106,7 +106,7 @@ def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
         (depth + rng.normal(0, 0.002 + 0.001 * depth**2)).astype(np.float32) for _ in range(2)
     )
     other[:2400] += 0.3  # the nearest eighth has moved on
-    waver = measure_noise(one, other, options=OPTIONS)
+    waver = measure_noise(one, other, options=OPTIONS.noise)
     true = 0.002 + 0.001 * depth**2
     np.testing.assert_allclose(waver(depth.astype(np.float32))[2400:], true[2400:], rtol=0.2)
 
@@ -132,7 +132,7 @@ def test_the_farthest_that_is_seen_again_lies_behind_what_passes() -> None:
         image[at] = 1.0
         image[7] = np.nan
     images[1][6] = 3.5
-    depth, count = farthest(images, DepthNoise(0.01, 0.0), options=OPTIONS)
+    depth, count = farthest(images, DepthNoise(0.01, 0.0), options=OPTIONS.background)
     np.testing.assert_allclose(depth[:6], 3.0)
     np.testing.assert_array_equal(count[:6], [3, 3, 3, 3, 4, 4])
     assert count[6] == 1
@@ -145,7 +145,9 @@ def test_furniture_goes_on_beside_whom_it_is_hidden_by_and_people_end() -> None:
     hidden[20:80, 30:70] = True
     depth[50:70, 60:100] = 3.0  # a sofa, half of it hidden
     depth[25:75, 40:50] = 2.5  # somebody else, who stands where the first one hid him
-    found = continued(depth.ravel(), ~hidden.ravel(), SHAPE, options=OPTIONS).reshape(SHAPE)
+    found = continued(depth.ravel(), ~hidden.ravel(), SHAPE, options=OPTIONS.background).reshape(
+        SHAPE
+    )
     assert found[52:68, 60:70].all()
     assert not found[30:70, 40:50].any()
     assert found[25:45, 52:70].all()

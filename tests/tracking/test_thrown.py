@@ -61,10 +61,10 @@ def test_flying_pixels_of_what_was_painted_are_no_part_of_it() -> None:
     rng = np.random.default_rng(1)
     pin = rng.uniform([-0.03, -0.25, 2.0], [0.03, 0.25, 2.05], (400, 3))
     flying = rng.uniform([-0.05, -0.25, 2.1], [0.05, 0.25, 5.0], (30, 3))
-    kept = solid(np.concatenate([pin, flying]), 0.01, options=OPTIONS)
+    kept = solid(np.concatenate([pin, flying]), 0.01, options=OPTIONS.link)
     assert kept[:400].mean() > 0.98
     assert kept[400:].mean() < 0.2
-    assert solid(flying, 0.01, options=OPTIONS).all()  # nothing else was painted
+    assert solid(flying, 0.01, options=OPTIONS.link).all()  # nothing else was painted
     # Every outline of these recordings has flying pixels.
     found = ious(scenes.juggling(5, 20))
     assert min(np.mean(of) for of in found.values()) > 0.85
@@ -263,10 +263,10 @@ def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:
         disparity = 580 * 0.075 / true + rng.normal(0, 0.04, len(true))
         return (580 * 0.075 / (np.round(disparity * 8) / 8)).astype(np.float32)
 
-    waver = measure_noise(image(), image(), options=OPTIONS)
+    waver = measure_noise(image(), image(), options=OPTIONS.noise)
     for depth in (2.0, 5.0):
         step = depth**2 / (8 * 580 * 0.075)
         assert step < OPTIONS.background.near_sigmas * float(waver(np.float32(depth))) < 2.5 * step
     # Without steps nothing has changed.
     smooth = [(true + rng.normal(0, 0.01, len(true))).astype(np.float32) for _ in range(2)]
-    assert 0.008 < float(measure_noise(*smooth, options=OPTIONS)(np.float32(3.0))) < 0.012
+    assert 0.008 < float(measure_noise(*smooth, options=OPTIONS.noise)(np.float32(3.0))) < 0.012

@@ -135,10 +135,9 @@ class Run:
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
-        units = [t.unit for t in self.things.values()] or [self.options.track.default_unit_m]
-        return np.full(
-            len(world), self.options.track.static_units * float(np.median(units)), np.float32
-        )
+        options = self.options.track
+        units = [t.unit for t in self.things.values()] or [options.default_unit_m]
+        return np.full(len(world), options.static_units * float(np.median(units)), np.float32)
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
         """Begin with a person's points, and those of who goes along."""
@@ -253,7 +252,7 @@ class Run:
         known, here = (self.background, free, predicted), not self.workers.learns
         cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
-        share_out(list(searches.values()), options=self.options)
+        share_out(list(searches.values()), options=self.options.search)
         there = [self.things[label] for label in searches]
         found = self.workers.each(placed, there, lambda thing: (searches[thing.label],))
         findings = Findings(view, self.background, free)
@@ -330,15 +329,16 @@ class Run:
 
     def _emerge(self, thing: Thing, view: View, points: I64) -> TrackState:
         """Learn a large thing anew from what came out of hiding; the rest may follow."""
+        options = self.options.track
         track = self._begin_anew(thing, view, points)
         anew = self.things[thing.label]
         anew.extent, anew.size, anew.trust, anew.worn = (
             thing.span,
             thing.size,
-            self.options.track.emerged_confidence,
+            options.emerged_confidence,
             thing.worn,
         )
-        return replace(track, confidence=self.options.track.emerged_confidence, state="tracked")
+        return replace(track, confidence=options.emerged_confidence, state="tracked")
 
 
 def _meets(some: F64, places: F64, margin: float) -> bool:

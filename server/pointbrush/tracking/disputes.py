@@ -33,21 +33,18 @@ def placed(thing: Thing, view: View, search: Search) -> tuple[Place, Claim]:
 
 def _far_off(thing: Thing, search: Search, place: Place) -> bool:
     """Whether a large thing would be far from where it is hidden now: that is somebody else."""
+    options = thing.options
     motion = thing.motion
     if motion.fresh or thing.painted.cut:  # what was painted in part grows by what comes out
         return False
     centre = motion.centre[None]
     at = transform(place.pose, centre)[0]
     off = np.linalg.norm(transform_each(search.guesses, centre)[:, 0] - at, axis=1).min()
-    if off < (thing.options.relocate.hidden_radii * thing.span + motion.speed) * motion.gap:
+    if off < (options.relocate.hidden_radii * thing.span + motion.speed) * motion.gap:
         return False
     guesses = transform_each(search.guesses, thing.model.xyz[search.few])
-    hidden = search.view.hides(
-        guesses.reshape(-1, 3), thing.options.verdict.hidden_units * thing.unit
-    )
-    return bool(
-        hidden.reshape(len(guesses), -1).mean(axis=1).max() > thing.options.relocate.shown_share
-    )
+    hidden = search.view.hides(guesses.reshape(-1, 3), options.verdict.hidden_units * thing.unit)
+    return bool(hidden.reshape(len(guesses), -1).mean(axis=1).max() > options.relocate.shown_share)
 
 
 def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
@@ -55,7 +52,7 @@ def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
     view, places = findings.view, findings.places
     before, claims = (
         findings.claims,
-        undisputed(findings.claims, things, options=findings.view.options),
+        undisputed(findings.claims, things, options=findings.view.options.body),
     )
     decided = decide(len(view.xyz), claims)
     for label in sorted(
@@ -125,9 +122,10 @@ def _surely(
 ) -> bool:
     """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
     before a known scene, in its own clothes."""
-    if float((background.again(view, points) == label).mean()) > view.options.relocate.shown_share:
+    options = view.options.relocate
+    if float((background.again(view, points) == label).mean()) > options.shown_share:
         return True
-    certain = float(background.certain(view, points).mean()) > view.options.relocate.shown_share
+    certain = float(background.certain(view, points).mean()) > options.shown_share
     return certain and recognised(label, things, view, points)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import IdentityOptions, TrackerOptions
 
 Pair = tuple[int, int]
 
@@ -36,13 +36,14 @@ class Meeting:
 
     def kept_places(self) -> bool:
         """Whether the two are known to have kept their places, by their ways."""
+        options = self.options.identity
         late = [both for both in self.after[1:] if both is not None]
-        if len(late) < self.options.identity.compared_frames or not self.before.shape[1]:
+        if len(late) < options.compared_frames or not self.before.shape[1]:
             return False
         after = np.stack(late, axis=1)
-        as_found = _unsteady(np.concatenate([self.before, after], axis=1), options=self.options)
-        return as_found < self.options.identity.smooth_ratio * _unsteady(
-            np.concatenate([self.before, after[::-1]], axis=1), options=self.options
+        as_found = _unsteady(np.concatenate([self.before, after], axis=1), options=options)
+        return as_found < options.smooth_ratio * _unsteady(
+            np.concatenate([self.before, after[::-1]], axis=1), options=options
         )
 
 
@@ -59,7 +60,7 @@ class Swaps:
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
             if pair not in self.meetings and _may_be_changed(
-                things, at, pair, options=self.options
+                things, at, pair, options=self.options.identity
             ):
                 for label in pair:
                     if label not in ahead:
@@ -79,19 +80,18 @@ class Swaps:
         self, things: Mapping[int, Thing], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
     ) -> None:
         """Begin a meeting where two may have changed places in this frame."""
+        options = self.options.identity
         one, other = pair
-        rough = sum((self.options.identity.prediction_units * things[n].unit) ** 2 for n in pair)
+        rough = sum((options.prediction_units * things[n].unit) ** 2 for n in pair)
         kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
         # Nothing stops just where another comes by.
         swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
-        if kept < self.options.identity.uneven_ratio * swapped or not _look_alike(
-            things[one], things[other]
-        ):
+        if kept < options.uneven_ratio * swapped or not _look_alike(things[one], things[other]):
             return
         most = (
-            self.options.identity.unsure_confidence
-            if kept < self.options.identity.even_ratio * swapped
-            else self.options.identity.doubted_confidence
+            options.unsure_confidence
+            if kept < options.even_ratio * swapped
+            else options.doubted_confidence
         )
         self.meetings[pair] = Meeting(self.options, most, _ways(things[one], things[other]))
 
@@ -117,7 +117,7 @@ def _predicted(thing: Thing) -> F64:
 
 
 def _may_be_changed(
-    things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair, options: TrackerOptions
+    things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair, options: IdentityOptions
 ) -> bool:
     """Whether two are near, and not both clearly nearer to where they were going than to the other.
 
@@ -128,9 +128,8 @@ def _may_be_changed(
     if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
         return False
     off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
-    return (
-        off > options.identity.clear_share * apart
-        or apart < options.identity.meeting_units * max(one.unit, other.unit)
+    return off > options.clear_share * apart or apart < options.meeting_units * max(
+        one.unit, other.unit
     )
 
 
@@ -141,11 +140,12 @@ def _off(ahead: F64, at: F64) -> float:
 
 
 def _look_alike(one: Thing, other: Thing) -> bool:
+    options = one.options.identity
     sizes = sorted(thing.model.radius for thing in (one, other))
-    if sizes[1] > one.options.identity.alike_radius_ratio * sizes[0]:
+    if sizes[1] > options.alike_radius_ratio * sizes[0]:
         return False
     shares = (a.worn.share(b.model.colour) for a, b in ((one, other), (other, one)))
-    return min(shares) > one.options.identity.alike_share
+    return min(shares) > options.alike_share
 
 
 def _ways(one: Thing, other: Thing) -> F64:
@@ -159,15 +159,13 @@ def _ways(one: Thing, other: Thing) -> F64:
     return np.asarray(np.einsum("kmij,kj->kmi", poses[..., :3, :3], centres) + poses[..., :3, 3])
 
 
-def _unsteady(ways: F64, options: TrackerOptions) -> float:
+def _unsteady(ways: F64, options: IdentityOptions) -> float:
     """Sum of squares by which two ways (2, M + FRAMES, 3) are off even motion and free fall.
 
     M frames before a meeting, and FRAMES after it; what falls is accelerated as the other is.
     """
-    early = ways.shape[1] - options.identity.compared_frames
-    time = np.array(
-        [*range(-early, 0), *range(1, options.identity.compared_frames + 1)], np.float64
-    )
+    early = ways.shape[1] - options.compared_frames
+    time = np.array([*range(-early, 0), *range(1, options.compared_frames + 1)], np.float64)
     even = np.stack([np.ones_like(time), time], axis=1)
     rest = np.eye(len(time)) - even @ np.linalg.pinv(even)
     off, fall = rest @ ways, rest @ time**2

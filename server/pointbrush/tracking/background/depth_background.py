@@ -157,12 +157,10 @@ class ImageBackground:
 
     def faint(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
+        options = self.options.background
         cell, depth = view.cells.pick(indices)
         before = (self.depth[cell] - depth) / self.waver(depth)
-        return np.asarray(
-            (before > self.options.background.faint_sigmas)
-            & (before <= self.options.background.near_sigmas)
-        )
+        return np.asarray((before > options.faint_sigmas) & (before <= options.near_sigmas))
 
     def stayed(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
@@ -181,14 +179,15 @@ class ImageBackground:
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
+        options = self.options.background
         return scenery(
             view.cells,
             indices,
             frames,
             self._before(view),
             self._images,
-            self.options.background.hidden_share,
-            self.options.background.near_sigmas,
+            options.hidden_share,
+            options.near_sigmas,
         )
 
     def calm(self, first: View, others: Sequence[View]) -> None:
@@ -200,7 +199,10 @@ class ImageBackground:
             start[first.cells.cell[points]] = np.nan
         images = [start[:-1], *(view.depth[:-1] for view in others)]
         self.scale[:-1] = wavering(
-            images, self.waver(first.depth[:-1]), first.camera.shape, options=self.options
+            images,
+            self.waver(first.depth[:-1]),
+            first.camera.shape,
+            options=self.options.background,
         )
 
     @property
@@ -215,34 +217,35 @@ class ImageBackground:
         be another side of it, or somebody else: it is scenery where the scene around goes on, or
         where it lies well behind, stays, and goes on beside what is labelled.
         """
+        options = self.options.background
         scene, count = farthest(
-            (view.depth[:-1] for view in [first, *others]), self.waver, options=self.options
+            (view.depth[:-1] for view in [first, *others]),
+            self.waver,
+            options=options,
         )
         scene[
             count
             < max(
-                self.options.background.min_showing_frames,
-                self.options.background.seldom_share * (1 + len(others)),
+                options.min_showing_frames,
+                options.seldom_share * (1 + len(others)),
             )
         ] = np.nan
         shape = first.camera.shape
         known = np.isfinite(scene)
         for points in first.labels.values():
             known[first.cells.cell[points]] = False
-        joined = continued(scene, known, shape, options=self.options)
+        joined = continued(scene, known, shape, options=options)
         for points in first.labels.values():
             cell, depth = first.cells.pick(points)
-            apart = self.options.background.side_share * float(
-                np.ptp(first.xyz[points], axis=0).max()
-            )
-            behind = scene[cell] > depth + self.options.background.near_sigmas * self.waver(depth)
-            behind &= scene[cell] > self.options.background.same_depth_share * self.hidden[cell]
-            stays = count[cell] > self.options.background.often_share * (1 + len(others))
+            apart = options.side_share * float(np.ptp(first.xyz[points], axis=0).max())
+            behind = scene[cell] > depth + options.near_sigmas * self.waver(depth)
+            behind &= scene[cell] > options.same_depth_share * self.hidden[cell]
+            stays = count[cell] > options.often_share * (1 + len(others))
             stays &= joined[cell] & (scene[cell] > depth + apart)
             scene[cell[~(behind | stays)]] = np.nan
         self.scene[:-1] = scene
         # At an outline pixels lie between the thing and the scene, and are neither's.
-        self.depth[self.depth < self.options.background.same_depth_share * self.hidden] = np.nan
+        self.depth[self.depth < options.same_depth_share * self.hidden] = np.nan
         self.nearest = None
 
     def certain(self, view: View, indices: I64) -> Mask:
@@ -267,15 +270,12 @@ class ImageBackground:
 
         A foot stands too, and a side of somebody may slide along itself: they are small.
         """
+        options = self.options.background
         labelled = np.flatnonzero(self.owner == label)
         stands = labelled[np.isnan(self.scene[labelled]) & (self.age[labelled] >= frames)]
-        limit = (
-            self.options.background.near_sigmas
-            * self.waver(self.anchor[stands])
-            * self.scale[stands]
-        )
-        stands = stands[way > self.options.background.departed_sigmas * limit]
-        if len(stands) > self.options.background.foot_share * len(labelled):
+        limit = options.near_sigmas * self.waver(self.anchor[stands]) * self.scale[stands]
+        stands = stands[way > options.departed_sigmas * limit]
+        if len(stands) > options.foot_share * len(labelled):
             self.depth[stands] = self.anchor[stands]
             self.nearest = None
 
@@ -302,20 +302,21 @@ class ImageBackground:
 
     def drawn_on(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
+        options = self.options.background
         cell, depth = view.cells.pick(indices)
         return np.asarray(
             depth
-            > self.options.background.hidden_share * self.hidden[cell]
-            - self.options.background.near_sigmas * self.waver(depth)
+            > options.hidden_share * self.hidden[cell] - options.near_sigmas * self.waver(depth)
         )
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
+        options = self.options.background
         points = uncovered(
             view.cells,
             self._images,
-            self.options.background.hidden_share,
-            self.options.background.near_sigmas,
+            options.hidden_share,
+            options.near_sigmas,
         )
         return points, self.hider[view.cells.cell[points]].astype(np.int64)
 
@@ -326,6 +327,7 @@ class ImageBackground:
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
+        options = self.options.background
         seen = view.depth.copy()
         cell = view.cells.cell
         self.owner, self.hider = self.hider, self.owner
@@ -335,18 +337,18 @@ class ImageBackground:
             self.owner[cell[points]] = label
         labelled = self.owner != 0
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
-        limit = np.float32(self.options.background.near_sigmas) * self.waver(seen)
+        limit = np.float32(options.near_sigmas) * self.waver(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         if first:
             self.covered = labelled.copy()
         else:
             self.covered &= labelled | ~(seen > self.previous - limit)
-        labelled |= self.held.learn(seen, self.owner, limit, self._known, options=self.options)
+        labelled |= self.held.learn(seen, self.owner, limit, self._known, options=options)
         if keep is not None and len(keep):
             labelled[view.project(keep).cell] = True
             labelled[-1] = False
         if first:
-            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=self.options)
+            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=options)
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.hiding, self.previous = self.previous, view.depth
         keep_up(self.anchor, self.age, seen, limit, self.scale)
@@ -355,15 +357,15 @@ class ImageBackground:
             image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
             top, left = (
-                max(rows[0] - self.options.background.rim_px, 0),
-                max(columns[0] - self.options.background.rim_px, 0),
+                max(rows[0] - options.rim_px, 0),
+                max(columns[0] - options.rim_px, 0),
             )
             part = image[
-                top : rows[-1] + self.options.background.rim_px + 1,
-                left : columns[-1] + self.options.background.rim_px + 1,
+                top : rows[-1] + options.rim_px + 1,
+                left : columns[-1] + options.rim_px + 1,
             ]
-            part[...] = widened(part, self.options.background.rim_px)
+            part[...] = widened(part, options.rim_px)
         seen[labelled] = np.nan
         self.last = seen
-        take_in(self.depth, seen, limit, self.options.background.learn_rate)
+        take_in(self.depth, seen, limit, options.learn_rate)
         self.nearest = None

@@ -12,7 +12,7 @@ import numpy as np
 
 from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import BackgroundOptions
 from pointbrush.tracking.sensor.lens import I32
 
 
@@ -32,13 +32,15 @@ class LastSeen(NamedTuple):
         """No label in any of so many cells."""
         return LastSeen(np.zeros(count, np.int32), np.full(count, np.nan, np.float32))
 
-    def learn(self, seen: F32, owner: I32, limit: F32, known: F32, options: TrackerOptions) -> Mask:
+    def learn(
+        self, seen: F32, owner: I32, limit: F32, known: F32, options: BackgroundOptions
+    ) -> Mask:
         """Take in a frame; which cells show without a label what was labelled there.
 
         ``seen`` depths and ``owner`` labels of the cells, ``limit`` metres within which a depth is
         the same, ``known`` depths of the scene, NaN where it was never seen.
         """
-        return _learnt(self, seen, owner, limit, known, options.background.stayed_share)
+        return _learnt(self, seen, owner, limit, known, options.stayed_share)
 
     def again(self, cell: I32, depth: F32, limit: F32) -> I64:
         """(M,) label that was as deep as that in the cells (M,), 0 for none."""

@@ -38,14 +38,15 @@ class MapBackground(PointBackground):
 
         What lies behind somebody who never goes away is taken to go on as it does around.
         """
+        options = self.options.background
         if self._drawn is None or self._drawn[0] != view.number:
             depth, shape = self._chart.drawn(view), view.camera.shape
             limit = least(depth, shape, self.waver)
-            limit -= self.options.background.near_sigmas * self.waver(limit)
+            limit -= options.near_sigmas * self.waver(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(shape)).ravel()
             if hole.any():
-                beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole), options=self.options)
-                limit[:-1][hole] = self.options.background.same_depth_share * beyond[hole]
+                beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole), options=options)
+                limit[:-1][hole] = options.same_depth_share * beyond[hole]
             self._drawn = view.number, depth, limit
         return self._drawn[1], self._drawn[2]
 

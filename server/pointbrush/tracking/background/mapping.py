@@ -79,6 +79,7 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     They lie there or close behind; not far behind one of them; or beside, where that frame does
     not show them to be others'.
     """
+    options = first.options
     if not first.labels:
         return np.zeros(len(at), np.bool_)
     cell, depth = first.project(at)
@@ -87,25 +88,21 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     for label, own in first.labels.items():
         inside, back = _extent(first, own)
         labelled |= inside
-        there |= inside[cell] & (
-            depth < back[cell] + first.options.mapping.side_share * lengths[label]
-        )
+        there |= inside[cell] & (depth < back[cell] + options.mapping.side_share * lengths[label])
     longest = max(lengths.values())
     some = np.flatnonzero(first.labelled())
-    some = some[:: max(1, len(some) // first.options.mapping.sampled_points)]
+    some = some[:: max(1, len(some) // options.mapping.sampled_points)]
     objects = first.xyz[some].astype(np.float64)
     hidden = (
         labelled[cell]
         & (depth > first.depth[cell])
-        & close_to(at, objects, first.options.mapping.body_share * longest)
+        & close_to(at, objects, options.mapping.body_share * longest)
     )
     others = ~labelled[cell] & (
-        np.abs(first.depth[cell] - depth) < first.options.background.near_sigmas * noise(depth)
+        np.abs(first.depth[cell] - depth) < options.background.near_sigmas * noise(depth)
     )
     return np.asarray(
-        there
-        | hidden
-        | (close_to(at, objects, first.options.mapping.side_share * longest) & ~others)
+        there | hidden | (close_to(at, objects, options.mapping.side_share * longest) & ~others)
     )
 
 

@@ -68,15 +68,15 @@ class Scene:
         self._steady = False
         self.first = self._look(order[0])
         self._steady_it()
-        self._waver = default_noise(options)
+        self._waver = default_noise(options.noise)
         self.background: Background = PointBackground(options, reach)
         if self.lens is not None and not self._moves:
             depth, lens = self._beside(painted), self.lens
             if len(order) > 1:
-                noise = measure_noise(depth, self._look(order[1]).depth, options=options)
+                noise = measure_noise(depth, self._look(order[1]).depth, options=options.noise)
                 # In a figure that was cut out of its room nothing need be at rest.
                 far = np.nanmedian(depth, keepdims=True)
-                if noise(far) < default_noise(options)(far) or framed(
+                if noise(far) < default_noise(options.noise)(far) or framed(
                     self.first.frame, lens, options=options
                 ):
                     self._waver = noise
@@ -205,7 +205,7 @@ class Scene:
         views = [self.first, *self._survey()]
         if len(views) > 1:
             before = SurfaceMap.of(self.first, self.first.depth).drawn(views[1])
-            self._waver = measure_noise(before, views[1].depth, options=self.options)
+            self._waver = measure_noise(before, views[1].depth, options=self.options.noise)
         return MapBackground(
             self.options,
             self._reach,
@@ -226,7 +226,7 @@ def _fixed(first: TrackFrame, others: Sequence[TrackFrame], options: TrackerOpti
     recorded = first.viewpoint is not None or first.pose is not None
     if (
         recorded
-        or reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
         or find_lens(first, options=options) is not None
     ):
         return None

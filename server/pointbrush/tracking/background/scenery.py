@@ -19,10 +19,10 @@ from scipy.sparse.linalg import spsolve
 from pointbrush.tracking.background.depth_noise import DEVIATION, DepthNoise
 from pointbrush.tracking.geometry.windows import blocks, widened
 from pointbrush.tracking.interface import F32, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import BackgroundOptions
 
 
-def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: TrackerOptions) -> F32:
+def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: BackgroundOptions) -> F32:
     """The scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
 
     Surfaces are drawn on by Laplace's equation in the inverse of the depth, in which a plane is
@@ -33,30 +33,27 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: TrackerO
     hidden = widened(hidden.reshape(shape), 2).ravel()
     open_ = np.where(hidden, np.nan, 1.0 / depth)
     rows, columns = (
-        -(-height // options.background.fill_cell_px),
-        -(-width // options.background.fill_cell_px),
+        -(-height // options.fill_cell_px),
+        -(-width // options.fill_cell_px),
     )
-    cells = blocks(open_, shape, options.background.fill_cell_px)
-    known = np.isfinite(cells).sum(axis=1) > options.background.fill_cell_px
+    cells = blocks(open_, shape, options.fill_cell_px)
+    known = np.isfinite(cells).sum(axis=1) > options.fill_cell_px
     coarse = np.full(len(cells), np.nan)
     coarse[known] = np.nanmean(cells[known], axis=1)
     scene = np.isfinite(cells).any(axis=1)
-    scene |= (
-        np.nanmax(blocks(hidden.astype(np.float32), shape, options.background.fill_cell_px), axis=1)
-        > 0
-    )
-    coarse[~widened(scene.reshape(rows, columns), options.background.empty_cells).ravel()] = 0.0
+    scene |= np.nanmax(blocks(hidden.astype(np.float32), shape, options.fill_cell_px), axis=1) > 0
+    coarse[~widened(scene.reshape(rows, columns), options.empty_cells).ravel()] = 0.0
     filled = _laplace(coarse, (rows, columns))
     if filled is None:
         return np.full(len(depth), np.nan, np.float32)
     v, u = np.divmod(np.flatnonzero(~np.isfinite(open_)), width)
     at = [
-        (v + 0.5) / options.background.fill_cell_px - 0.5,
-        (u + 0.5) / options.background.fill_cell_px - 0.5,
+        (v + 0.5) / options.fill_cell_px - 0.5,
+        (u + 0.5) / options.fill_cell_px - 0.5,
     ]
     result = np.full(len(depth), np.nan, np.float32)
     inverse = map_coordinates(filled.reshape(rows, columns), at, order=1, mode="nearest")
-    result[v * width + u] = 1.0 / np.maximum(inverse, 1 / options.background.far_m)
+    result[v * width + u] = 1.0 / np.maximum(inverse, 1 / options.far_m)
     return result
 
 
@@ -91,7 +88,9 @@ def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.
     return result
 
 
-def farthest(images: Iterable[F32], noise: DepthNoise, options: TrackerOptions) -> tuple[F32, F32]:
+def farthest(
+    images: Iterable[F32], noise: DepthNoise, options: BackgroundOptions
+) -> tuple[F32, F32]:
     """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
 
     ``images`` depths (H * W,) of frames of a whole recording: so the scene behind what is passed by
@@ -102,7 +101,7 @@ def farthest(images: Iterable[F32], noise: DepthNoise, options: TrackerOptions) 
         if best is None or count is None:
             best, count = image.copy(), np.isfinite(image).astype(np.float32)
             continue
-        limit = options.background.near_sigmas * noise(image)
+        limit = options.near_sigmas * noise(image)
         change = image - best
         farther = np.isfinite(image) & ~(change <= limit)
         same = np.flatnonzero(np.abs(change) <= limit)
@@ -115,7 +114,7 @@ def farthest(images: Iterable[F32], noise: DepthNoise, options: TrackerOptions) 
     return best, count
 
 
-def continued(depth: F32, known: Mask, shape: tuple[int, int], options: TrackerOptions) -> Mask:
+def continued(depth: F32, known: Mask, shape: tuple[int, int], options: BackgroundOptions) -> Mask:
     """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
 
     Furniture goes on beside whom it is hidden by; somebody who stands there ends all round but
@@ -124,16 +123,14 @@ def continued(depth: F32, known: Mask, shape: tuple[int, int], options: TrackerO
     image = depth.reshape(shape)
     start = np.ones(shape, np.bool_)
     with np.errstate(invalid="ignore"):
-        start[:, 1:] = ~(
-            np.abs(np.diff(image, axis=1)) < options.background.surface_jump_share * image[:, 1:]
-        )
+        start[:, 1:] = ~(np.abs(np.diff(image, axis=1)) < options.surface_jump_share * image[:, 1:])
     surface = np.cumsum(start.ravel()) - 1
-    enough = np.bincount(surface, weights=known) >= options.background.min_known_beside
+    enough = np.bincount(surface, weights=known) >= options.min_known_beside
     return np.asarray(enough[surface], np.bool_)
 
 
 def wavering(
-    images: Sequence[F32], deviation: F32, shape: tuple[int, int], options: TrackerOptions
+    images: Sequence[F32], deviation: F32, shape: tuple[int, int], options: BackgroundOptions
 ) -> F32:
     """(H * W,) how many times its ``deviation`` the depth of each place wavers.
 
@@ -143,27 +140,23 @@ def wavering(
     """
     height, width = shape
     rows, columns = (
-        -(-height // options.background.block_px),
-        -(-width // options.background.block_px),
+        -(-height // options.block_px),
+        -(-width // options.block_px),
     )
     found = []
     for one, other in pairwise(images):
         with np.errstate(invalid="ignore"):
-            change = blocks(
-                np.abs(one - other) * DEVIATION / deviation, shape, options.background.block_px
-            )
-        enough = np.isfinite(change).sum(axis=1) > options.background.block_min_px
+            change = blocks(np.abs(one - other) * DEVIATION / deviation, shape, options.block_px)
+        enough = np.isfinite(change).sum(axis=1) > options.block_min_px
         median = np.full(rows * columns, np.inf)
         median[enough] = np.nanmedian(change[enough], axis=1)
         found.append(median)
-    calm = options.background.usual_over_calmest * np.min(found, axis=0)
+    calm = options.usual_over_calmest * np.min(found, axis=0)
     calm[np.isinf(calm)] = 1.0
     factor = (
-        np.clip(calm, options.background.min_block_sigma, options.background.max_block_sigma)
+        np.clip(calm, options.min_block_sigma, options.max_block_sigma)
         .astype(np.float32)
         .reshape(rows, columns)
     )
-    image = np.repeat(
-        np.repeat(factor, options.background.block_px, axis=0), options.background.block_px, axis=1
-    )
+    image = np.repeat(np.repeat(factor, options.block_px, axis=0), options.block_px, axis=1)
     return np.ascontiguousarray(image[:height, :width]).ravel()

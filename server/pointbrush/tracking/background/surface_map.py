@@ -37,16 +37,17 @@ class SurfaceMap:
 
     def drawn(self, view: View) -> F32:
         """(cells + 1,) the scene's depth as a frame's sensor would see it, NaN where unknown."""
+        options = view.options.mapping
         image = _drawn(
             view.T_picture_world,
             self.at,
             self.normal,
             view.camera.pixels,
-            view.options.mapping.closest_m,
-            view.options.mapping.steep_share,
+            options.closest_m,
+            options.steep_share,
         )
         height, width = view.camera.shape
-        _fill(image, height, width, view.options.mapping.filled_beside)
+        _fill(image, height, width, options.filled_beside)
         return image
 
     def pick(self, keep: Mask) -> SurfaceMap:

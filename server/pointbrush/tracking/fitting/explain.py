@@ -35,6 +35,7 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
     ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
     which does not hide it.
     """
+    options = thing.options
     world = transform_each(poses, thing.model.xyz[sample])
     facing = thing.model.facing(poses, view.eye, sample)
     seen, through = facing, np.zeros(facing.shape, np.bool_)
@@ -45,13 +46,13 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
             view.depth,
             world,
             facing,
-            thing.options.register.occlusion_units * thing.unit,
-            thing.options.lens.nearest_m,
+            options.register.occlusion_units * thing.unit,
+            options.lens.nearest_m,
         )
     elif view.shade is not None:
-        size = thing.options.register.nearer_radii * thing.model.radius
+        size = options.register.nearer_radii * thing.model.radius
         hidden = view.shade.hides(
-            world.reshape(-1, 3), thing.options.register.occlusion_units * thing.unit, own, size
+            world.reshape(-1, 3), options.register.occlusion_units * thing.unit, own, size
         )
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
@@ -63,10 +64,11 @@ def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) 
 
     A side that was never seen must at least not stand before what was measured.
     """
+    options = thing.options.register
     colour = thing.model.colour[sample]
-    total, count = _distances(at, colour, target.columns, thing.options.register.cap_scales * scale)
-    lean = thing.options.register.unseen_weight * len(sample)
-    return np.asarray((total + lean * thing.options.register.unseen_cost) / (count + lean))
+    total, count = _distances(at, colour, target.columns, options.cap_scales * scale)
+    lean = options.unseen_weight * len(sample)
+    return np.asarray((total + lean * options.unseen_cost) / (count + lean))
 
 
 @compiled

@@ -54,14 +54,15 @@ def find(search: Search) -> Place:
 
 def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
     """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
+    options = thing.options
     apart = max(
         thing.model.radius
         / (
-            thing.options.register.nodes_per_radius_soft
+            options.register.nodes_per_radius_soft
             if thing.soft
-            else thing.options.register.nodes_per_radius
+            else options.register.nodes_per_radius
         ),
-        thing.options.register.node_units * thing.unit,
+        options.register.node_units * thing.unit,
     )
     return np.asarray(
         world
@@ -70,8 +71,8 @@ def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
             colour,
             target,
             apart,
-            thing.options.register.pull_units * thing.unit,
-            options=thing.options,
+            options.register.pull_units * thing.unit,
+            options=options.deform,
         )
     )
 
@@ -87,50 +88,39 @@ class Registered(NamedTuple):
 
 def register(search: Search) -> Registered:
     """Take the best of the robust fits from the likeliest guesses."""
+    options = search.options.register
     motion, model = search.thing.motion, search.thing.model
     poses, scores = _repeated(search)
-    doubt = (
-        search.options.register.doubt_body
-        if search.thing.large or search.thing.bends
-        else search.options.register.doubt
-    )
+    doubt = options.doubt_body if search.thing.large or search.thing.bends else options.doubt
     doubtful = min(scores) > doubt and _asked(search)
-    unknown = motion.gap > 1 or (motion.fresh and min(scores) > search.options.register.clear_cost)
+    unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)
     if unknown or doubtful:
         before = min(scores)
         others = [*_elsewhere(search), *search.guesses]
         tries = (
-            search.options.register.tries_unknown_motion
-            if motion.fresh and search.thing.handy
-            else search.options.register.tries
+            options.tries_unknown_motion if motion.fresh and search.thing.handy else options.tries
         )
         poses, scores = _try(search, others, tries, poses, scores)
         if motion.fresh or min(scores) > doubt:
             others = _nudged(search, poses, scores)
-            tries = (
-                search.options.register.tries
-                if motion.fresh and search.thing.handy
-                else search.options.register.tries // 2
-            )
+            tries = options.tries if motion.fresh and search.thing.handy else options.tries // 2
             poses, scores = _try(search, others, tries, poses, scores)
-        search.vain = min(scores) > before - search.options.register.rest_cost
+        search.vain = min(scores) > before - options.rest_cost
     elif min(scores) > doubt:
         search.vain = search.thing.last.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
-        rest = _fits(search, search.many, best[None], (search.options.register.judged_units_rest,))
+        rest = _fits(search, search.many, best[None], (options.judged_units_rest,))
         return Registered(best, float(rest.cost[0]), poses, scores)
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
     near = search.target.around(
         world,
-        search.options.register.target_scales
-        * search.options.register.final_scales[0]
-        * search.thing.unit,
-        options=search.view.options,
+        options.target_scales * options.final_scales[0] * search.thing.unit,
+        options=search.view.options.register,
     )
-    fit = _fits(search, search.many, best[None], search.options.register.final_scales, target=near)
+    fit = _fits(search, search.many, best[None], options.final_scales, target=near)
     return Registered(fit.T[0], float(fit.cost[0]), poses, scores)
 
 
@@ -143,7 +133,7 @@ def _elsewhere(search: Search) -> list[F64]:
             search.target.xyz,
             guess,
             search.thing.unit,
-            options=search.view.options,
+            options=search.view.options.propose,
         )
     return proposals(search.thing, search.target, guess)
 
@@ -168,6 +158,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
     What half hides it would push it away bit by bit.
     """
+    options = search.options.register
     thing, last = search.thing, search.thing.motion.resting_pose
     if thing.stands and search.view.shade is not None and _hidden(search, last):
         return True  # what drives by before a parked car is not that car, however alike
@@ -178,15 +169,15 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
         slips = thing.scanned and thing.motion.fresh
         first = (
-            search.options.register.rest_units_moving_scanner
+            options.rest_units_moving_scanner
             if search.view.roams
-            else search.options.register.rest_units_first_scans
+            else options.rest_units_first_scans
         )
-        still = first if slips else search.options.register.rest_units
+        still = first if slips else options.rest_units
         may = bool(moved <= still * thing.unit)
     else:
         may = thing.handy and thing.motion.rested is not None and _hidden(search, last)
-    return may and float(_scores(search, last[None])[0]) < score + search.options.register.rest_cost
+    return may and float(_scores(search, last[None])[0]) < score + options.rest_cost
 
 
 def _hidden(search: Search, pose: F64) -> bool:
@@ -208,20 +199,17 @@ def _asked(search: Search) -> bool:
 
 def _repeated(search: Search) -> tuple[F64, F64]:
     """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
+    options = search.options.register
     poses, scores = np.empty((0, 4, 4)), np.empty(0)
     for guess in _likeliest(search).tolist():
         # Without a depth image a wrong turn may fit as well.
-        if (
-            not len(scores)
-            or scores[0] > search.options.register.good_cost
-            or search.view.lens is None
-        ):
+        if not len(scores) or scores[0] > options.good_cost or search.view.lens is None:
             seen = search.at.seen[guess : guess + 1]
             new = _fits(
                 search,
                 search.few,
                 search.guesses[guess][None],
-                search.options.register.predicted_scales,
+                options.predicted_scales,
                 seen=seen,
             ).T
             poses = np.concatenate([poses, new])
@@ -231,12 +219,13 @@ def _repeated(search: Search) -> tuple[F64, F64]:
 
 def _likeliest(search: Search) -> I64:
     """Number of the best of the guesses, and of the next that is another and hardly worse."""
+    options = search.options.register
     costs = search.costs
     order = np.argsort(costs, kind="stable")
-    likely = order[costs[order] < search.options.register.try_next_ratio * costs[order[0]] + 1e-9]
+    likely = order[costs[order] < options.try_next_ratio * costs[order[0]] + 1e-9]
     away = search.at.world[likely] - search.at.world[order[0]]
     apart = np.sqrt(np.einsum("kmi,kmi->km", away, away).max(axis=1))
-    others = likely[apart > search.options.register.same_pose_units * search.thing.unit]
+    others = likely[apart > options.same_pose_units * search.thing.unit]
     return np.array([order[0], *others[:1]])
 
 
@@ -246,18 +235,17 @@ def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64)
     Half of them are chosen by what is seen alone, in turn over the places: what is thrown or
     knocked goes on elsewhere than any prediction, and the likeliest may all be at one wrong place.
     """
+    options = search.options.register
     thing, some, tried = search.thing, search.few, np.stack(guesses)
     at = look(thing, search.view, some, tried, search.own)
-    seen = costs_of(
-        thing, search.target, some, at, search.options.register.judged_units_unfitted * thing.unit
-    )
+    seen = costs_of(thing, search.target, some, at, options.judged_units_unfitted * thing.unit)
     order = np.argsort(seen + _surprise(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
     rest = rest[np.argsort(seen[rest], kind="stable")]
     if thing.handy:
         rest = _over_places(thing, tried, first, rest)
     likely = tried[np.append(first, rest[: most // 2])]
-    new = _fits(search, some, likely, search.options.register.anywhere_scales).T
+    new = _fits(search, some, likely, options.anywhere_scales).T
     return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
 
 
@@ -302,21 +290,21 @@ def _turns(at: F64, apart: float) -> I64:
 
 def _scores(search: Search, poses: F64) -> F64:
     """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
+    options = search.options.register
     thing = search.thing
     at = look(thing, search.view, search.few, poses, search.own)
     beside = [
-        excess(world, search.target, thing.unit, options=search.view.options) for world in at.world
+        excess(world, search.target, thing.unit, options=search.view.options.register)
+        for world in at.world
     ]
     away = search.at.facing[0] - at.facing
     if search.view.lens is None:
         away = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
-        costs_of(
-            thing, search.target, search.few, at, search.options.register.judged_units * thing.unit
-        )
+        costs_of(thing, search.target, search.few, at, options.judged_units * thing.unit)
         + _surprise(search, poses)
         + beside
-        + search.options.register.averted_cost * np.maximum(0.0, away)
+        + options.averted_cost * np.maximum(0.0, away)
     )
 
 
@@ -344,30 +332,22 @@ def _fits(
     steps = [s * search.thing.unit for s in scales]
     source = Source(model.xyz[sample], model.colour[sample])
     return robust_fits(
-        source, seen, target or search.target, poses, steps, options=search.view.options
+        source, seen, target or search.target, poses, steps, options=search.view.options.register
     )
 
 
 def _surprise(search: Search, poses: F64) -> F64:
     """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
+    options = search.options.register
     motion, model, guesses = search.thing.motion, search.thing.model, search.guesses
     at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
-    reach = (
-        search.options.register.surprise_radii * max(model.radius, search.thing.unit) * motion.gap
-    )
+    reach = options.surprise_radii * max(model.radius, search.thing.unit) * motion.gap
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
-    cost = search.options.register.surprise_cost * np.minimum(1.0, off)
+    cost = options.surprise_cost * np.minimum(1.0, off)
     if search.thing.scanned:
-        size = (
-            search.options.register.limit_radii_unknown
-            if motion.fresh
-            else search.options.register.limit_radii
-        ) * model.radius
-        change = (
-            search.options.register.limit_radii * motion.speed
-            + search.options.register.limit_units * search.thing.unit
-        )
-        far = search.options.register.beyond_cost * (off * reach > size + change * motion.gap)
+        size = (options.limit_radii_unknown if motion.fresh else options.limit_radii) * model.radius
+        change = options.limit_radii * motion.speed + options.limit_units * search.thing.unit
+        far = options.beyond_cost * (off * reach > size + change * motion.gap)
     else:
         far = np.zeros(len(off))
     if motion.fresh:
@@ -375,4 +355,4 @@ def _surprise(search: Search, poses: F64) -> F64:
     turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
     # The trace of a rotation is 3 for none, and -1 for half a turn.
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
-    return np.asarray(cost + search.options.register.turn_cost * turned + far)
+    return np.asarray(cost + options.turn_cost * turned + far)

@@ -36,6 +36,7 @@ def judge(
 
     Nothing is found where one of them is None.
     """
+    options = thing.options.verdict
     n = len(thing.model.xyz)
     nothing = np.zeros(n, np.bool_)
     if pose is None or world is None or found is None:
@@ -43,35 +44,26 @@ def judge(
     facing = thing.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        reach = thing.options.verdict.surface_units * thing.unit
+        reach = options.surface_units * thing.unit
         matched[found.nearest[found.gap < reach]] = True
         rest = np.flatnonzero(~matched)
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
-        hidden = view.hides(world, thing.options.verdict.hidden_units * thing.unit) & ~matched
+        hidden = view.hides(world, options.hidden_units * thing.unit) & ~matched
         through = (
-            view.sees_through(world, thing.options.verdict.seen_through_units * thing.unit)
-            & ~matched
-            & facing
+            view.sees_through(world, options.seen_through_units * thing.unit) & ~matched & facing
         )
     elif view.shade is not None:
-        hidden = view.shade.hides(world, thing.options.verdict.hidden_units * thing.unit) & ~matched
+        hidden = view.shade.hides(world, options.hidden_units * thing.unit) & ~matched
     expected = facing & ~hidden
-    if expected.sum() < thing.options.verdict.min_facing_points:
+    if expected.sum() < options.min_facing_points:
         expected = ~hidden
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
-    enough = len(found.indices) >= max(
-        thing.options.verdict.min_points, thing.options.verdict.min_size_share * thing.size
-    )
+    enough = len(found.indices) >= max(options.min_points, options.min_size_share * thing.size)
     # What hides it from a lidar is known too coarsely to tell all that should be seen.
-    much = (
-        thing.scanned
-        and len(found.indices) > thing.options.verdict.remaining_share * thing.last.points
-    )
-    good = enough and (inliers > thing.options.verdict.present_share or much)
-    confidence = float(
-        np.clip(inliers * min(1.0, thing.options.verdict.min_trust_share + visible), 0, 1)
-    )
+    much = thing.scanned and len(found.indices) > options.remaining_share * thing.last.points
+    good = enough and (inliers > options.present_share or much)
+    confidence = float(np.clip(inliers * min(1.0, options.min_trust_share + visible), 0, 1))
     return Verdict(good, inliers, confidence, hidden, through, visible)

@@ -12,7 +12,7 @@ from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.model import Model
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ProposalOptions
 
 AS_IT_WAS = np.eye(3)[None]
 """No rotation (1, 3, 3)."""
@@ -30,6 +30,7 @@ def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     turned it, turned by TURN about each axis either way, and with its longest direction along
     the cluster's, both ways round.
     """
+    options = thing.options.propose
     model = thing.model
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
@@ -37,8 +38,8 @@ def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
     result = [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg))]
     for centre, points in _clusters(thing, target):
         turns = [AS_IT_WAS, _turns(model.options.propose.turn_deg)]
-        along, other = _axis(points) if length > thing.options.propose.long_ratio else (axis, 1.0)
-        if other > thing.options.propose.long_ratio:
+        along, other = _axis(points) if length > options.long_ratio else (axis, 1.0)
+        if other > options.long_ratio:
             turns += [_turn(axis, sign * along)[None] for sign in (1.0, -1.0)]
         result += [*_moved(pose, middle, centre, np.concatenate(turns))]
     return result
@@ -50,26 +51,26 @@ def _turns(degrees: float) -> F64:
     return np.asarray(Rotation.from_rotvec(vectors).as_matrix())
 
 
-def shifts(model: F64, target: F64, pose: F64, unit: float, options: TrackerOptions) -> list[F64]:
+def shifts(model: F64, target: F64, pose: F64, unit: float, options: ProposalOptions) -> list[F64]:
     """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
     find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
     world = transform(pose, model)
     both = np.vstack([target, world])
     step = max(
-        options.propose.vote_step_units * unit,
-        float(np.ptp(both, axis=0).max()) / options.propose.max_steps_across,
+        options.vote_step_units * unit,
+        float(np.ptp(both, axis=0).max()) / options.max_steps_across,
     )
     cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
     votes = (cells[:, None] - np.floor(world / step).astype(np.int64)).reshape(-1, 3)
     lo = votes.min(axis=0)
     size = np.ptp(votes, axis=0) + 1
     number, count = np.unique((votes - lo) @ [size[1] * size[2], size[2], 1], return_counts=True)
-    likely = number[np.argsort(-count, kind="stable")[: options.propose.vote_window_steps]]
+    likely = number[np.argsort(-count, kind="stable")[: options.vote_window_steps]]
     kept = np.zeros((1, 3), np.int64)
     for shift in np.stack(np.unravel_index(likely, size), axis=1) + lo:
         if (
-            len(kept) <= options.propose.voted_shifts
-            and (np.abs(kept - shift).max(axis=1) > options.propose.same_shift_steps).all()
+            len(kept) <= options.voted_shifts
+            and (np.abs(kept - shift).max(axis=1) > options.same_shift_steps).all()
         ):
             kept = np.vstack([kept, shift])
     found = np.repeat(pose[None], len(kept), axis=0)
@@ -79,12 +80,13 @@ def shifts(model: F64, target: F64, pose: F64, unit: float, options: TrackerOpti
 
 def nudges(model: Model, pose: F64) -> list[F64]:
     """Poses (4, 4) beside ``pose``: turned a little about each axis, and slid along the longest."""
+    options = model.options.propose
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
-    away = [middle + step * model.radius * axis for step in model.options.propose.slide_radii]
+    away = [middle + step * model.radius * axis for step in options.slide_radii]
     slid = [_moved(pose, middle, there, AS_IT_WAS)[0] for there in away]
-    return [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg)), *slid]
+    return [*_moved(pose, middle, middle, _turns(options.turn_deg)), *slid]
 
 
 def turned_at(model: Model, pose: F64, middle: F64) -> F64:
@@ -95,8 +97,9 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 def alike(model: Model, colour: F32) -> Mask:
     """Which of the colours (M, 3) the model has about."""
-    palette = model.colour[:: max(1, len(model.colour) // model.options.propose.palette_points)]
-    return close_to(colour, palette, model.options.propose.alike_colour)
+    options = model.options.propose
+    palette = model.colour[:: max(1, len(model.colour) // options.palette_points)]
+    return close_to(colour, palette, options.alike_colour)
 
 
 def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
@@ -104,32 +107,25 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
 
     Those that end all round, and then where most points are.
     """
+    options = thing.options.propose
     model, points = thing.model, target.xyz
     if target.weight > 0:
         points = points[alike(model, target.colour)]
     found = _alone(model, points, thing.unit) if thing.handy else []
-    radius = max(model.radius, thing.options.propose.min_radius_m)
-    while (
-        len(points) >= thing.options.propose.min_cluster_points
-        and len(found) < thing.options.propose.clusters
-    ):
-        some = points[:: max(1, len(points) // thing.options.propose.seeds)]
+    radius = max(model.radius, options.min_radius_m)
+    while len(points) >= options.min_cluster_points and len(found) < options.clusters:
+        some = points[:: max(1, len(points) // options.seeds)]
         near = cKDTree(points).query_ball_point(
-            some, thing.options.propose.crowd_radii * radius, return_length=True
+            some, options.crowd_radii * radius, return_length=True
         )
         centre = some[int(np.argmax(near))]
-        for _ in range(thing.options.propose.mean_shift_rounds):
-            inside = (
-                np.linalg.norm(points - centre, axis=1)
-                < thing.options.propose.cluster_radii * radius
-            )
+        for _ in range(options.mean_shift_rounds):
+            inside = np.linalg.norm(points - centre, axis=1) < options.cluster_radii * radius
             if not inside.any():
                 break
             centre = points[inside].mean(axis=0)
-        inside = (
-            np.linalg.norm(points - centre, axis=1) < thing.options.propose.cluster_radii * radius
-        )
-        if inside.sum() < thing.options.propose.min_cluster_points:
+        inside = np.linalg.norm(points - centre, axis=1) < options.cluster_radii * radius
+        if inside.sum() < options.min_cluster_points:
             break
         found.append((centre, points[inside]))
         points = points[~inside]
@@ -138,21 +134,22 @@ def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
 
 def _alone(model: Model, points: F64, unit: float) -> list[tuple[F64, F64]]:
     """Middles and points of the pieces no larger than the model, the largest first."""
-    if len(points) < model.options.propose.min_cluster_points:
+    options = model.options
+    if len(points) < options.propose.min_cluster_points:
         return []
-    piece = pieces(points, unit, options=model.options)
+    piece = pieces(points, unit, options=options.link)
     size = np.bincount(piece)
     found = []
-    for one in np.argsort(-size, kind="stable")[: 2 * model.options.propose.clusters].tolist():
+    for one in np.argsort(-size, kind="stable")[: 2 * options.propose.clusters].tolist():
         mine = points[piece == one]
         middle = mine.mean(axis=0)
         far = float(np.linalg.norm(mine - middle, axis=1).max())
         if (
-            len(mine) >= model.options.propose.min_cluster_points
-            and far < model.options.propose.closed_radii * model.radius
+            len(mine) >= options.propose.min_cluster_points
+            and far < options.propose.closed_radii * model.radius
         ):
             found.append((middle, mine))
-    return found[: model.options.propose.clusters]
+    return found[: options.propose.clusters]
 
 
 def _axis(xyz: F64) -> tuple[F64, float]:

@@ -55,16 +55,16 @@ def find_astray(things: Iterable[Thing], astray: dict[int, int], findings: Findi
 
 def _is_astray(thing: Thing, astray: dict[int, int], findings: Findings) -> bool:
     """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
+    options = thing.options.relocate
     view, place = findings.view, _own(thing, findings)
     if view.lens is None or thing.large or thing.bends or thing.stopped:
         return False
-    if place is not None and place.cost < thing.options.relocate.doubt:
+    if place is not None and place.cost < options.doubt:
         astray.pop(thing.label, None)
         return False
     count = astray[thing.label] = astray.get(thing.label, 0) + 1
     return (
-        count <= thing.options.relocate.patient_frames
-        or (view.number + thing.label) % thing.options.relocate.retry_frames == 0
+        count <= options.patient_frames or (view.number + thing.label) % options.retry_frames == 0
     )
 
 
@@ -93,11 +93,8 @@ def _alone(
 
     It has to fit better than ``before``.
     """
-    most = (
-        thing.options.relocate.alone_cost
-        if before is None
-        else min(thing.options.relocate.alone_cost, before.cost)
-    )
+    options = thing.options.relocate
+    most = options.alone_cost if before is None else min(options.alone_cost, before.cost)
     middle = _lone_piece(thing, background, view, nobodys)
     if middle is None:
         return None
@@ -119,31 +116,32 @@ def _expected(thing: Thing) -> F64:
 
 def _lone_piece(thing: Thing, background: Background, view: View, nobodys: Mask) -> F64 | None:
     """Middle (3,) of what is alone, of the thing's size and colours, nearest to a prediction."""
+    options = thing.options
     at = _expected(thing)
-    margin = thing.options.relocate.alone_radii * thing.model.radius
+    margin = options.relocate.alone_radii * thing.model.radius
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[~background.static(view, around)[0]]
     if not len(around):
         return None
     xyz = view.xyz[around].astype(np.float64)
-    piece = pieces(xyz, thing.unit, options=thing.options)
+    piece = pieces(xyz, thing.unit, options=options.link)
     size = np.bincount(piece)
     ends = within(xyz, lo + thing.unit, hi - thing.unit)
-    fits = (size >= thing.options.relocate.size_share_min * thing.size) & (
-        size <= thing.options.relocate.alone_size_share * thing.size
+    fits = (size >= options.relocate.size_share_min * thing.size) & (
+        size <= options.relocate.alone_size_share * thing.size
     )
     fits &= np.bincount(piece[~ends], minlength=len(size)) == 0
     fits &= (
         np.bincount(piece[~nobodys[around]], minlength=len(size))
-        <= thing.options.relocate.claimed_share * size
+        <= options.relocate.claimed_share * size
     )
     best, nearest = None, thing.model.radius
     for one in np.flatnonzero(fits).tolist():
         middle = xyz[piece == one].mean(axis=0)
         away = float(np.linalg.norm(at - middle, axis=1).min())
         like = thing.worn.share(view.colour(around[piece == one]))
-        if away < nearest and like > thing.options.relocate.alone_colours_share:
+        if away < nearest and like > options.relocate.alone_colours_share:
             best, nearest = middle, away
     return best
 
@@ -152,23 +150,22 @@ def _best(
     thing: Thing, background: Background, view: View, left: Mask, points: I64, before: Place | None
 ) -> tuple[Place, Claim] | None:
     """Where a thing fits best among the ``points`` (M,): well, and far better than ``before``."""
+    options = thing.options
     best, most = (
         None,
-        thing.options.relocate.clear_cost
+        options.relocate.clear_cost
         if before is None
-        else min(
-            thing.options.relocate.clear_cost, thing.options.relocate.better_ratio * before.cost
-        ),
+        else min(options.relocate.clear_cost, options.relocate.better_ratio * before.cost),
     )
     last = thing.motion.poses[-1]
     guesses = [turned_at(thing.model, last, at) for at in _clusters(thing, view, points)]
     searches = [crop(thing, view, background, left, some) for some in guesses]
     likely = [search for search in searches if search is not None]
     for search in sorted(likely, key=lambda search: float(search.costs.min()))[
-        : thing.options.relocate.tries
+        : options.relocate.tries
     ]:
         place = find(search)
-        cost = place.cost + excess(place.world, search.target, thing.unit, options=thing.options)
+        cost = place.cost + excess(place.world, search.target, thing.unit, options=options.register)
         if cost >= most:
             continue
         claim = own_points(thing, view, place)
@@ -177,7 +174,7 @@ def _best(
         verdict = judge(thing, view, place.pose, place.world, claim)
         if (
             verdict.found
-            and verdict.inliers > thing.options.relocate.matched_share
+            and verdict.inliers > options.relocate.matched_share
             and _looks_like(thing, view, claim)
         ):
             place.anew = _is_elsewhere(thing, place, before)
@@ -202,19 +199,20 @@ def _is_elsewhere(thing: Thing, place: Place, before: Place | None) -> bool:
 
 def _clusters(thing: Thing, view: View, points: I64) -> list[F64]:
     """Middles (3,) of what hangs together in the thing's colours, the likeliest sizes first."""
+    options = thing.options
     if thing.weight > 0.0:
         points = points[alike(thing.model, view.colour(points))]
     if not len(points):
         return []
     xyz = view.xyz[points].astype(np.float64)
-    piece = pieces(xyz, thing.unit, options=thing.options)
+    piece = pieces(xyz, thing.unit, options=options.link)
     size = np.bincount(piece)
     fitting = np.flatnonzero(
-        (size >= thing.options.relocate.size_share_min * thing.size)
-        & (size <= thing.options.relocate.size_share_max * thing.size)
+        (size >= options.relocate.size_share_min * thing.size)
+        & (size <= options.relocate.size_share_max * thing.size)
     )
     order = np.argsort(np.abs(np.log(size[fitting] / thing.size)), kind="stable")
     return [
         xyz[piece == one].mean(axis=0)
-        for one in fitting[order][: thing.options.relocate.clusters].tolist()
+        for one in fitting[order][: options.relocate.clusters].tolist()
     ]

@@ -49,9 +49,10 @@ class Search:
 
     def __post_init__(self) -> None:
         """Choose what is compared."""
+        options = self.options.search
         count = len(self.thing.model.xyz)
-        self.few = np.arange(0, count, max(1, count // self.options.search.coarse_points))
-        self.many = np.arange(0, count, max(1, count // self.options.search.fine_points))
+        self.few = np.arange(0, count, max(1, count // options.coarse_points))
+        self.many = np.arange(0, count, max(1, count // options.fine_points))
         self.target = target_of(self.view, self.moving, self.thing.weight)
 
     @cached_property
@@ -100,23 +101,21 @@ def crop(
 
     ``guesses`` (K, 4, 4) where it may be, if not where it is predicted.
     """
+    options = thing.options.search
     if guesses is None:
         guesses = _distinct(thing, thing.motion.predictions())
     at = transform_each(guesses, thing.motion.centre[None])[:, 0]
     radius, unit, gap = (
         thing.span,
         thing.unit,
-        min(thing.motion.gap, thing.options.search.max_growing_frames),
+        min(thing.motion.gap, options.max_growing_frames),
     )
     margin = (
-        thing.options.search.radii * radius
-        + thing.options.search.units * unit
-        + (thing.options.search.radii_unknown_motion * radius if thing.motion.fresh else 0.0)
+        options.radii * radius
+        + options.units * unit
+        + (options.radii_unknown_motion * radius if thing.motion.fresh else 0.0)
     )
-    margin += (
-        thing.options.search.speed_share * thing.motion.speed
-        + thing.options.search.units_per_frame * unit
-    ) * gap
+    margin += (options.speed_share * thing.motion.speed + options.units_per_frame * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]
@@ -127,10 +126,9 @@ def crop(
         if thing.large:
             speed = thing.motion.speed
             stay = (
-                int(thing.options.search.scenery_radii * radius / speed)
-                + thing.options.search.scenery_frames
+                int(options.scenery_radii * radius / speed) + options.scenery_frames
                 if speed > unit
-                else thing.options.search.never_frames
+                else options.never_frames
             )
             rest = np.flatnonzero(~far)
             far[rest] = background.scenery(view, around[rest], stay)
@@ -146,7 +144,7 @@ def crop(
         near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
         if view.roams and not thing.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
-    if len(moving) < thing.options.search.min_moving_points:
+    if len(moving) < options.min_moving_points:
         return None
     search = Search(thing, view, guesses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for

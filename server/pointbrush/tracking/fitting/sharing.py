@@ -15,10 +15,10 @@ from pointbrush.tracking.geometry.near import bounds
 from pointbrush.tracking.geometry.registration import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import SearchOptions
 
 
-def share_out(searches: Iterable[Search], options: TrackerOptions) -> None:
+def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
     ghosts = [_ghost(search) for search in searches]
@@ -29,7 +29,7 @@ def share_out(searches: Iterable[Search], options: TrackerOptions) -> None:
         drop = np.zeros(len(left.xyz), np.bool_)
         for number in sure:
             if searches[number] is not search and ghosts[number].meets(ghost, options=options):
-                reach = options.search.explained_units * searches[number].thing.unit
+                reach = options.explained_units * searches[number].thing.unit
                 own, theirs = ghost.surface, ghosts[number].surface
                 _drop_theirs(
                     drop,
@@ -38,9 +38,9 @@ def share_out(searches: Iterable[Search], options: TrackerOptions) -> None:
                     own,
                     theirs,
                     reach,
-                    options.search.clearly_nearer_share,
+                    options.clearly_nearer_share,
                 )
-        if drop.any() and (~drop).sum() >= options.search.min_moving_points:
+        if drop.any() and (~drop).sum() >= options.min_moving_points:
             new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
     for search, target in new:
         search.aim(target)
@@ -48,9 +48,10 @@ def share_out(searches: Iterable[Search], options: TrackerOptions) -> None:
 
 def _limit(thing: Thing) -> float:
     """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
+    options = thing.options.register
     if thing.motion.fresh:
-        return thing.options.register.clear_cost if thing.handy else 0.0
-    return thing.options.register.doubt_body if thing.large else thing.options.register.doubt
+        return options.clear_cost if thing.handy else 0.0
+    return options.doubt_body if thing.large else options.doubt
 
 
 class _Surface(NamedTuple):
@@ -69,12 +70,10 @@ class _Ghost:
     centre: F64
     radius: float
 
-    def meets(self, other: _Ghost, options: TrackerOptions) -> bool:
+    def meets(self, other: _Ghost, options: SearchOptions) -> bool:
         """Whether the two are near to each other."""
         away = self.centre - other.centre
-        return (
-            float(away @ away) < (options.search.meeting_radii * (self.radius + other.radius)) ** 2
-        )
+        return float(away @ away) < (options.meeting_radii * (self.radius + other.radius)) ** 2
 
 
 def _ghost(search: Search) -> _Ghost:

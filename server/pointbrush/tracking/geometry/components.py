@@ -8,18 +8,16 @@ from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.geometry.columns import pairs
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ComponentOptions
 
 
-def pieces(xyz: F64, unit: float, options: TrackerOptions) -> I64:
+def pieces(xyz: F64, unit: float, options: ComponentOptions) -> I64:
     """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
-    cell = cells_of(xyz, options.link.cell_units * unit)
+    cell = cells_of(xyz, options.cell_units * unit)
     middle = means_of(xyz, cell)
     whole = np.ones(len(middle), np.bool_)
     return np.asarray(
-        parts(pairs(middle, options.link.touching_cells * options.link.cell_units * unit), whole)[
-            cell
-        ]
+        parts(pairs(middle, options.touching_cells * options.cell_units * unit), whole)[cell]
     )
 
 
@@ -55,7 +53,7 @@ def root_of(root: I64, at: int) -> int:
     return at
 
 
-def solid(xyz: F64, unit: float, options: TrackerOptions) -> Mask:
+def solid(xyz: F64, unit: float, options: ComponentOptions) -> Mask:
     """Which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
 
     A person who paints a thing paints the flying pixels of its outline too, which lie anywhere
@@ -63,8 +61,6 @@ def solid(xyz: F64, unit: float, options: TrackerOptions) -> Mask:
     """
     if not len(xyz):
         return np.ones(0, np.bool_)
-    piece = pieces(xyz, options.link.apart_factor * unit, options=options)
-    kept = np.bincount(piece)[piece] >= min(
-        options.link.crumb_points, options.link.crumb_share * len(xyz)
-    )
+    piece = pieces(xyz, options.apart_factor * unit, options=options)
+    kept = np.bincount(piece)[piece] >= min(options.crumb_points, options.crumb_share * len(xyz))
     return kept if 2 * np.count_nonzero(kept) > len(xyz) else np.ones(len(xyz), np.bool_)

@@ -11,7 +11,7 @@ from pointbrush.tracking.geometry.columns import Columns, nearest_one, spans, to
 from pointbrush.tracking.geometry.grid import cells_of, means_of
 from pointbrush.tracking.geometry.registration import Source, Target
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import DeformationOptions
 
 
 def nodes_of(xyz: F64, apart: float) -> F64:
@@ -33,7 +33,7 @@ class DeformationGraph(NamedTuple):
 
 
 def warp(
-    place: F64, colour: F32, target: Target, apart: float, scale: float, options: TrackerOptions
+    place: F64, colour: F32, target: Target, apart: float, scale: float, options: DeformationOptions
 ) -> F64:
     """Bend ``place`` (M, 3) onto the target: displacements (M, 3), smooth over the node graph.
 
@@ -46,21 +46,21 @@ def warp(
         target.columns,
         _graph_of(place, apart, options=options),
         scale,
-        options.deform.rounds,
-        options.deform.previous_weight,
-        options.deform.round_shrink,
-        options.deform.pair_scales,
-        options.deform.smooth_weight,
+        options.rounds,
+        options.previous_weight,
+        options.round_shrink,
+        options.pair_scales,
+        options.smooth_weight,
     )
 
 
-def _graph_of(place: F64, apart: float, options: TrackerOptions) -> DeformationGraph:
+def _graph_of(place: F64, apart: float, options: DeformationOptions) -> DeformationGraph:
     """Nodes ``apart`` metres from each other over the points (M, 3)."""
     nodes = nodes_of(place, apart)
-    link, square = _nearest_nodes(place, nodes, min(options.deform.nodes_per_point, len(nodes)))
+    link, square = _nearest_nodes(place, nodes, min(options.nodes_per_point, len(nodes)))
     share = np.exp(-square / apart**2) + 1e-9
     share /= share.sum(axis=1, keepdims=True)
-    around, _ = _nearest_nodes(nodes, nodes, min(options.deform.nodes_around, len(nodes)))
+    around, _ = _nearest_nodes(nodes, nodes, min(options.nodes_around, len(nodes)))
     return DeformationGraph(link, share, around)
 
 

@@ -24,7 +24,7 @@ from pointbrush.tracking.geometry.columns import (
 )
 from pointbrush.tracking.geometry.near import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import RegistrationOptions
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
@@ -132,12 +132,12 @@ class Target:
     colour: F32
     weight: float
 
-    def around(self, xyz: F64, margin: float, options: TrackerOptions) -> Target:
+    def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
         """What of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside; all of it
         where that is most."""
         lo, hi = bounds(xyz)
         part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
-        if len(part) > options.register.uncut_share * len(self.xyz) or not len(part):
+        if len(part) > options.uncut_share * len(self.xyz) or not len(part):
             return self
         return Target(self.xyz[part], self.colour[part], self.weight)
 
@@ -173,7 +173,7 @@ def robust_fits(
     target: Target,
     T: F64,
     scales: Sequence[float],
-    options: TrackerOptions,
+    options: RegistrationOptions,
 ) -> Fits:
     """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
 
@@ -188,8 +188,8 @@ def robust_fits(
             target.columns,
             T,
             np.array(scales, np.float64),
-            options.register.min_pairs,
-            options.register.pair_scales,
+            options.min_pairs,
+            options.pair_scales,
         )
     )
 
@@ -285,19 +285,19 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
     return T
 
 
-def excess(moved: F64, target: Target, unit: float, options: TrackerOptions) -> float:
+def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> float:
     """How much of the target lies just beside the ``moved`` source, 0 to EXCESS.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    return options.register.excess_cost * min(
+    return options.excess_cost * min(
         1.0,
         _beside(
             columns(moved, NONE, 0.0),
             target.xyz,
             unit,
-            options.register.beside_units,
-            options.register.on_units,
+            options.beside_units,
+            options.on_units,
         ),
     )
 

@@ -50,9 +50,10 @@ class ColourHistogram:
 
     def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
         """The same, with the colours told that are its alone among ``others``."""
-        alone = self.common > self.options.appearance.common_share
+        options = self.options.appearance
+        alone = self.common > options.common_share
         for other in others:
-            alone &= self.common > self.options.appearance.rather_ratio * other.common
+            alone &= self.common > options.rather_ratio * other.common
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
@@ -77,12 +78,13 @@ class ColourHistogram:
 
     def rather(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
+        options = self.options.appearance
         at = _at(colour)
-        place = _flat(at // self.options.appearance.coarse_bins)
+        place = _flat(at // options.coarse_bins)
         number = numbered(place)
         return np.asarray(
             self.common[_flat(at)]
-            > self.options.appearance.rather_ratio * np.bincount(number)[number] / len(colour)
+            > options.rather_ratio * np.bincount(number)[number] / len(colour)
         )
 
     def only(self, colour: F32) -> Mask:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ConfidenceOptions
 
 RATIO_LEAST = 1e-3
 """Ratio of which the logarithm is taken at least."""
@@ -59,14 +59,14 @@ class Evidence:
     border: float = 0.0
 
 
-def likelihood(evidence: Evidence, body: bool = False, *, options: TrackerOptions) -> float:
+def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOptions) -> float:
     """0..1, of this frame by itself; ``body``: of a large thing before a known scene."""
-    if evidence.coarse >= options.confidence.pointlike_ratio:
+    if evidence.coarse >= options.pointlike_ratio:
         return 0.0
     if evidence.scans:
         return squashed(
-            _scanned(evidence, options=options) - options.confidence.scan_middle,
-            options.confidence.scan_stretch,
+            _scanned(evidence, options=options) - options.scan_middle,
+            options.scan_stretch,
             options=options,
         )
     features = np.array(
@@ -74,62 +74,53 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: TrackerOption
             evidence.inliers,
             evidence.sure,
             evidence.gap,
-            evidence.cost * min(1.0, options.confidence.usual_cost / evidence.usual),
+            evidence.cost * min(1.0, options.usual_cost / evidence.usual),
             min(evidence.fit, 1.0),
-            abs(log_ratio(evidence.size, options.confidence.max_log_size)),
-            abs(log_ratio(evidence.change, options.confidence.max_log_change)),
+            abs(log_ratio(evidence.size, options.max_log_size)),
+            abs(log_ratio(evidence.change, options.max_log_change)),
             evidence.grown,
             float(evidence.whole),
             evidence.share,
-            max(evidence.worn, options.confidence.min_log_clothes),
+            max(evidence.worn, options.min_log_clothes),
         ]
     )
     if body:
         odds = (
-            float(np.array(options.confidence.body_weights) @ features)
-            + options.confidence.body_offset
-            - options.confidence.body_middle
+            float(np.array(options.body_weights) @ features)
+            + options.body_offset
+            - options.body_middle
         )
     else:
-        odds = (
-            float(np.array(options.confidence.weights) @ features[:-1])
-            + options.confidence.offset
-            - options.confidence.middle
-        )
-        odds -= options.confidence.colourless_border_weight * evidence.border
+        odds = float(np.array(options.weights) @ features[:-1]) + options.offset - options.middle
+        odds -= options.colourless_border_weight * evidence.border
         odds -= (
-            options.confidence.bent_change_weight
-            * abs(log_ratio(evidence.size, options.confidence.max_log_size))
+            options.bent_change_weight * abs(log_ratio(evidence.size, options.max_log_size))
             if evidence.soft
             else 0.0
         )
         if evidence.pixels:
-            odds += options.confidence.few_weight * min(
+            odds += options.few_weight * min(
                 0.0,
-                log_ratio(
-                    evidence.points / options.confidence.many_points, options.confidence.max_log_few
-                ),
+                log_ratio(evidence.points / options.many_points, options.max_log_few),
             )
-    return squashed(odds, options.confidence.stretch, options=options)
+    return squashed(odds, options.stretch, options=options)
 
 
-def _scanned(evidence: Evidence, options: TrackerOptions) -> float:
+def _scanned(evidence: Evidence, options: ConfidenceOptions) -> float:
     """Log odds of what a lidar saw."""
     features = [
-        log_ratio(evidence.left, options.confidence.max_log_left),
-        log_ratio(evidence.others, options.confidence.max_log_left),
-        abs(log_ratio(evidence.tall, options.confidence.max_log_size)),
+        log_ratio(evidence.left, options.max_log_left),
+        log_ratio(evidence.others, options.max_log_left),
+        abs(log_ratio(evidence.tall, options.max_log_size)),
         evidence.bend,
-        log_ratio(evidence.coarse, options.confidence.max_log_coarse),
-        abs(log_ratio(evidence.change, options.confidence.max_log_change)),
+        log_ratio(evidence.coarse, options.max_log_coarse),
+        abs(log_ratio(evidence.change, options.max_log_change)),
         evidence.grown,
     ]
-    return (
-        float(np.array(options.confidence.scan_weights) @ features) + options.confidence.scan_offset
-    )
+    return float(np.array(options.scan_weights) @ features) + options.scan_offset
 
 
-def squashed(odds: float, stretch: float, options: TrackerOptions) -> float:
+def squashed(odds: float, stretch: float, options: ConfidenceOptions) -> float:
     """The probability 0..1 of log odds that are stretched first: the logistic function."""
     return 1.0 / (
         1.0
@@ -137,8 +128,8 @@ def squashed(odds: float, stretch: float, options: TrackerOptions) -> float:
             np.exp(
                 np.clip(
                     -stretch * odds,
-                    -options.confidence.max_log_odds,
-                    options.confidence.max_log_odds,
+                    -options.max_log_odds,
+                    options.max_log_odds,
                 )
             )
         )

@@ -15,7 +15,7 @@ from scipy.ndimage import minimum_filter
 from pointbrush.compiled import compiled
 from pointbrush.tracking.geometry.registration import carried, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import LensOptions
 from pointbrush.tracking.sensor.lens import Lens, Pixels, pixel
 from pointbrush.tracking.sensor.view import View
 
@@ -35,11 +35,11 @@ class Glimpse:
     corner: tuple[int, int]
     depth: F32
 
-    def through(self, xyz: F64, beyond: float, options: TrackerOptions) -> Mask:
+    def through(self, xyz: F64, beyond: float, options: LensOptions) -> Mask:
         """Whether points (M, 3) of the thing's own coordinates were looked through."""
         T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
         return _through(
-            self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.lens.nearest_m
+            self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.nearest_m
         )
 
 
@@ -65,6 +65,7 @@ def _through(
 
 def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
     """What ``view`` shows around a thing whose surface is at ``world`` (M, 3)."""
+    options = view.options.surface
     if view.lens is None:
         return None
     cell = view.project(world).cell
@@ -74,13 +75,13 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
     height, width = view.lens.shape
     row, column = np.divmod(cell, width)
     top, left = (
-        max(int(row.min()) - view.options.surface.carve_margin_px, 0),
-        max(int(column.min()) - view.options.surface.carve_margin_px, 0),
+        max(int(row.min()) - options.carve_margin_px, 0),
+        max(int(column.min()) - options.carve_margin_px, 0),
     )
     image = view.depth[:-1].reshape(height, width)
     part = image[
-        top : int(row.max()) + view.options.surface.carve_margin_px + 1,
-        left : int(column.max()) + view.options.surface.carve_margin_px + 1,
+        top : int(row.max()) + options.carve_margin_px + 1,
+        left : int(column.max()) + options.carve_margin_px + 1,
     ]
     part = np.nan_to_num(part, nan=0.0)
     least = minimum_filter(part, 3, mode="constant")
@@ -90,22 +91,22 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
 def remember(glimpses: list[Glimpse], view: View, pose: F64, world: F64) -> None:
     """Add a glimpse where it shows the thing from another side; the oldest leaves."""
     # The thing hardly leaves its place in front of the sensor: what turns is the thing.
+    options = view.options.surface
     turns = [float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in glimpses]
-    if turns and max(turns) > np.cos(np.radians(view.options.surface.carve_turn_deg)):
+    if turns and max(turns) > np.cos(np.radians(options.carve_turn_deg)):
         return
     new = glimpse(view, pose, world)
     if new is not None:
         glimpses.append(new)
-        del glimpses[: -view.options.surface.carve_views]
+        del glimpses[: -options.carve_views]
 
 
 def carved(glimpses: list[Glimpse], view: View, pose: F64, points: I64, unit: float) -> Mask:
     """Which ``points`` (M,) lie where a thing at ``pose`` cannot be."""
+    options = view.options
     votes = np.zeros(len(points), np.int64)
-    if len(glimpses) >= view.options.surface.carve_min_views and len(points):
+    if len(glimpses) >= options.surface.carve_min_views and len(points):
         own = transform(inverse(pose), view.xyz[points].astype(np.float64))
         for earlier in glimpses:
-            votes += earlier.through(
-                own, view.options.surface.carve_units * unit, options=view.options
-            )
-    return np.asarray(votes >= view.options.surface.carve_min_views)
+            votes += earlier.through(own, options.surface.carve_units * unit, options=options.lens)
+    return np.asarray(votes >= options.surface.carve_min_views)

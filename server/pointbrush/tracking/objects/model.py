@@ -86,33 +86,33 @@ class Model:
         Where the points are not ``sure``, new ones join only beside well confirmed ones: what
         holds an object moves with it, and must not become part of it bit by bit.
         """
+        options = self.options.surface
         sure = np.broadcast_to(sure, len(xyz))
-        on = gap < self.options.surface.hit_spacings * self.spacing
+        on = gap < options.hit_spacings * self.spacing
         self._hit(nearest[on], sure[on])
         self.misses[nearest[on]] = 0
         towards = _towards(xyz, eye)
         self.seen[nearest[on]] = towards[on]
-        beside = sure | (self.hits[nearest] >= self.options.surface.sure_hits)
-        new = np.flatnonzero((gap >= self.options.surface.new_spacings * self.spacing) & beside)
+        beside = sure | (self.hits[nearest] >= options.sure_hits)
+        new = np.flatnonzero((gap >= options.new_spacings * self.spacing) & beside)
         if len(new) == 0:
             return
         self.xyz = np.vstack([self.xyz, xyz[new]])
         self.colour = np.vstack([self.colour, colour[new]])
         self.seen = np.vstack([self.seen, towards[new]])
         self.hits = np.append(
-            self.hits, np.where(sure[new], self.options.surface.sure_hits, 1.0).astype(np.float32)
+            self.hits, np.where(sure[new], options.sure_hits, 1.0).astype(np.float32)
         )
         self.misses = np.append(self.misses, np.zeros(len(new), np.float32))
-        self._keep(self._distinct(self.options.surface.max_points))
+        self._keep(self._distinct(options.max_points))
 
     def _hit(self, which: I64, sure: Mask) -> None:
         """Confirm points; what was only ever seen beside a hand never counts as certain."""
-        capped = self.hits < self.options.surface.sure_hits
+        options = self.options.surface
+        capped = self.hits < options.sure_hits
         capped[which[sure]] = False
         self.hits[which] += 1
-        self.hits[capped & (self.hits >= self.options.surface.sure_hits)] = (
-            self.options.surface.sure_hits - 1
-        )
+        self.hits[capped & (self.hits >= options.sure_hits)] = options.sure_hits - 1
 
     def miss(self, which: Mask) -> I64:
         """Count points that the sensor saw through; those seen through too often leave.
@@ -133,15 +133,14 @@ class Model:
 
     def _distinct(self, most: int) -> I64:
         """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
-        key = np.floor(self.xyz / (self.options.surface.cell_spacings * self.spacing)).astype(
-            np.int64
-        )
+        options = self.options.surface
+        key = np.floor(self.xyz / (options.cell_spacings * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
         size = hi - lo + 1
         flat = ((key[:, 0] - lo[0]) * size[1] + key[:, 1] - lo[1]) * size[2] + key[:, 2] - lo[2]
         kept = _best_of(numbered(flat), self.hits)
         if len(kept) > most:
-            self.spacing *= self.options.surface.coarser_factor * float(np.sqrt(len(kept) / most))
+            self.spacing *= options.coarser_factor * float(np.sqrt(len(kept) / most))
             return self._distinct(most)
         return kept
 

@@ -28,10 +28,10 @@ class Painted:
     @staticmethod
     def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
         """As the points ``indices`` (M,) at ``xyz`` (M, 3) show it, ``radius`` metres in size."""
+        options = view.options.track
         return Painted(
-            flat=float(view.low[indices].mean()) > view.options.track.flat_share,
-            sheet=uneven(xyz, options=view.options) < view.options.track.sheet_radii * radius,
-            broad=across_way(xyz) > view.options.track.broad_m
-            and away_from(view, xyz) > view.options.track.afar_m,
+            flat=float(view.low[indices].mean()) > options.flat_share,
+            sheet=uneven(xyz, options=options) < options.sheet_radii * radius,
+            broad=across_way(xyz) > options.broad_m and away_from(view, xyz) > options.afar_m,
             cut=cut_off_by_edge(view, indices),
         )

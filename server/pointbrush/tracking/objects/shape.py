@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ObjectOptions
 from pointbrush.tracking.sensor.view import View
 
 
@@ -15,14 +15,15 @@ def cut_off_by_edge(view: View, indices: I64) -> bool:
 
     Where nothing unlabelled reaches as far, what is painted ends, and not the picture.
     """
+    options = view.options.track
     if view.lens is None:
         return False
     others, away = ~view.labelled(), np.inf
     for at in np.divmod(view.cells.cell, view.lens.shape[1]):
         for side in (at, -at):
-            if others.any() and side[others].min() < side.min() + view.options.track.edge_px:
+            if others.any() and side[others].min() < side.min() + options.edge_px:
                 away = np.minimum(away, side[indices] - side.min())
-    return float(np.mean(away < view.options.track.edge_px)) > view.options.track.edge_share
+    return float(np.mean(away < options.edge_px)) > options.edge_share
 
 
 def away_from(view: View, xyz: F64) -> float:
@@ -37,36 +38,36 @@ def across_way(xyz: F64) -> float:
     return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
 
 
-def texture(xyz: F64, colour: F32, options: TrackerOptions) -> tuple[float, float]:
+def texture(xyz: F64, colour: F32, options: ObjectOptions) -> tuple[float, float]:
     """Median distance and colour difference between neighbours."""
     if len(xyz) < 3:
-        return options.track.lone_spacing_m, options.track.min_colour_noise
-    sample = np.arange(0, len(xyz), max(1, len(xyz) // options.track.sampled_points))
+        return options.lone_spacing_m, options.min_colour_noise
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // options.sampled_points))
     distance, near = cKDTree(xyz).query(xyz[sample], k=2)
     gaps = np.asarray(distance)[:, 1]
     unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
-    return max(float(np.median(gaps)), options.track.min_spacing_m), float(np.median(unlike))
+    return max(float(np.median(gaps)), options.min_spacing_m), float(np.median(unlike))
 
 
-def across_rings(xyz: F64, options: TrackerOptions) -> float:
+def across_rings(xyz: F64, options: ObjectOptions) -> float:
     """Median distance to the nearest point aside of the way to the nearest of all.
 
     Lidars measure densely along a ring, and the next ring is far.
     """
-    if len(xyz) < options.track.ring_neighbours:
+    if len(xyz) < options.ring_neighbours:
         return 0.0
-    sample = xyz[:: max(1, len(xyz) // options.track.sampled_points)]
-    distance, near = cKDTree(xyz).query(sample, k=options.track.ring_neighbours)
+    sample = xyz[:: max(1, len(xyz) // options.sampled_points)]
+    distance, near = cKDTree(xyz).query(sample, k=options.ring_neighbours)
     way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
     length = np.asarray(distance)[:, 1:] + 1e-9
     along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
-    length = np.where(along < options.track.ring_cos, length, length[:, -1:])
+    length = np.where(along < options.ring_cos, length, length[:, -1:])
     return float(np.median(length.min(axis=1)))
 
 
-def uneven(xyz: F64, options: TrackerOptions) -> float:
+def uneven(xyz: F64, options: ObjectOptions) -> float:
     """Median distance of points (M, 3) from the plane through them."""
-    if len(xyz) < options.track.ring_neighbours:
+    if len(xyz) < options.ring_neighbours:
         return np.inf
     away = xyz - xyz.mean(axis=0)
     normal = np.linalg.eigh(away.T @ away)[1][:, 0]

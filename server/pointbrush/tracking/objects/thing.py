@@ -203,26 +203,26 @@ class Thing:
     @property
     def bends(self) -> bool:
         """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
+        options = self.options.track
         return self.bending.share > (
-            self.options.track.bent_share_large
-            if self.large and not self.scanned
-            else self.options.track.bent_share
+            options.bent_share_large if self.large and not self.scanned else options.bent_share
         )
 
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
+        options = self.options.track
         grain = self.sampling.grain
         if self.sampling.away > 0.0 and away > 0.0:
             closer = float(
                 np.clip(
                     self.sampling.away / away,
-                    1 / self.options.track.max_approach,
-                    self.options.track.max_approach,
+                    1 / options.max_approach,
+                    options.max_approach,
                 )
             )
             self.size *= closer**2
             grain /= closer
-            unit = max(grain, self.options.track.min_unit_spacings * self.model.spacing)
+            unit = max(grain, options.min_unit_spacings * self.model.spacing)
             self.weight *= unit / self.unit
             self.unit = unit
         self.sampling = replace(self.sampling, grain=grain, away=away)
@@ -245,15 +245,13 @@ class Thing:
     @property
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
+        options = self.options.track
         if self.scanned:
             return True
-        part = self.painted.cut or (self.painted.broad and self.span > self.options.track.part_m)
-        part = (
-            part and self.sampling.imaged and self.span > self.options.track.part_units * self.unit
-        )
+        part = self.painted.cut or (self.painted.broad and self.span > options.part_m)
+        part = part and self.sampling.imaged and self.span > options.part_units * self.unit
         return (
-            part
-            or self.span > max(self.options.track.tall_m, self.options.track.tall_units * self.unit)
+            part or self.span > max(options.tall_m, options.tall_units * self.unit)
         ) and not self.painted.sheet
 
     @property
@@ -307,7 +305,7 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
         thing = _made(view, label, indices, noise, rivals, most=len(indices))
     if view.lens is None:
         return thing
-    kept = solid(view.xyz[indices].astype(np.float64), thing.unit, options=view.options)
+    kept = solid(view.xyz[indices].astype(np.float64), thing.unit, options=view.options.link)
     if not kept.all():
         without = _made(view, label, indices[kept], noise, rivals)
         thing = thing if without.large else without
@@ -320,24 +318,23 @@ def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) ->
 def _made(
     view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int | None = None
 ) -> Thing:
+    options = view.options
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
-    most = most or view.options.track.dense_points
-    spacing, speckle = texture(xyz, colour, options=view.options)
+    most = most or options.track.dense_points
+    spacing, speckle = texture(xyz, colour, options=options.track)
     if not view.scans:  # nothing that is asked of a thing asks more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
     unit = max(
-        spacing, noise, view.options.track.ring_share * across_rings(xyz, options=view.options)
+        spacing,
+        noise,
+        options.track.ring_share * across_rings(xyz, options=options.track),
     )
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
-        weight = (
-            view.options.track.colour_units
-            * unit
-            / max(speckle, view.options.track.min_colour_noise)
-        )
+        weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)
     model = Model.of(xyz, colour, view.eye, spacing, options=view.options)
-    model.hits[:] = view.options.surface.sure_hits
+    model.hits[:] = options.surface.sure_hits
     count = len(indices)
     return Thing(
         view.options,
@@ -352,5 +349,5 @@ def _made(
         ColourHistogram.of(colour, options=view.options),
         LastSight(count),
         float(count),
-        InTheAir(0, view.options.confidence.usual_cost),
+        InTheAir(0, options.confidence.usual_cost),
     )

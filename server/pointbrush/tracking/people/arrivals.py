@@ -86,11 +86,11 @@ def _offers(
     sight: Observation, people: Sequence[Person], gone: Sequence[Person], usual: float, now: int
 ) -> list[Offer]:
     """What may be somebody's who is ``gone``."""
+    options = sight.options.arrivals
     part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
     count = np.bincount(part[part >= 0])
     large = np.flatnonzero(
-        count
-        >= max(sight.options.arrivals.back_min_cells, sight.options.arrivals.back_min_share * usual)
+        count >= max(options.back_min_cells, options.back_min_share * usual)
     ).tolist()
     offers: list[Offer] = [(np.flatnonzero(part == n), None, None) for n in large]
     for person in people:
@@ -98,12 +98,10 @@ def _offers(
         if not person.named and not person.missing and len(cells):
             offers.append((cells, person, None))
     if sight.tints is not None:
-        for person in (f for f in gone if f.well < now - sight.options.arrivals.missing_frames):
+        for person in (f for f in gone if f.well < now - options.missing_frames):
             offers += _dressed_as(sight, people, person, usual)
     for person in (f for f in people if f.named):
-        least = max(
-            sight.options.arrivals.back_min_cells, sight.options.arrivals.part_share * usual
-        )
+        least = max(options.back_min_cells, options.part_share * usual)
         two = beneath_heads(sight, sight.cells_of(person.label), least, person.area)
         offers += [(own, person, rest) for own, rest in two]
     return offers
@@ -128,6 +126,7 @@ def _dressed_as(
     sight: Observation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
     """What others have and is dressed as somebody who is missing, rather than as they are."""
+    options = sight.options.arrivals
     if who.identity.worn is None:
         return []
     found: list[Offer] = []
@@ -136,15 +135,11 @@ def _dressed_as(
         if other is who or not other.named or other.identity.worn is None:
             continue
         mask = (sight.owner == other.label) & sight.cells.solid
-        mask &= (
-            sight.smooth(sight.unlike(other.identity.worn) - his)
-            > sight.options.arrivals.part_log_clothes
-        )
+        mask &= sight.smooth(sight.unlike(other.identity.worn) - his) > options.part_log_clothes
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
         large = np.flatnonzero(
-            count
-            >= max(sight.options.arrivals.back_min_cells, sight.options.arrivals.part_share * usual)
+            count >= max(options.back_min_cells, options.part_share * usual)
         ).tolist()
         found += [(np.flatnonzero(part == n), other, None) for n in large]
     return found
@@ -154,16 +149,15 @@ def _cost(
     sight: Observation, person: Person, cells: I64, other: Person | None, now: int
 ) -> float | None:
     """How unlikely a body is somebody missing; None where it cannot be he."""
+    options = sight.options
     away = far_from(sight, person, cells, now)
     like = person.likeness(sight.some(cells))
-    if away > 1.0 or like < -sight.options.body.unlike_log:
+    if away > 1.0 or like < -options.body.unlike_log:
         return None
     nameless = (
-        sight.options.arrivals.unlabelled_cost if sight.tints is None and other is not None else 0.0
+        options.arrivals.unlabelled_cost if sight.tints is None and other is not None else 0.0
     )
-    return (
-        away - sight.options.arrivals.clothes_weight * like - _tall(sight, person, cells) + nameless
-    )
+    return away - options.arrivals.clothes_weight * like - _tall(sight, person, cells) + nameless
 
 
 def _tall(sight: Observation, person: Person, cells: I64) -> float:
@@ -178,9 +172,10 @@ def _tall(sight: Observation, person: Person, cells: I64) -> float:
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
     """Share of the way that somebody missing may have gone at which a body is."""
+    options = sight.options.arrivals
     there = np.vstack([person.xyz + person.step, person.known])
-    reach = sight.options.arrivals.back_m + sight.options.arrivals.back_m_per_frame * min(
-        max(now - 1 - person.well, 0), sight.options.arrivals.back_max_frames
+    reach = options.back_m + options.back_m_per_frame * min(
+        max(now - 1 - person.well, 0), options.back_max_frames
     )
     return _least(there, sight.cells.middle[cells]) / reach
 
@@ -202,19 +197,17 @@ def mistakable(
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
     """Whether what somebody has is certainly not another's, by colours (S, 3) of it or by its top,
     where the other of both does not speak against it."""
+    options = person.options
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
     tall = ratio(top, person.identity.stature, other.identity.stature)
     return (
-        like >= person.options.arrivals.told_log_clothes
-        and tall > -person.options.stature.decisive_log_odds
-    ) or (
-        tall >= person.options.stature.decisive_log_odds
-        and like > -person.options.arrivals.told_log_clothes
-    )
+        like >= options.arrivals.told_log_clothes and tall > -options.stature.decisive_log_odds
+    ) or (tall >= options.stature.decisive_log_odds and like > -options.arrivals.told_log_clothes)
 
 
 def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:
     """Who else has come; what comes into sight around somebody is his."""
+    options = sight.options
     free = (sight.owner == 0) & sight.cells.solid
     bodies = sight.bodies
     fresh: list[Person] = []
@@ -223,13 +216,11 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
     for number in np.unique(bodies[free]).tolist():
         cells = np.flatnonzero((bodies == number) & free)
         whole = np.count_nonzero(bodies == number)
-        if len(cells) < max(
-            sight.options.body.seen_min_cells, sight.options.arrivals.unclaimed_share * whole
-        ):
+        if len(cells) < max(options.body.seen_min_cells, options.arrivals.unclaimed_share * whole):
             continue
         owner = _whose(sight, middles, cells)
         if owner is None and len(cells) >= max(
-            sight.options.arrivals.min_cells, sight.options.arrivals.min_share * usual
+            options.arrivals.min_cells, options.arrivals.min_share * usual
         ):
             owner = _beside(sight, [*people, *fresh], cells)
             if owner is None:
@@ -257,12 +248,13 @@ def _middles(sight: Observation, people: Sequence[Person]) -> list[tuple[Person,
 
 def _whose(sight: Observation, middles: Sequence[tuple[Person, F64]], cells: I64) -> int | None:
     """The label of who is in sight around a body, and not dressed otherwise."""
+    options = sight.options
     middle = np.median(sight.ground[cells], axis=0)
     near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
-    away, best = min(near, default=(sight.options.arrivals.around_m, 0))
+    away, best = min(near, default=(options.arrivals.around_m, 0))
     if (
-        away >= sight.options.arrivals.around_m
-        or middles[best][0].likeness(sight.some(cells)) < -sight.options.body.unlike_log
+        away >= options.arrivals.around_m
+        or middles[best][0].likeness(sight.some(cells)) < -options.body.unlike_log
     ):
         return None
     return middles[best][0].label
@@ -283,24 +275,21 @@ def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | N
 
 def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
     """The numbers of those who have just come, and are parts of somebody just come back."""
+    options = sight.options.arrivals
     gone: set[int] = set()
-    returned = [
-        f
-        for f in people
-        if f.named and f.age and now - f.back <= sight.options.arrivals.recent_frames
-    ]
+    returned = [f for f in people if f.named and f.age and now - f.back <= options.recent_frames]
     for person in people:
         cells = np.flatnonzero(sight.owner == person.label)
         if (
             person.named
-            or now - person.since > sight.options.arrivals.recent_frames
+            or now - person.since > options.recent_frames
             or person.missing
             or not len(cells)
         ):
             continue
         for other in returned:
             own = np.flatnonzero(sight.owner == other.label)
-            if len(own) and _gap(sight, own, cells) < sight.options.arrivals.touches_m:
+            if len(own) and _gap(sight, own, cells) < options.touches_m:
                 sight.owner[cells] = other.label
                 gone.add(person.label)
                 break

@@ -18,7 +18,7 @@ from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.objects.place import Place
 from pointbrush.tracking.objects.thing import Rivals, Thing
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import BackgroundOptions, BodyOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.segmentation.assign import Claim
 from pointbrush.tracking.segmentation.explained import step_of
@@ -27,7 +27,7 @@ from pointbrush.tracking.sensor.view import View
 
 
 def undisputed(
-    claims: Mapping[int, Claim], things: Mapping[int, Thing], options: TrackerOptions
+    claims: Mapping[int, Claim], things: Mapping[int, Thing], options: BodyOptions
 ) -> dict[int, Claim]:
     """The claims, where two large things want the same body given to the likelier one, whole.
 
@@ -38,7 +38,7 @@ def undisputed(
     for one, other in combinations(large, 2):
         a, b = result[one], result[other]
         _, i, j = np.intersect1d(a.indices, b.indices, assume_unique=True, return_indices=True)
-        if len(i) <= options.body.disputed_share * min(len(a.indices), len(b.indices)):
+        if len(i) <= options.disputed_share * min(len(a.indices), len(b.indices)):
             continue
         cost = float(a.cost[i].mean()) / things[one].reach
         against = float(b.cost[j].mean()) / things[other].reach
@@ -84,7 +84,7 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     foreground = Foreground.of(view, every, size)
     # What shows again as deep as it was before something nearer hid it is whose it was.
     again = np.where(inside[every], background.again(view, every), 0)
-    seeds = _seeds(len(view.xyz), cores, every, again, options=findings.view.options)
+    seeds = _seeds(len(view.xyz), cores, every, again, options=findings.view.options.background)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
     far = {n: findings.view.options.body.way_radii * things[n].span for n in cores} | _by_clothes(
         seeds, sure, foreground, things
@@ -146,7 +146,7 @@ def _others(
 
 
 def _seeds(
-    count: int, cores: Mapping[int, I64], every: I64, again: I64, options: TrackerOptions
+    count: int, cores: Mapping[int, I64], every: I64, again: I64, options: BackgroundOptions
 ) -> dict[int, Mask]:
     """Label → which of the points ``every`` (M,) of ``count`` are certainly its.
 
@@ -157,9 +157,7 @@ def _seeds(
         mask = np.zeros(count, np.bool_)
         mask[core] = True
         seeds[label] = mask[every]
-        if np.count_nonzero(again[mask[every]] == label) > options.background.stayed_share * len(
-            core
-        ):
+        if np.count_nonzero(again[mask[every]] == label) > options.stayed_share * len(core):
             seeds[label] |= again == label
     return seeds
 
@@ -191,20 +189,20 @@ def _by_clothes(
     Changes ``seeds``.  Who has no seeds yet gets some under its negative number, which keep the
     others off; gives the longest ways of those, label → metres.
     """
+    options = foreground.options.body
     dressed = {n: t for n, t in things.items() if t.large and not t.stopped}
     labels = list(dressed)
     if len(labels) < 2:
         return {}
     like = np.stack([t.worn.each(foreground.colour) for t in dressed.values()])
     first, second = np.sort(like, axis=0)[[-1, -2]]
-    best = np.where(first - second > foreground.options.body.distinct_log, like.argmax(axis=0), -1)
+    best = np.where(first - second > options.distinct_log, like.argmax(axis=0), -1)
     far: dict[int, float] = {}
     for at, label in enumerate(labels):
         thing = dressed[label]
         reach = thing.span * (
-            foreground.options.body.clothes_radii
-            + foreground.options.body.clothes_radii_per_frame
-            * min(thing.missing, foreground.options.body.clothes_max_frames)
+            options.clothes_radii
+            + options.clothes_radii_per_frame * min(thing.missing, options.clothes_max_frames)
         )
         guess = transform(thing.motion.predictions()[0], thing.model.xyz)
         cells = np.flatnonzero(best == at)
@@ -218,7 +216,7 @@ def _by_clothes(
                 seed &= ~mine
         key = label if label in seeds else -label
         seeds[key] = seeds.get(key, np.zeros(len(sure), np.bool_)) | mine
-        far[key] = foreground.options.body.way_radii * thing.span
+        far[key] = options.way_radii * thing.span
     return far
 
 

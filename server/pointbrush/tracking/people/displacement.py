@@ -42,34 +42,28 @@ def strides(sight: Observation, people: Sequence[Person]) -> F64:
 
 
 def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
-    varies = sight.options.step.stride_m + sight.options.step.stride_share * float(
-        np.linalg.norm(person.step)
-    )
-    varies += sight.options.step.stride_m_per_frame * min(
-        person.missing, sight.options.step.max_unseen_frames
-    )
+    options = sight.options.step
+    varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
+    varies += options.stride_m_per_frame * min(person.missing, options.max_unseen_frames)
     right, ahead = (axis.ravel() for axis in np.meshgrid(GRID, GRID))
     tried = person.step + varies * (
         right[:, None] * sight.flat[:, 0] + ahead[:, None] * sight.flat[:, 1]
     )
-    some = slice(None, None, max(1, len(person.xyz) // sight.options.step.sampled_cells))
+    some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
     xyz, colour = person.xyz[some], person.colour[some]
     world = (xyz[None] + tried[:, None]).reshape(-1, 3)
     cell, depth = sight.view.project(world)
     cost = _costs(sight, cell, depth, loose)
     if sight.tints is not None:
-        same = np.abs(sight.view.depth[cell] - depth) <= sight.options.step.same_depth_m
+        same = np.abs(sight.view.depth[cell] - depth) <= options.same_depth_m
         unlike = (
             np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1)
-            / sight.options.step.other_colour
+            / options.other_colour
         )
-        both = (
-            sight.options.step.depth_weight * cost
-            + sight.options.step.colour_weight * np.minimum(1.0, unlike**2)
-        )
+        both = options.depth_weight * cost + options.colour_weight * np.minimum(1.0, unlike**2)
         cost = np.where(same & loose[cell], both, cost)
     total = (
-        sight.options.step.evidence_weight * cost.reshape(len(tried), -1).mean(axis=1)
+        options.evidence_weight * cost.reshape(len(tried), -1).mean(axis=1)
         + (right**2 + ahead**2) / 2
     )
     return np.asarray(tried[total.argmin()])
@@ -77,13 +71,12 @@ def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
 
 def _costs(sight: Observation, cell: I32, depth: F32, loose: Mask) -> F64:
     """(M,) what surface costs at a ``depth`` (M,) of a ``cell`` (M,), by depth alone."""
+    options = sight.options.step
     seen = sight.view.depth[cell]
     behind = seen - depth
-    cost = np.where(behind > sight.options.step.same_depth_m, 1.0, sight.options.step.hidden_cost)
-    same = np.abs(behind) <= sight.options.step.same_depth_m
-    cost[same] = np.where(
-        loose[cell[same]], 0.5 * (behind[same] / sight.options.step.same_depth_m) ** 2, 1.0
-    )
-    cost[np.isnan(seen)] = sight.options.step.unknown_cost
-    cost[cell < 0] = sight.options.step.hidden_cost
+    cost = np.where(behind > options.same_depth_m, 1.0, options.hidden_cost)
+    same = np.abs(behind) <= options.same_depth_m
+    cost[same] = np.where(loose[cell[same]], 0.5 * (behind[same] / options.same_depth_m) ** 2, 1.0)
+    cost[np.isnan(seen)] = options.unknown_cost
+    cost[cell < 0] = options.hidden_cost
     return cost

@@ -22,6 +22,7 @@ def exchanged(
 ) -> Iterator[tuple[Person, Person, bool]]:
     """Pairs of people who are each clearly dressed, or as tall, as the other; and whether both
     statures tell it, for which one frame is enough."""
+    options = sight.options
     seen = [f for f in people if len(sight.cells_of(f.label))]
     some = {f.label: sight.some(sight.cells_of(f.label)) for f in seen}
     tops = {f.label: f.top(sight) for f in seen}
@@ -36,17 +37,17 @@ def exchanged(
             ratio(tops[other.label], one.identity.stature, other.identity.stature),
         )
         dressed = (
-            rather > sight.options.arrivals.exchange_log
-            and sum(taller) > -sight.options.stature.decisive_log_odds
+            rather > options.arrivals.exchange_log
+            and sum(taller) > -options.stature.decisive_log_odds
         )
         tall = (
-            sum(taller) >= sight.options.stature.decisive_log_odds
+            sum(taller) >= options.stature.decisive_log_odds
             and min(taller) > 0
-            and rather > -sight.options.arrivals.exchange_log
+            and rather > -options.arrivals.exchange_log
         )
-        certain = tall and min(taller) >= sight.options.stature.decisive_log_odds
+        certain = tall and min(taller) >= options.stature.decisive_log_odds
         well = not (one.elsewhere(sight, now) or other.elsewhere(sight, now))
-        if min(cross) > -sight.options.arrivals.exchange_usual_log and (
+        if min(cross) > -options.arrivals.exchange_usual_log and (
             certain or (well and (dressed or tall))
         ):
             yield one, other, certain

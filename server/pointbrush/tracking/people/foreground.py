@@ -204,27 +204,26 @@ class Foreground:
         another body has a right to this one only by most of the claims on it; nobody has one that
         is too far from where he is, or in another's clothes.
         """
+        options = self.options.body
         votes = figures.votes[:, inside]
         count = part.max() + 1
         claim = np.stack([np.bincount(part, weights=v, minlength=count) for v in votes])
-        there = claim > self.options.body.majority_share * claim.sum(axis=0)
+        there = claim > options.majority_share * claim.sum(axis=0)
         there[np.arange(len(claim)), claim.argmax(axis=1)] = True
-        there &= claim > self.options.body.min_claim_share * np.bincount(
+        there &= claim > options.min_claim_share * np.bincount(
             part, weights=self.count[inside], minlength=count
         )
         sums = [np.bincount(part, weights=v, minlength=count) for v in self.middle[inside].T]
         middle = np.stack(sums, axis=1) / np.bincount(part, minlength=count)[:, None]
         main = middle[claim.argmax(axis=1)]
-        spans = figures.far / self.options.body.way_radii
+        spans = figures.far / options.way_radii
         there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
         like = np.stack([worn.each(self.colour[inside]) for worn in figures.clothes])
         for who, body in np.argwhere(there).tolist():
             claimed = (part == body) & (votes[who] > 0)
-            if np.count_nonzero(claimed) >= self.options.body.clothed_cells:
+            if np.count_nonzero(claimed) >= options.clothed_cells:
                 mean = like[:, claimed].mean(axis=1)
-                there[who, body] = (
-                    mean[figures.wears[who]] > mean.max() - self.options.body.clearly_log
-                )
+                there[who, body] = mean[figures.wears[who]] > mean.max() - options.clearly_log
         return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
@@ -232,6 +231,7 @@ class Foreground:
 
         A leg behind the other one hangs together with nothing that the sensor sees.
         """
+        options = self.options.body
         if not len(apart):
             return
         some = np.zeros(len(owner), np.bool_)
@@ -244,14 +244,12 @@ class Foreground:
             beside = np.bincount(part[there], minlength=count) > 0
             if not beside.any():
                 continue
-            tone = close_to(
-                self.colour[apart], self.colour[own], self.options.body.unlike_colour / 2
-            )
+            tone = close_to(self.colour[apart], self.colour[own], options.unlike_colour / 2)
             alike = np.bincount(part, weights=tone, minlength=count)
             whole = np.bincount(part, minlength=count)
             beside &= (
-                (alike > self.options.body.alike_cells_share * whole)
-                & (whole >= self.options.body.min_part_cells)
+                (alike > options.alike_cells_share * whole)
+                & (whole >= options.min_part_cells)
                 & (whole < len(own))
             )
             owner[apart[beside[part]]] = label

@@ -138,28 +138,26 @@ class Group:
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
         """Doubt who is found again, or much larger, where another may be, and that other, until
         clothes or stature tell; and who is as tall as another, while he is."""
+        options = self.options
         his = person.identity
         others = mistakable(sight, self.people, person, self.now)
-        most = self.options.body.crowded_ratio * max(his.first, self.usual)
+        most = options.body.crowded_ratio * max(his.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
                 person.doubt(other)
         top = person.top(sight)
         here = [f for f in self.people if f.label in his.doubts and f not in others]
-        here = here if looks.like > -self.options.body.own_log else []
+        here = here if looks.like > -options.body.own_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [
             f
             for f in as_tall
-            if ratio(top, f.identity.stature, his.stature) >= self.options.stature.decisive_log_odds
+            if ratio(top, f.identity.stature, his.stature) >= options.stature.decisive_log_odds
         ]
         some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
         his.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
         his.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
-        if (
-            not his.doubts
-            and looks.likelihood(options=self.options) > self.options.body.sure_likelihood
-        ):
+        if not his.doubts and looks.likelihood(options=self.options) > options.body.sure_likelihood:
             his.sure = self.now
             person.measure(top)
             dress(sight, person, looks)
@@ -168,24 +166,26 @@ class Group:
 def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
     """Tell somebody's clothes anew where he shows much that was hidden when they were told last, as
     who was painted behind another does, and nobody is there whose it may be."""
+    options = sight.options.body
     cells = sight.cells_of(person.label)
     some, area = sight.some(cells), sight.area(cells)
     his = person.identity
     if (
         some is not None
-        and looks.touching < sight.options.body.touching_share
-        and area > sight.options.body.better_ratio * his.shown > 0.0
+        and looks.touching < options.touching_share
+        and area > options.better_ratio * his.shown > 0.0
     ):
         his.show(some, area)
 
 
 def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:
     """Metres of a cell that is fine enough for somebody."""
+    options = view.options.body
     noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
-    calm = min(view.options.body.cell_sigmas * noise, view.options.body.limb_share * thing.span)
+    calm = min(options.cell_sigmas * noise, options.limb_share * thing.span)
     return max(
-        view.options.body.cell_units * thing.unit,
-        view.options.body.cell_radius_share * thing.span,
+        options.cell_units * thing.unit,
+        options.cell_radius_share * thing.span,
         calm,
     )
 
@@ -204,7 +204,7 @@ def _looks(
         return None
     return PersonEvidence(
         fit=float(np.minimum(shares.cost[cells, k], sight.options.step.cap).mean()),
-        disputed=shares.disputed(cells, k, options=sight.view.options),
+        disputed=shares.disputed(cells, k, options=sight.view.options.step),
         size=len(cells) / max(person.size, 1.0),
         change=len(cells) / max(person.last, 1),
         shown=float(sight.shows(person.xyz + stride).mean()),
@@ -219,22 +219,19 @@ def _looks(
 def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F64]) -> float:
     """How much farther somebody's ``cells`` (C,) are from where he was ``expected`` (2,) on the
     ground than from where anybody else was, a logarithm."""
+    options = sight.options.body
     middle = np.median(sight.ground[cells], axis=0)
     away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
     own = away.pop(label)
-    other = min(away.values(), default=sight.options.body.nearest_m[1])
-    return float(
-        np.log(
-            max(own, sight.options.body.nearest_m[0])
-            / np.clip(other, *sight.options.body.nearest_m)
-        )
-    )
+    other = min(away.values(), default=options.nearest_m[1])
+    return float(np.log(max(own, options.nearest_m[0]) / np.clip(other, *options.nearest_m)))
 
 
 def outcome(
     sight: Observation, person: Person, looks: PersonEvidence | None
 ) -> tuple[TrackState, I64]:
     """How somebody fared, and his points."""
+    options = sight.options
     his, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
     points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
@@ -242,12 +239,12 @@ def outcome(
         points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
     if person.missing or looks is None:  # what shows of him is his, but too little to follow
-        his.trust = max(0.0, his.trust - sight.options.confidence.regain)
-        lost = person.missing > sight.options.update.lost_frames
+        his.trust = max(0.0, his.trust - options.confidence.regain)
+        lost = person.missing > options.update.lost_frames
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
     his.trust = min(
-        looks.likelihood(options=sight.view.options), his.trust + sight.options.confidence.regain
+        looks.likelihood(options=sight.view.options), his.trust + options.confidence.regain
     )
     if his.doubts:
-        his.trust = min(his.trust, sight.options.body.doubted_confidence)
+        his.trust = min(his.trust, options.body.doubted_confidence)
     return TrackState(pose, 0.0, looks.shown, his.trust, len(points), "tracked"), points

@@ -22,24 +22,23 @@ def beneath_heads(
     """Of somebody's ``cells`` (C,) those of one and of the other of two people, either way round;
     none where they are not two people's of ``least`` cells or more, each seen to end above;
     ``area`` showed of him at most."""
+    options = sight.options.body
     some = np.zeros(len(sight.owner), np.bool_)
     some[cells] = True
     links = paths_into(sight.cells.touching, np.ones(len(sight.cells.touching)), some)
     height = sight.cells.middle @ sight.up
     order = cells[np.argsort(-height[cells], kind="stable")]
-    head = _peaks(order, links, height, sight.ground, sight.options.body.head_m)[cells]
+    head = _peaks(order, links, height, sight.ground, options.head_m)[cells]
     heads, count = np.unique(head, return_counts=True)
     largest = np.argsort(-count, kind="stable")[:2]
     if len(largest) < 2 or count[largest[1]] < least:
         return []
     one, two = (cells[head == heads[n]] for n in largest)
     top, other = (top_of(sight, each, area) for each in (one, two))
-    if top is None or other is None or abs(top - other) > sight.options.body.head_lower_m:
+    if top is None or other is None or abs(top - other) > options.head_lower_m:
         return []
     gap = np.median(sight.ground[one], axis=0) - np.median(sight.ground[two], axis=0)
-    return (
-        [(one, two), (two, one)] if np.linalg.norm(gap) > sight.options.body.heads_apart_m else []
-    )
+    return [(one, two), (two, one)] if np.linalg.norm(gap) > options.heads_apart_m else []
 
 
 @compiled

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.geometry.components import parts
 from pointbrush.tracking.geometry.mean_field import agreed
 from pointbrush.tracking.interface import F64, I64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import StrideOptions
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 
@@ -24,27 +24,26 @@ class Shares:
     cost: F64
     chance: F64
 
-    def disputed(self, cells: I64, who: int, options: TrackerOptions) -> float:
+    def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
         """Share of somebody's cells that hardly less are another's."""
         others = np.delete(self.cost[cells], who, axis=1)
         if not others.shape[1] or not len(cells):
             return 0.0
-        return float(
-            (others.min(axis=1) < self.cost[cells, who] + options.step.disputed_cost).mean()
-        )
+        return float((others.min(axis=1) < self.cost[cells, who] + options.disputed_cost).mean())
 
 
 def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Shares:
     """Give the cells in ``sight`` owners, mending the strides (K, 3) by who has what."""
+    options = sight.options.step
     clothes = _clothes(sight, people)
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.missing]
-    swing = sight.options.step.limbs_m + sight.options.step.swing_share * min(
-        max([sight.options.step.slowest_m, *steps]), sight.options.step.fastest_m
+    swing = options.limbs_m + options.swing_share * min(
+        max([options.slowest_m, *steps]), options.fastest_m
     )
     stride = stride.copy()
     surfaces = [_Surface.of(f, swing, coloured=sight.tints is not None) for f in people]
-    for _ in range(sight.options.step.rounds):
-        cost = np.full((len(sight.owner), len(people)), sight.options.step.cap)
+    for _ in range(options.rounds):
+        cost = np.full((len(sight.owner), len(people)), options.cap)
         near = []
         for k, surface in enumerate(surfaces):
             cost[:, k], nearest = _place(sight, surface, stride[k])
@@ -65,7 +64,7 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
             his = np.where(who == k, near[k], -1)
             mended[k] = _mended(sight, person, stride[k], chance[:, k], his, swing)
         stride += mended
-        if np.linalg.norm(mended, axis=1).max() < sight.options.step.settled_m:
+        if np.linalg.norm(mended, axis=1).max() < options.settled_m:
             break
     sight.owner = np.array([f.label for f in people], np.int64)[who]
     _leave(sight, cost.min(axis=1), chance.max(axis=1))
@@ -76,16 +75,17 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
 
 def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
     """(N, K) what the colours of each cell cost."""
+    options = sight.options.step
     cost = np.zeros((len(sight.owner), len(people)))
     for k, person in enumerate(people):
         if sight.tints is not None and person.identity.worn is not None:
             rare = (
                 person.identity.worn.usual
-                - sight.options.step.clothes_rarer_log
+                - options.clothes_rarer_log
                 - person.identity.worn.each(sight.tints)
             )
-            cost[:, k] = sight.options.step.clothes_weight * sight.mean(
-                np.clip(rare, 0.0, sight.options.step.clothes_max_log)
+            cost[:, k] = options.clothes_weight * sight.mean(
+                np.clip(rare, 0.0, options.clothes_max_log)
             )
     return cost
 
@@ -101,37 +101,33 @@ class _Surface:
 
     @staticmethod
     def of(person: Person, swing: float, *, coloured: bool) -> _Surface:
-        within = swing + person.options.step.limbs_m_per_frame * min(
-            person.missing, person.options.step.limbs_max_frames
-        )
+        options = person.options.step
+        within = swing + options.limbs_m_per_frame * min(person.missing, options.limbs_max_frames)
         own = person.xyz / within
         if coloured:
-            own = np.hstack([own, person.colour / person.options.step.shade])
+            own = np.hstack([own, person.colour / options.shade])
         return _Surface(person, within, own, cKDTree(own))
 
 
 def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64]:
     """(N,) what it costs each cell to be his there, and his cell next to it, -1 for none."""
+    options = sight.options.step
     own, person = surface.own, surface.person
     seen = (sight.cells.middle - stride) / surface.within
     if own.shape[1] > seen.shape[1]:
-        seen = np.hstack([seen, sight.cells.colour / sight.options.step.shade])
-    reach = np.sqrt(2 * sight.options.step.cap)
+        seen = np.hstack([seen, sight.cells.colour / options.shade])
+    reach = np.sqrt(2 * options.cap)
     close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
     gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
     gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
-    cost = np.where(
-        np.isfinite(gap), 0.5 * np.minimum(gap, sight.options.step.cap) ** 2, sight.options.step.cap
-    )
+    cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, options.cap) ** 2, options.cap)
     middle = np.median((person.xyz + stride) @ sight.flat, axis=0)
     away = np.linalg.norm(sight.ground - middle, axis=1)
     cost += np.minimum(
-        sight.options.step.body_max_cost,
-        0.5
-        * (np.maximum(0.0, away - sight.options.step.body_m) / sight.options.step.body_sigma_m)
-        ** 2,
+        options.body_max_cost,
+        0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
     )
-    cost += sight.options.step.hidden_cost_owner * (person.missing > 0)
+    cost += options.hidden_cost_owner * (person.missing > 0)
     return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)
 
 
@@ -148,10 +144,9 @@ def _mended(
     ``near`` (N,) number of the point of his surface that each cell is nearest to, -1 for those
     that he has not; ``chance`` (N,) of each to be his; ``swing`` metres by which limbs move.
     """
+    options = sight.options
     cells = np.flatnonzero((near >= 0) & sight.cells.solid)
-    if len(cells) < max(
-        sight.options.body.seen_min_cells, sight.options.step.corrected_share * person.size
-    ):
+    if len(cells) < max(options.body.seen_min_cells, options.step.corrected_share * person.size):
         return np.zeros(3)
     there = person.xyz + stride
     seen = sight.cells.middle[cells]
@@ -160,32 +155,34 @@ def _mended(
     shown = sight.shows(there)
     gap, nearest = map(
         np.asarray,
-        cKDTree(seen).query(there[shown], 1, 0, 2, sight.options.step.met_swings * swing),
+        cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing),
     )
     met = np.isfinite(gap)
-    if np.count_nonzero(met) > sight.options.body.seen_min_cells:
+    if np.count_nonzero(met) > options.body.seen_min_cells:
         off = (off + (seen[nearest[met]] - there[shown][met]).mean(axis=0)) / 2
     share = float(shown.mean())
-    return np.asarray(off * share / (share + sight.options.step.visible_doubt))
+    return np.asarray(off * share / (share + options.step.visible_doubt))
 
 
 def _leave(sight: Observation, cost: F64, chance: F64) -> None:
     """What hangs together and hardly fits anybody is nobody's yet."""
+    options = sight.options.step
     inside = sight.bodies >= 0
-    fits = cost < sight.options.step.fitting_cap_share * sight.options.step.cap
+    fits = cost < options.fitting_cap_share * options.cap
     if inside.any():
         body = sight.bodies[inside]
-        bad = np.bincount(
-            body, weights=fits[inside]
-        ) < sight.options.step.fitting_cells_share * np.bincount(body)
+        bad = np.bincount(body, weights=fits[inside]) < options.fitting_cells_share * np.bincount(
+            body
+        )
         sight.owner[inside] = np.where(bad[body], 0, sight.owner[inside])
-    sight.owner[~inside & ~fits & (chance <= sight.options.step.sure_probability)] = 0
+    sight.owner[~inside & ~fits & (chance <= options.sure_probability)] = 0
 
 
 def _drop(sight: Observation, person: Person, stride: F64) -> None:
     """Take from a person what lies apart from the rest of it, and not where he should be."""
+    options = sight.options
     cells = np.flatnonzero(sight.owner == person.label)
-    if len(cells) < sight.options.body.seen_min_cells:
+    if len(cells) < options.body.seen_min_cells:
         return
     some = np.zeros(len(sight.owner), np.bool_)
     some[cells] = True
@@ -193,21 +190,20 @@ def _drop(sight: Observation, person: Person, stride: F64) -> None:
     count = np.bincount(part)
     if len(count) < 2:
         return
-    rest = np.flatnonzero(count[part] < sight.options.step.apart_share * count.max())
+    rest = np.flatnonzero(count[part] < options.step.apart_share * count.max())
     if not len(rest):
         return
     there, middles = person.xyz + stride, sight.cells.middle[cells]
     gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles[rest])[0])
-    known = np.asarray(cKDTree(there).query(middles[rest])[0] < sight.options.step.known_m)
+    known = np.asarray(cKDTree(there).query(middles[rest])[0] < options.step.known_m)
     middle = np.median(there @ sight.flat, axis=0)
     known &= (
-        np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1)
-        < sight.options.step.known_beside_m
+        np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1) < options.step.known_beside_m
     )
     for number in np.unique(part[rest]).tolist():
         piece = part[rest] == number
         if (
-            gap[piece].min() > sight.options.step.apart_m
-            and known[piece].mean() < sight.options.step.known_share
+            gap[piece].min() > options.step.apart_m
+            and known[piece].mean() < options.step.known_share
         ):
             sight.owner[cells[rest[piece]]] = 0

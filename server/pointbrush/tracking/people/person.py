@@ -150,19 +150,16 @@ class Person:
 
     def follow(self, sight: Observation, step: F64, now: int) -> None:
         """Take in the cells he has in a frame, ``step`` (3,) metres on."""
+        options = self.options.body
         cells = sight.cells_of(self.label)
-        if len(cells) < max(
-            self.options.body.seen_min_cells, self.options.body.seen_min_share * self.size
-        ):
+        if len(cells) < max(options.seen_min_cells, options.seen_min_share * self.size):
             self._hide()
             return
         hidden = self._hidden(sight, cells, step)
         ground = sight.ground[cells]
         away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
         # The median of what lies apart may be where nothing is.
-        core = cells[
-            np.linalg.norm(ground - ground[away.argmin()], axis=1) < self.options.body.memory_m
-        ]
+        core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < options.memory_m]
         self.xyz = np.vstack([sight.cells.middle[core], (self.xyz + step)[hidden]])
         self.colour = np.vstack([sight.cells.colour[core], self.colour[hidden]])
         if self.missing:
@@ -171,25 +168,26 @@ class Person:
             self.step = (
                 step.copy()
                 if self.age == 0
-                else (1 - self.options.body.newest_step_weight) * self.step
-                + self.options.body.newest_step_weight * step
+                else (1 - options.newest_step_weight) * self.step
+                + options.newest_step_weight * step
             )
         self.went = self.went + step
         self.last = len(cells)
-        self.size = max(self.options.body.most_decay * self.size, float(self.last))
+        self.size = max(options.most_decay * self.size, float(self.last))
         # Of what is nobody, many cells may hold a few points each.
         area = sight.area(cells)
-        self.area = max(self.options.body.most_decay * self.area, area)
-        if area >= self.options.body.scrap_share * self.area:
+        self.area = max(options.most_decay * self.area, area)
+        if area >= options.scrap_share * self.area:
             self.well, self.known = now, self.xyz
         self.missing, self.age = 0, self.age + 1
         self.ways.append(self.went @ sight.flat)
 
     def gone(self) -> tuple[int, float] | None:
         """Frames within which he has gone so far that all of him has moved, and how far (m)."""
+        options = self.options.body
         for frames, way in enumerate(reversed(self.ways)):
             far = float(np.linalg.norm(way - self.ways[-1]))
-            if frames >= self.options.body.gone_frames and far > self.options.body.gone_m:
+            if frames >= options.gone_frames and far > options.gone_m:
                 return frames, far
         return None
 
@@ -203,13 +201,11 @@ class Person:
 
     def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
         """The cells of his surface that something hides now."""
+        options = self.options.body
         if self.missing:
             return np.empty(0, np.int64)
         seen, there = sight.cells.middle[cells], self.xyz + step
-        hides = sight.view.hides(there, self.options.body.memory_behind_m)
-        apart = cKDTree(seen).query(there)[0] > self.options.body.memory_cells * sight.cells.size
-        close = (
-            np.linalg.norm(there - np.median(seen, axis=0), axis=1)
-            < self.options.body.memory_seen_m
-        )
+        hides = sight.view.hides(there, options.memory_behind_m)
+        apart = cKDTree(seen).query(there)[0] > options.memory_cells * sight.cells.size
+        close = np.linalg.norm(there - np.median(seen, axis=0), axis=1) < options.memory_seen_m
         return np.flatnonzero(hides & apart & close)

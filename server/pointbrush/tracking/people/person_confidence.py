@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.objects.confidence import log_ratio, squashed
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import PersonConfidenceOptions, TrackerOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +32,14 @@ class PersonEvidence:
     wider: float
     astray: float
 
-    def features(self, options: TrackerOptions) -> list[float]:
+    def features(self, options: PersonConfidenceOptions) -> list[float]:
         """What the odds are made of."""
         return [
             self.fit,
             self.disputed,
-            abs(log_ratio(self.size, options.person_confidence.max_log_size)),
-            abs(log_ratio(self.change, options.person_confidence.max_log_change)),
-            max(min(self.like, 0.0), options.person_confidence.min_log_clothes),
+            abs(log_ratio(self.size, options.max_log_size)),
+            abs(log_ratio(self.change, options.max_log_change)),
+            max(min(self.like, 0.0), options.min_log_clothes),
             float(self.back),
             self.touching,
             self.wider,
@@ -49,8 +49,11 @@ class PersonEvidence:
     def likelihood(self, options: TrackerOptions) -> float:
         """0..1, of this frame by itself."""
         return squashed(
-            float(np.array(options.person_confidence.weights) @ self.features(options=options))
+            float(
+                np.array(options.person_confidence.weights)
+                @ self.features(options=options.person_confidence)
+            )
             + options.person_confidence.offset,
             stretch=1.0,
-            options=options,
+            options=options.confidence,
         )

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ArrivalOptions
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.sensor.view import View
 
@@ -22,21 +22,22 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
     together there goes to the thing whose clothes it wears, the surest first: one within reach
     of where it should be, that shows its colours, or of whose colours the thing showed some.
     """
-    if len(moving) < view.options.body.min_claim_points or not things:
+    options = view.options
+    if len(moving) < options.body.min_claim_points or not things:
         return {}
     size = float(
         np.median(
             [
                 max(
-                    view.options.body.cell_units * t.unit,
-                    view.options.body.cell_radius_share * t.span,
+                    options.body.cell_units * t.unit,
+                    options.body.cell_radius_share * t.span,
                 )
                 for t in things.values()
             ]
         )
     )
     foreground = Foreground.of(view, moving, size)
-    bodies = foreground.bodies(2 * view.options.body.min_part_cells)
+    bodies = foreground.bodies(2 * options.body.min_part_cells)
     offers = []
     for label, thing in things.items():
         # Who left the picture may have turned there.
@@ -44,9 +45,9 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
         guess = np.vstack([transform(T, thing.model.xyz) for T in either])
         away, _ = cKDTree(guess).query(foreground.middle)
         reach = thing.span * (
-            view.options.arrivals.return_radii
-            + view.options.arrivals.return_radii_per_frame
-            * min(thing.missing, view.options.body.clothes_max_frames)
+            options.arrivals.return_radii
+            + options.arrivals.return_radii_per_frame
+            * min(thing.missing, options.body.clothes_max_frames)
         )
         for number, cells in enumerate(bodies):
             gap = float(np.asarray(away)[cells].min())
@@ -55,17 +56,12 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
             points = moving[np.isin(foreground.cell, cells)]
             if (
                 len(points)
-                < view.options.track.hardly_share
-                * view.options.arrivals.return_scrap_share
-                * thing.size
+                < options.track.hardly_share * options.arrivals.return_scrap_share * thing.size
             ):
                 continue
-            colour = view.colour(points[:: _step(len(points), options=view.options)])
-            if thing.worn.share(colour) > view.options.arrivals.return_alike_share:
-                like = (
-                    thing.worn.likeness(colour)
-                    - view.options.arrivals.return_edge_cost * gap / reach
-                )
+            colour = view.colour(points[:: _step(len(points), options=options.arrivals)])
+            if thing.worn.share(colour) > options.arrivals.return_alike_share:
+                like = thing.worn.likeness(colour) - options.arrivals.return_edge_cost * gap / reach
                 offers.append((like, label, number, points))
     found: dict[int, I64] = {}
     gone: set[int] = set()
@@ -78,15 +74,13 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
 
 def recognised(label: int, things: Mapping[int, Thing], view: View, points: I64) -> bool:
     """Whether ``points`` show the clothes of a thing, and not rather those of another."""
-    colour = view.colour(points[:: _step(len(points), options=view.options)])
+    options = view.options.arrivals
+    colour = view.colour(points[:: _step(len(points), options=options)])
     worn = things[label].worn
     others = [t.worn.likeness(colour) for n, t in things.items() if n != label and t.large]
-    alike = worn.share(colour) > view.options.arrivals.return_alike_share
-    return (
-        alike
-        and worn.likeness(colour) > max(others, default=-np.inf) - view.options.arrivals.return_log
-    )
+    alike = worn.share(colour) > options.return_alike_share
+    return alike and worn.likeness(colour) > max(others, default=-np.inf) - options.return_log
 
 
-def _step(count: int, options: TrackerOptions) -> int:
-    return max(1, count // options.arrivals.return_points)
+def _step(count: int, options: ArrivalOptions) -> int:
+    return max(1, count // options.return_points)

@@ -31,14 +31,14 @@ class Stature:
     def likelihood(self, top: float) -> float:
         """Logarithm of the density of a measured top, over that of any within the range; 0 while
         the stature is not known."""
+        options = self.options.stature
         if not self.known:
             return 0.0
-        varies = self.options.stature.sigma_m * math.sqrt(1 + 1 / len(self.tops))
+        varies = options.sigma_m * math.sqrt(1 + 1 / len(self.tops))
         away = (top - float(np.median(self.tops))) / varies
         upright = math.exp(-0.5 * away**2) / (varies * math.sqrt(2 * math.pi))
         return math.log(
-            (1 - self.options.stature.bent_share) * upright * self.options.stature.bent_range_m
-            + self.options.stature.bent_share
+            (1 - options.bent_share) * upright * options.bent_range_m + options.bent_share
         )
 
 
@@ -50,6 +50,7 @@ def ratio(top: float | None, one: Stature, other: Stature) -> float:
 def top_of(sight: Observation, cells: I64, area: float) -> float | None:
     """Metres up to the top of the ``cells`` (C,) of somebody of whom an ``area`` showed at most;
     None where it is not seen that he ends there."""
+    options = sight.options.stature
     mask = np.zeros(len(sight.owner), np.bool_)
     mask[cells] = True
     points = sight.cells.indices[mask[sight.cells.cell]]
@@ -57,22 +58,16 @@ def top_of(sight: Observation, cells: I64, area: float) -> float | None:
         return None
     world = sight.view.xyz[points].astype(np.float64)
     height = world @ sight.up
-    _, depth = sight.view.project(
-        world[:: max(1, len(points) // sight.options.stature.sampled_points)]
-    )
+    _, depth = sight.view.project(world[:: max(1, len(points) // options.sampled_points)])
     above = max(
         1,
-        round(
-            sight.options.stature.top_share
-            * max(area, sight.area(cells))
-            / float(np.median(depth)) ** 2
-        ),
+        round(options.top_share * max(area, sight.area(cells)) / float(np.median(depth)) ** 2),
     )
     if above >= len(points):
         return None
     order = np.argpartition(height, len(points) - above)
     highest = order[len(points) - above :]
     middle = world[highest].mean(axis=0)
-    at, away = sight.view.project(middle + np.outer(sight.options.stature.above_m, sight.up))
-    free = (at >= 0) & (sight.view.depth[at] > away + sight.options.stature.behind_m)
+    at, away = sight.view.project(middle + np.outer(options.above_m, sight.up))
+    free = (at >= 0) & (sight.view.depth[at] > away + options.behind_m)
     return float(height[highest].min()) if free.all() else None

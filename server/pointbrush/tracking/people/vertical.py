@@ -11,7 +11,7 @@ import numpy as np
 
 from pointbrush.tracking.geometry.grid import cells_of
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import StatureOptions
 from pointbrush.tracking.sensor.view import View
 
 
@@ -40,39 +40,31 @@ def upright(view: View, flat: F64) -> F64:
 
     Source: consensus as of Fischler and Bolles 1981, of planes through small patches.
     """
+    options = view.options.stature
     up = np.cross(flat[:, 0], flat[:, 1])
     up = up / np.linalg.norm(up) * -np.sign(up @ view.T_picture_world[1, :3])
-    rest = view.xyz[~view.labelled()][:: view.options.stature.level_stride].astype(np.float64)
-    if len(rest) < view.options.stature.level_points:
+    rest = view.xyz[~view.labelled()][:: options.level_stride].astype(np.float64)
+    if len(rest) < options.level_points:
         return up
-    level = max(_patches(rest, up, options=view.options), key=len, default=rest[:0])
-    for within in view.options.stature.fit_m:
-        if len(level) < view.options.stature.level_points:
+    level = max(_patches(rest, up, options=options), key=len, default=rest[:0])
+    for within in options.fit_m:
+        if len(level) < options.level_points:
             return up
         normal, spread = _plane(level)
         level = rest[np.abs((rest - level.mean(axis=0)) @ normal) < within]
-    return (
-        np.asarray(normal * np.sign(normal @ up))
-        if spread[1] > view.options.stature.level_sigma_m**2
-        else up
-    )
+    return np.asarray(normal * np.sign(normal @ up)) if spread[1] > options.level_sigma_m**2 else up
 
 
-def _patches(xyz: F64, up: F64, options: TrackerOptions) -> Iterable[F64]:
+def _patches(xyz: F64, up: F64, options: StatureOptions) -> Iterable[F64]:
     """The points (N, 3) about the plane of each patch that is level, roughly."""
-    patch = cells_of(xyz, options.stature.patch_m)
+    patch = cells_of(xyz, options.patch_m)
     count = np.bincount(patch)
     order = np.split(np.argsort(patch, kind="stable"), np.cumsum(count)[:-1])
-    for n in np.flatnonzero(
-        count >= max(options.stature.patch_points, float(np.median(count)))
-    ).tolist():
+    for n in np.flatnonzero(count >= max(options.patch_points, float(np.median(count)))).tolist():
         some = xyz[order[n]]
         normal, spread = _plane(some)
-        if (
-            spread[0] < options.stature.patch_flatness * spread[1]
-            and abs(normal @ up) > options.stature.patch_cos
-        ):
-            yield xyz[np.abs((xyz - some.mean(axis=0)) @ normal) < options.stature.fit_m[0]]
+        if spread[0] < options.patch_flatness * spread[1] and abs(normal @ up) > options.patch_cos:
+            yield xyz[np.abs((xyz - some.mean(axis=0)) @ normal) < options.fit_m[0]]
 
 
 def _plane(xyz: F64) -> tuple[F64, F64]:

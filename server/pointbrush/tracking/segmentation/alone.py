@@ -19,36 +19,33 @@ from pointbrush.tracking.sensor.view import View
 
 def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: Mask) -> I64 | None:
     """The rest of a closed blob around the core, None where it is not one object."""
+    options = thing.options.growth
     if thing.bends:
         return None
     other = free.copy()
     other[core] = False
-    more = (
-        thing.options.growth.new_share_moving_scanner
-        if view.roams
-        else thing.options.growth.new_share
-    )
+    more = options.new_share_moving_scanner if view.roams else options.new_share
     most = int(
         max(
-            more * len(core) + thing.options.growth.new_points,
-            thing.options.growth.new_size_share * thing.size - len(core),
+            more * len(core) + options.new_points,
+            options.new_size_share * thing.size - len(core),
         )
     )
     around, (lo, hi) = place.around, place.box
     if view.lens is not None and not thing.motion.slow(thing.unit):
         lo, hi = (
-            lo - thing.options.growth.longer_radii * thing.model.radius,
-            hi + thing.options.growth.longer_radii * thing.model.radius,
+            lo - options.longer_radii * thing.model.radius,
+            hi + options.longer_radii * thing.model.radius,
         )
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
     steps = (
-        thing.options.growth.max_steps
-        if thing.in_the_air.frames >= thing.options.growth.known_frames
-        else thing.options.growth.max_steps_unknown
+        options.max_steps
+        if thing.in_the_air.frames >= options.known_frames
+        else options.max_steps_unknown
     )
-    reach = thing.options.growth.step_units * thing.unit
+    reach = options.step_units * thing.unit
     limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
     if new is None or not len(new):
@@ -57,10 +54,7 @@ def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: 
     # What bends beyond doubt is held by somebody, who goes along with it.
     before = was_there(thing, view, new, step if thing.pliant else None)
     # Painted end on, it has many times the points that are known.
-    along = (
-        len(new) <= most
-        or was_there(thing, view, new, step).mean() >= thing.options.growth.along_share
-    )
+    along = len(new) <= most or was_there(thing, view, new, step).mean() >= options.along_share
     others = taken[new].any()
     its = along and not (others or _may_be_a_hand(thing, view, place, core, new, before))
     if not (its or others):
@@ -81,13 +75,14 @@ def _ends_all_round(thing: Thing, view: View, core: I64, new: I64, before: Mask)
     be taken for a hand from then on.  A hand was there for the most part, or goes on behind
     something else than the thing.
     """
-    known = thing.in_the_air.frames >= thing.options.growth.known_frames
+    options = thing.options.growth
+    known = thing.in_the_air.frames >= options.known_frames
     if known or view.lens is None or thing.motion.slow(thing.unit):
         return False
-    if _share_there(thing, view, new, before) >= thing.options.growth.was_there_share_missed:
+    if _share_there(thing, view, new, before) >= options.was_there_share_missed:
         return False
     own = np.concatenate([core, new])
-    if _length(view, own) <= thing.options.growth.end_on_ratio * _length(view, core):
+    if _length(view, own) <= options.end_on_ratio * _length(view, core):
         return False
     return not cut_off(view, new, thing.unit, ~view.marked(own))
 
@@ -109,21 +104,20 @@ def _may_be_a_hand(
     What goes on behind something nearer, and has not the colours that the thing was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
+    options = thing.options.growth
     if view.roams:
         return False
     if not cut_off(view, new, thing.unit):
-        return _share_there(thing, view, new, before) >= thing.options.growth.was_there_share_open
+        return _share_there(thing, view, new, before) >= options.was_there_share_open
     colour = view.colour(new)
     if (
-        len(new) > thing.options.growth.strange_size_share * len(core)
-        and thing.strange(colour).mean() > thing.options.growth.strange_colours_share
+        len(new) > options.strange_size_share * len(core)
+        and thing.strange(colour).mean() > options.strange_colours_share
     ):
         return True
-    if thing.worn.share(colour) < thing.options.growth.painted_colours_share or thing.worn.unlike(
-        colour
-    ):
+    if thing.worn.share(colour) < options.painted_colours_share or thing.worn.unlike(colour):
         before = was_there(thing, view, new, step_of(thing, place))
-    return _share_there(thing, view, new, before) >= thing.options.growth.was_there_share_cut
+    return _share_there(thing, view, new, before) >= options.was_there_share_cut
 
 
 def _share_there(thing: Thing, view: View, new: I64, before: Mask) -> float:

@@ -109,14 +109,15 @@ def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
     What ends where the outline of something before it begins may go on behind that.  ``unit``
     metres of tolerance; ``by`` (cells + 1,): only pixels that count as nearer.
     """
+    options = view.options.claim
     if view.lens is None or not len(rest):
         return False
     cell, depth = view.cells
     width = view.lens.shape[1]
-    steps = view.options.claim.hiding_px * np.array([-width, -1, 1, width])
+    steps = options.hiding_px * np.array([-width, -1, 1, width])
     around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
     with np.errstate(invalid="ignore"):
-        nearer = view.depth[around] < depth[rest][:, None] - view.options.claim.hiding_units * unit
+        nearer = view.depth[around] < depth[rest][:, None] - options.hiding_units * unit
     if by is not None:
         nearer &= by[around]
-    return float(nearer.any(axis=1).mean()) > view.options.claim.hiding_share
+    return float(nearer.any(axis=1).mean()) > options.hiding_share

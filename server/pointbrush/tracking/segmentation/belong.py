@@ -32,9 +32,8 @@ LABELS = 2**16
 def own_points(thing: Thing, view: View, place: Place) -> Claim:
     """Points like the model at its place, and not more like something unlabelled."""
     # What is beside a large thing is told by what hangs together.
-    wide = (
-        thing.options.claim.reaches if thing.large else thing.options.claim.new_reaches
-    ) * thing.reach
+    options = thing.options
+    wide = (options.claim.reaches if thing.large else options.claim.new_reaches) * thing.reach
     near = claim(view, place.near, place.world, thing.model.colour, thing.weight, wide)
     not_its = contested(view, near, thing, place)
     place.neutral = near.indices[~not_its]
@@ -43,24 +42,21 @@ def own_points(thing: Thing, view: View, place: Place) -> Claim:
     moving[place.moving] = True
     if view.roams:
         moving |= view.low
-    not_its |= ~moving[near.indices] & (near.cost > thing.options.claim.still_reaches * thing.reach)
+    not_its |= ~moving[near.indices] & (near.cost > options.claim.still_reaches * thing.reach)
     not_its |= _hardly(view, place)[near.indices] & (
-        (near.cost > thing.reach)
-        | (thing.model.hits[near.nearest] < thing.options.surface.sure_hits)
+        (near.cost > thing.reach) | (thing.model.hits[near.nearest] < options.surface.sure_hits)
     )
     beyond = thing.reach if thing.large else thing.unit
-    unlike = near.cost > thing.reach + (thing.options.claim.reaches_coloured - 1) * beyond
-    unlike &= near.gap > thing.options.claim.shaded_reaches * thing.reach
+    unlike = near.cost > thing.reach + (options.claim.reaches_coloured - 1) * beyond
+    unlike &= near.gap > options.claim.shaded_reaches * thing.reach
     if not thing.painted.flat:  # The ground touches what stands on it, and goes on.
-        not_its |= view.low[near.indices] & (
-            near.gap > thing.options.claim.foot_reaches * thing.reach
-        )
+        not_its |= view.low[near.indices] & (near.gap > options.claim.foot_reaches * thing.reach)
     found = near.pick(
-        ~not_its & ~unlike & (near.gap < thing.reach + (thing.options.claim.reaches - 1) * beyond)
+        ~not_its & ~unlike & (near.gap < thing.reach + (options.claim.reaches - 1) * beyond)
     )
     # A pose is never exact: what lies on well confirmed surface is not asked.
-    firm = (thing.model.hits[found.nearest] >= thing.options.surface.sure_hits) & (
-        found.gap < thing.options.claim.firm_reaches * thing.reach
+    firm = (thing.model.hits[found.nearest] >= options.surface.sure_hits) & (
+        found.gap < options.claim.firm_reaches * thing.reach
     )
     return found.pick(firm | ~_carved(thing, view, place, found.indices))
 
@@ -111,9 +107,10 @@ def grow(things: Mapping[int, Thing], findings: Findings) -> tuple[dict[int, I64
 
 def _border(view: View, own: I64, rest: I64, unit: float) -> float:
     """Share of a thing's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
-    some = view.xyz[own[:: max(1, len(own) // view.options.claim.border_points)]]
+    options = view.options.claim
+    some = view.xyz[own[:: max(1, len(own) // options.border_points)]]
     return (
-        float(close_to(some, view.xyz[rest], view.options.claim.touching_units * unit).mean())
+        float(close_to(some, view.xyz[rest], options.touching_units * unit).mean())
         if len(some)
         else 0.0
     )
@@ -168,21 +165,17 @@ def _carved(thing: Thing, view: View, place: Place, points: I64) -> Mask:
 
 def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64:
     """Points beside the core, of its colour, that nothing unlabelled explains."""
+    options = thing.options.claim
     colour = view.colour(rest)
     own = thing.distinct(colour)
     may = own | (unexplained(thing, view, place, rest) & ~thing.strange(colour))
     rest, own = rest[may], own[may]
-    weight = thing.weight * (thing.options.claim.bent_colour_weight if thing.bends else 1.0)
+    weight = thing.weight * (options.bent_colour_weight if thing.bends else 1.0)
     joined = connected(
         _placed(view, core, weight),
         _placed(view, rest, weight),
-        (
-            thing.options.claim.coloured_units_bent
-            if thing.bends
-            else thing.options.claim.coloured_units
-        )
-        * thing.unit,
-        thing.options.claim.bent_steps if thing.bends else 1,
+        (options.coloured_units_bent if thing.bends else options.coloured_units) * thing.unit,
+        options.bent_steps if thing.bends else 1,
     )
     if own.any():  # Nothing else has its colours: it goes on as far as they do.
         front = np.concatenate([core, rest[joined]])
@@ -191,8 +184,8 @@ def _adjoin(thing: Thing, view: View, place: Place, core: I64, rest: I64) -> I64
         on = connected(
             at,
             beside,
-            thing.options.claim.coloured_units * thing.unit,
-            thing.options.claim.uncovered_steps,
+            options.coloured_units * thing.unit,
+            options.uncovered_steps,
         )
         joined[more[on]] = True
     return rest[joined]
@@ -204,17 +197,18 @@ def _shown(thing: Thing, view: View, core: I64, shown: I64, hider: I64) -> I64:
     It has to be a good part of all that the other, its ``hider``, uncovered: beside a thing in
     a hand that is mostly what holds it, and whom.
     """
+    options = thing.options
     if thing.bends or not thing.motion.rests(thing.unit):
         return shown[:0]
     front, rest = (_placed(view, points, thing.weight) for points in (core, shown))
     joined = connected(
         front,
         rest,
-        thing.options.growth.step_units * thing.unit,
-        thing.options.claim.uncovered_steps,
+        options.growth.step_units * thing.unit,
+        options.claim.uncovered_steps,
     )
     own, every = (np.bincount(h, minlength=LABELS) for h in (hider[joined], hider))
-    return np.asarray(shown[joined & (own > thing.options.claim.uncovered_share * every)[hider]])
+    return np.asarray(shown[joined & (own > options.claim.uncovered_share * every)[hider]])
 
 
 def _placed(view: View, indices: I64, weight: float) -> F64:

@@ -45,22 +45,24 @@ def painted_with_flying(view: View, points: I64, unit: float) -> bool:
 
     Who outlines a thing in a picture paints those inside the outline as well.
     """
+    options = view.options.flying
     if view.lens is None or not view.lens.lattice:
         return False
     cell = view.cells.cell
     near = np.flatnonzero(view.around(points)[cell])
     loose = near[_loose(view, near, np.isfinite(view.depth), unit)]
     return (
-        len(loose) >= view.options.flying.min_pixels
-        and float(view.marked(points)[cell[loose]].mean()) > view.options.flying.painted_share
+        len(loose) >= options.min_pixels
+        and float(view.marked(points)[cell[loose]].mean()) > options.painted_share
     )
 
 
 def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
+    options = view.options.flying
     cell, depth = view.cells.pick(points)
     rule = FlyingRule(
-        view.options.flying.behind_units * unit,
-        view.options.flying.level_units * unit,
+        options.behind_units * unit,
+        options.level_units * unit,
         reach=1,
         few=0,
         margin=0,

@@ -21,10 +21,11 @@ from pointbrush.tracking.sensor.view import View
 
 def painted_with_ground(view: View, indices: I64) -> bool:
     """Whether most of the ground within the outline of painted points (M,) is painted too."""
+    options = view.options.ground_contact
     inside = _within(view, view.xyz[indices].astype(np.float64))
     return (
-        len(inside) >= view.options.ground_contact.min_points
-        and float(np.isin(inside, indices).mean()) > view.options.ground_contact.painted_share
+        len(inside) >= options.min_points
+        and float(np.isin(inside, indices).mean()) > options.painted_share
     )
 
 
@@ -48,8 +49,9 @@ def with_ground(
 
 def _within(view: View, world: F64) -> I64:
     """Sorted indices of what lies on the ground within the outline of ``world`` (M, 3)."""
+    options = view.options.ground_contact
     none = np.empty(0, np.int64)
-    if not view.scans or len(world) < view.options.ground_contact.min_corners:
+    if not view.scans or len(world) < options.min_corners:
         return none
     flat = np.delete(np.arange(3), view.up)
     try:
@@ -57,7 +59,7 @@ def _within(view: View, world: F64) -> I64:
     except QhullError:
         return none
     lo, hi = bounds(world)
-    lo[view.up] -= view.options.ground_contact.below_m
+    lo[view.up] -= options.below_m
     near = view.box(lo, hi)
     near = near[view.ground[near]]
     away = view.xyz[near][:, flat] @ sides[:, :2].T + sides[:, 2]

@@ -22,14 +22,15 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
 
     ``unit`` metres of tolerance; needs a camera.
     """
+    options = view.options.flying
     cell, depth = view.cells
     image, width = view.depth, view.camera.shape[1]
     mine = view.marked(own)
     rule = FlyingRule(
-        view.options.flying.outline_behind_units * unit,
-        view.options.flying.outline_level_units * unit,
+        options.outline_behind_units * unit,
+        options.outline_level_units * unit,
         reach=2,
-        few=view.options.flying.outline_few,
+        few=options.outline_few,
         margin=2,
     )
     flying = lies_behind(cell[own], depth[own], image, mine, width, rule)

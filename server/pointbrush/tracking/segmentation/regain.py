@@ -31,9 +31,10 @@ def lost_pieces(
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
     what never moves, or no colour, and the thing is not ``pliant``.
     """
-    asked = (
-        view.number + thing.label
-    ) % thing.options.pieces.slow_frames == 0 or not thing.motion.slow(thing.unit)
+    options = thing.options
+    asked = (view.number + thing.label) % options.pieces.slow_frames == 0 or not thing.motion.slow(
+        thing.unit
+    )
     tells = view.lens is not None and (thing.weight > 0.0 or thing.pliant)
     if not (tells and asked) or thing.bends:
         return _NONE
@@ -41,13 +42,13 @@ def lost_pieces(
     if len(rest) < least:
         return _NONE
     xyz = view.xyz[rest].astype(np.float64)
-    piece = pieces(xyz, thing.unit, options=thing.options)
+    piece = pieces(xyz, thing.unit, options=options.link)
     size = np.bincount(piece)
     number = len(size)
     lo, hi = place.box
-    edge = thing.options.pieces.touching_units * thing.unit
+    edge = options.pieces.touching_units * thing.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
-    found, left = [_NONE], thing.options.pieces.max_size_share * thing.size - len(core)
+    found, left = [_NONE], options.pieces.max_size_share * thing.size - len(core)
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
         mine = piece == one
         points = rest[mine]
@@ -66,51 +67,48 @@ def _apart(view: View, points: I64, background: Background) -> I64:
 
 def _least(thing: Thing) -> float:
     """How many points a piece has at least."""
-    return max(thing.options.pieces.min_points, thing.options.pieces.min_size_share * thing.size)
+    options = thing.options.pieces
+    return max(options.min_points, options.min_size_share * thing.size)
 
 
 def _looks_like(thing: Thing, view: View, core: I64, points: I64, background: Background) -> bool:
     """Whether a piece has the thing's colours, or is small and has come to rest with it."""
+    options = thing.options.pieces
     colour = view.colour(points)
-    if thing.worn.share(
-        colour
-    ) >= thing.options.pieces.alike_colours_share and not thing.worn.unlike(colour):
+    if thing.worn.share(colour) >= options.alike_colours_share and not thing.worn.unlike(colour):
         return True
-    if not thing.motion.rests(thing.unit) or len(
-        points
-    ) > thing.options.pieces.other_colour_share * len(core):
+    if not thing.motion.rests(thing.unit) or len(points) > options.other_colour_share * len(core):
         return False
     return (
-        float(background.stayed(view, points, thing.options.pieces.rested_frames).mean())
-        > thing.options.pieces.same_depth_share
+        float(background.stayed(view, points, options.rested_frames).mean())
+        > options.same_depth_share
     )
 
 
 def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
     """Whether a piece touches the thing and no ``others`` (M, 3), and may be a part of it."""
+    options = thing.options
     xyz = view.xyz[points].astype(np.float64)
-    if not close_to(view.xyz[core], xyz, thing.options.pieces.touching_units * thing.unit).any():
+    if not close_to(view.xyz[core], xyz, options.pieces.touching_units * thing.unit).any():
         return False
     if np.count_nonzero(
-        close_to(others, xyz, thing.options.pieces.lonely_units * thing.unit)
-    ) > thing.options.pieces.few_share * len(points):
+        close_to(others, xyz, options.pieces.lonely_units * thing.unit)
+    ) > options.pieces.few_share * len(points):
         return False
     if not thing.motion.rests(thing.unit):
         away = xyz - transform(place.pose, thing.model.centre[None])
-        far = (
-            np.linalg.norm(away, axis=1).max() > thing.options.pieces.end_radii * thing.model.radius
-        )
-        if far and len(points) > thing.options.pieces.end_share * len(core):
+        far = np.linalg.norm(away, axis=1).max() > options.pieces.end_radii * thing.model.radius
+        if far and len(points) > options.pieces.end_share * len(core):
             return False
         # What goes on behind the thing itself is what holds it.
         if cut_off(view, points, thing.unit, by=view.marked(core)):
             return False
-    if thing.soft or len(thing.glimpses) < thing.options.surface.carve_min_views:
+    if thing.soft or len(thing.glimpses) < options.surface.carve_min_views:
         return True
     return (
-        place.cost < thing.options.pieces.sharp_cost
+        place.cost < options.pieces.sharp_cost
         and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean())
-        < thing.options.pieces.few_share
+        < options.pieces.few_share
     )
 
 

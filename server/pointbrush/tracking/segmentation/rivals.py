@@ -21,10 +21,10 @@ def set_rivals_around(thing: Thing, view: View, world: F64) -> None:
 
 
 def _beside(thing: Thing, world: F64) -> tuple[F64, F64]:
+    options = thing.options.context
     return _box_around(
         world,
-        thing.options.context.beside_radii * thing.model.radius
-        + thing.options.context.beside_units * thing.unit,
+        options.beside_radii * thing.model.radius + options.beside_units * thing.unit,
     )
 
 

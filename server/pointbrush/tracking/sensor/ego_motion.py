@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.geometry.deformation import nodes_of
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
 from pointbrush.tracking.sensor.lens import find_lens
 from pointbrush.tracking.sensor.odometry import CameraTrajectory, framed, moves
 from pointbrush.tracking.sensor.range_image import find_eye, reach_of
@@ -48,15 +48,15 @@ def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
         return None
     least = (
         options.scan_odometry.cell_min_m
-        if reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        if reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
         else 0.0
     )
-    cell = _cell(xyz, least, options=options)
+    cell = _cell(xyz, least, options=options.scan_odometry)
     if cell <= 0.0:
         return None
     # The ground before a sensor is seen by most of its points: what is far counts by its area.
     for _ in range(2):
-        cell = _cell(nodes_of(xyz, cell), least, options=options)
+        cell = _cell(nodes_of(xyz, cell), least, options=options.scan_odometry)
     some = nodes_of(xyz, cell)
     if len(some) < options.scan_odometry.min_planes * options.scan_odometry.plane_neighbours:
         return None
@@ -73,16 +73,16 @@ def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
         values[:, 1] > options.scan_odometry.plane_breadth * values[:, 2]
     )
     at, normal = asked[flat], vectors[flat, :, 0]
-    kept = _all_ways(normal, options=options)
+    kept = _all_ways(normal, options=options.scan_odometry)
     return Planes(at[kept], normal[kept], tree, cell)
 
 
-def _cell(xyz: F64, least: float, options: TrackerOptions) -> float:
+def _cell(xyz: F64, least: float, options: ScanOdometryOptions) -> float:
     away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
-    return max(options.scan_odometry.cell_share * float(np.median(away)), least)
+    return max(options.cell_share * float(np.median(away)), least)
 
 
-def _all_ways(normal: F64, options: TrackerOptions) -> I64:
+def _all_ways(normal: F64, options: ScanOdometryOptions) -> I64:
     """Sorted indices of planes with ``normal`` (M, 3), about as many facing along each axis.
 
     Along a street nearly all are of the ground and the walls, on which a frame may slip.
@@ -91,27 +91,25 @@ def _all_ways(normal: F64, options: TrackerOptions) -> I64:
     axis = np.abs(normal).argmax(axis=1)
     ways = [np.flatnonzero(axis == a) for a in range(3)]
     return np.sort(
-        np.concatenate(
-            [way[:: max(1, len(way) * 3 // (2 * options.scan_odometry.planes))] for way in ways]
-        )
+        np.concatenate([way[:: max(1, len(way) * 3 // (2 * options.planes))] for way in ways])
     )
 
 
 def register(
-    planes: Planes, target: cKDTree, start: F64, options: TrackerOptions
+    planes: Planes, target: cKDTree, start: F64, options: ScanOdometryOptions
 ) -> tuple[F64, float]:
     """The motion (4, 4) of ``planes`` onto the points of ``target``, from ``start``.
 
     Also the share of the planes that are in place after it.
     """
     T = start
-    for scale in options.scan_odometry.scales_cells:
+    for scale in options.scales_cells:
         reach = scale * planes.cell
         moved = transform(T, planes.at)
         normal = planes.normal @ T[:3, :3].T
         gap, index = target.query(moved, distance_upper_bound=max(reach, 2 * planes.cell))
         there = np.flatnonzero(np.isfinite(gap))
-        if len(there) < options.scan_odometry.plane_neighbours:
+        if len(there) < options.plane_neighbours:
             return T, 0.0
         point, n = moved[there], normal[there]
         off = ((target.data[np.asarray(index)[there]] - point) * n).sum(axis=1)
@@ -131,13 +129,13 @@ def register_anywhere(
     planes: Planes,
     target: Planes,
     starts: Sequence[F64],
-    options: TrackerOptions,
+    options: ScanOdometryOptions,
     enough: float | None = None,
 ) -> tuple[F64, float]:
     """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
     of place than ``enough``, from the others and from where the scenery seems to have gone."""
     if enough is None:
-        enough = options.scan_odometry.restart_share
+        enough = options.restart_share
     best = register(planes, target.tree, starts[0], options=options)
     if best[1] >= enough or not len(planes.at):
         return best
@@ -146,13 +144,13 @@ def register_anywhere(
         moved,
         np.asarray(target.tree.data),
         planes.cell,
-        options.scan_odometry.shifts,
+        options.shifts,
         options=options,
     )
     middle = planes.at.mean(axis=0)[None]
     for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
         away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
-        if away > options.scan_odometry.shift_cells * planes.cell:
+        if away > options.shift_cells * planes.cell:
             best = max(best, register(planes, target.tree, start, options=options), key=_share)
     return best
 
@@ -163,7 +161,7 @@ def _shifted(T: F64, shift: F64) -> F64:
     return moved
 
 
-def in_place(planes: Planes, target: cKDTree, T: F64, options: TrackerOptions) -> float:
+def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptions) -> float:
     """The share of the planes, moved by ``T``, on which something of the target lies."""
     moved = transform(T, planes.at)
     gap, index = target.query(moved, distance_upper_bound=2 * planes.cell)
@@ -172,9 +170,7 @@ def in_place(planes: Planes, target: cKDTree, T: F64, options: TrackerOptions) -
         return 0.0
     normal = planes.normal[there] @ T[:3, :3].T
     off = ((target.data[np.asarray(index)[there]] - moved[there]) * normal).sum(axis=1)
-    return float(
-        (np.abs(off) < options.scan_odometry.on_plane_cells * planes.cell).sum() / len(moved)
-    )
+    return float((np.abs(off) < options.on_plane_cells * planes.cell).sum() / len(moved))
 
 
 def stands(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
@@ -188,10 +184,10 @@ def stands(frames: Frames, order: Sequence[int], options: TrackerOptions) -> boo
         other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64), options=options)
         if other is None:
             break
-        before = in_place(first, other.tree, np.eye(4), options=options)
+        before = in_place(first, other.tree, np.eye(4), options=options.scan_odometry)
         if before > options.scan_odometry.rest_share:
             continue
-        T, share = register_anywhere(first, other, [np.eye(4)], options=options)
+        T, share = register_anywhere(first, other, [np.eye(4)], options=options.scan_odometry)
         shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
         moved = (
             share > options.scan_odometry.agreed_share
@@ -211,7 +207,8 @@ def find_trajectory(
     first frame; None where the sensor is at rest.
     """
     first, *others = (
-        recorded_pose(frames(order[at]), options=options) for at in (0, len(order) // 2, -1)
+        recorded_pose(frames(order[at]), options=options.scan_odometry)
+        for at in (0, len(order) // 2, -1)
     )
     back = None if first is None else np.linalg.inv(first)
     if back is not None and any(
@@ -247,7 +244,8 @@ def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -
     first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
     if (
         first.viewpoint is None
-        or reach_of(np.asarray(first.xyz), options=options) <= options.range_image.camera_reach_m
+        or reach_of(np.asarray(first.xyz), options=options.range_image)
+        <= options.range_image.camera_reach_m
     ):
         return False
     ways = [eye - first.viewpoint for f in others if (eye := f.viewpoint) is not None]
@@ -260,7 +258,7 @@ def _of_one(frame: TrackFrame, options: TrackerOptions) -> bool:
     xyz = np.asarray(frame.xyz)
     return (
         frame.viewpoint is not None
-        or reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
         or find_eye(xyz, options=options) is not None
     )
 
@@ -278,16 +276,17 @@ class ScanTrajectory(RegisteredTrajectory):
         self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
 
     def _registered(self, frame: TrackFrame) -> F64:
+        options = self.options.scan_odometry
         here = planes_of(np.asarray(frame.xyz, np.float64), options=self.options)
         before = self._poses[-1]
         step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
         if self._last is None or here is None:
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
-        T, share = register_anywhere(self._last, here, starts, self.options, self._enough)
+        T, share = register_anywhere(self._last, here, starts, options, self._enough)
         self._enough = min(
-            self.options.scan_odometry.restart_share,
-            share - self.options.scan_odometry.restart_drop,
+            options.restart_share,
+            share - options.restart_drop,
         )
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))

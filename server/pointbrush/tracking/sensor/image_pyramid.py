@@ -13,7 +13,7 @@ import numpy as np
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import TrackerOptions, VisualOdometryOptions
 from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.view import View
 
@@ -48,7 +48,7 @@ def picture_of(
 
     Without the points ``aside`` (M,), which may have moved by themselves.
     """
-    cell, depth = lens.cells(np.asarray(frame.xyz, np.float32), options=options)
+    cell, depth = lens.cells(np.asarray(frame.xyz, np.float32), options=options.lens)
     there = cell >= 0
     if aside is not None:
         there[aside] = False
@@ -62,10 +62,10 @@ def picture_of(
         and min(image.values.shape[:2]) >= 2 * options.visual_odometry.shortest_side_px
     ):
         image = _halved(image)
-    layers = [_layer(image, options=options)]
+    layers = [_layer(image, options=options.visual_odometry)]
     while min(image.values.shape[:2]) >= 2 * options.visual_odometry.shortest_side_px:
         image = _halved(image)
-        layers.insert(0, _layer(image, options=options))
+        layers.insert(0, _layer(image, options=options.visual_odometry))
     return layers
 
 
@@ -80,11 +80,11 @@ def _halved(image: Image) -> Image:
     return Image(values, (x + 0.5 * across, y + 0.5 * down), (2 * across, 2 * down))
 
 
-def _layer(image: Image, options: TrackerOptions) -> Layer:
+def _layer(image: Image, options: VisualOdometryOptions) -> Layer:
     _, width, channels = image.values.shape
     flat = image.values.reshape(-1, channels)
     there = np.flatnonzero(np.isfinite(flat[:, -1]))
-    there = there[:: max(1, -(-len(there) // options.visual_odometry.sampled_pixels))]
+    there = there[:: max(1, -(-len(there) // options.sampled_pixels))]
     row, column = np.divmod(there, width)
     plane = np.array(image.least) + np.array(image.pitch) * np.stack([column, row], axis=1)
     depth = 1.0 / flat[there, -1:].astype(np.float64)

@@ -15,7 +15,7 @@ from scipy import fft
 
 from pointbrush.tracking.geometry.registration import transform
 from pointbrush.tracking.interface import F32, F64, Frames, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import JumpOptions, ScanOdometryOptions, TrackerOptions
 from pointbrush.tracking.sensor.ego_motion import Planes, in_place, planes_of, register
 from pointbrush.tracking.sensor.trajectory import recorded_pose
 
@@ -31,19 +31,19 @@ class Jump:
 
 def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) -> Iterator[Jump]:
     """Yield the jumps along ``order``; none where the recording tells poses or the sensor moves."""
-    if len(order) < 2 or _told(frames, order, options=options):
+    if len(order) < 2 or _told(frames, order, options=options.scan_odometry):
         return
     at, moving = 0, 0
     while at < len(order) - 1 and moving < options.jumps.patience:
         start = frames(order[at])
         to = min(at + options.jumps.stride_frames, len(order) - 1)
-        if _stays(start, frames(order[to]), options):
+        if _stays(start, frames(order[to]), options.jumps):
             at = to
             continue
         before, after = at, to
         while after - before > 1:
             middle = (before + after) // 2
-            if _stays(start, frames(order[middle]), options):
+            if _stays(start, frames(order[middle]), options.jumps):
                 before = middle
             else:
                 after = middle
@@ -55,26 +55,26 @@ def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) ->
             at = after
 
 
-def _told(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
+def _told(frames: Frames, order: Sequence[int], options: ScanOdometryOptions) -> bool:
     poses = [recorded_pose(frames(order[at]), options=options) for at in (0, len(order) // 2, -1)]
     known = [pose for pose in poses if pose is not None]
-    return any(np.abs(pose - known[0]).max() > options.scan_odometry.rest_pose for pose in known)
+    return any(np.abs(pose - known[0]).max() > options.rest_pose for pose in known)
 
 
-def _stays(one: TrackFrame, other: TrackFrame, options: TrackerOptions) -> bool:
+def _stays(one: TrackFrame, other: TrackFrame, options: JumpOptions) -> bool:
     """Whether most of what one frame shows is there in another."""
     xyz = np.asarray(one.xyz, np.float64)
     if not len(xyz) or not len(other.xyz):
         return True
-    some = xyz[:: max(1, len(xyz) // options.jumps.sampled_points)]
+    some = xyz[:: max(1, len(xyz) // options.sampled_points)]
     size = float(np.median(np.linalg.norm(some - np.median(some, axis=0), axis=1)))
     beside, _ = other.kdtree.query(
-        np.asarray(other.xyz)[:: max(1, len(other.xyz) // options.jumps.sampled_points)], k=[2]
+        np.asarray(other.xyz)[:: max(1, len(other.xyz) // options.sampled_points)], k=[2]
     )
     spacing = float(np.median(beside))
-    reach = max(options.jumps.near_share * size, options.jumps.near_spacings * spacing)
+    reach = max(options.near_share * size, options.near_spacings * spacing)
     gap, _ = other.kdtree.query(some, distance_upper_bound=reach)
-    return float(np.isfinite(gap).mean()) >= options.jumps.stays_share
+    return float(np.isfinite(gap).mean()) >= options.stays_share
 
 
 def _jump_between(
@@ -96,7 +96,7 @@ def _jump_between(
         a, b = planes.get(first), planes.get(second)
         if a is None or b is None:
             continue
-        step, _ = register(a, b.tree, np.eye(4), options=options)
+        step, _ = register(a, b.tree, np.eye(4), options=options.scan_odometry)
         if _displaced(a, step) > options.jumps.rest_share * _displaced(one, T):
             return None  # it moves all the time
     return T
@@ -105,12 +105,12 @@ def _jump_between(
 def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | None:
     """Where the surfaces of a frame lie in another (4, 4); None where they are where they were, or
     are not found."""
-    before = in_place(one, other.tree, np.eye(4), options=options)
+    before = in_place(one, other.tree, np.eye(4), options=options.scan_odometry)
     best, share = np.eye(4), before
-    for shift in _likely(one, other, options):
+    for shift in _likely(one, other, options.jumps):
         start = np.eye(4)
         start[:3, 3] = shift
-        T, found = register(one, other.tree, start, options=options)
+        T, found = register(one, other.tree, start, options=options.scan_odometry)
         if found > share:
             best, share = T, found
     better = share > options.jumps.agreed_share and 1 - share < options.jumps.left_share * (
@@ -127,10 +127,10 @@ def _displaced(planes: Planes, T: F64) -> float:
     return float(np.median(moved)) / planes.cell
 
 
-def _likely(one: Planes, other: Planes, options: TrackerOptions) -> F64:
+def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
     """(K, 3) metres, the shifts under which most surfaces that face alike lie on each other."""
-    side = options.jumps.side_pixels
-    pixel = options.jumps.pixel_cells * max(one.cell, other.cell)
+    side = options.side_pixels
+    pixel = options.pixel_cells * max(one.cell, other.cell)
     middles = [np.median(planes.at, axis=0) for planes in (one, other)]
     product = np.zeros((side, side, side // 2 + 1), np.complex64)
     for axis in range(3):
@@ -141,7 +141,7 @@ def _likely(one: Planes, other: Planes, options: TrackerOptions) -> F64:
         product += second * np.conj(first)
     likeness: F32 = np.asarray(fft.irfftn(product, s=(side,) * 3), np.float32)
     shifts = []
-    for _ in range(options.jumps.shifts):
+    for _ in range(options.shifts):
         peak = np.array(np.unravel_index(likeness.argmax(), likeness.shape))
         around = np.ix_(*((p + np.arange(-2, 3)) % side for p in peak))
         likeness[around] = -np.inf

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import LensOptions, TrackerOptions
 from pointbrush.tracking.sensor.range_image import reach_of
 
 I32 = NDArray[np.int32]
@@ -53,9 +53,9 @@ class Lens:
     shape: tuple[int, int]
     lattice: bool = True
 
-    def cells(self, xyz: F32, options: TrackerOptions) -> Projection:
+    def cells(self, xyz: F32, options: LensOptions) -> Projection:
         """Where points (N, 3) lie in the image."""
-        return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32), options.lens.nearest_m))
+        return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32), options.nearest_m))
 
     @cached_property
     def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)
@@ -137,24 +137,24 @@ def find_lens(
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
     sample = xyz[:: max(1, len(xyz) // options.lens.sampled_points)].astype(np.float64) - eye
-    along, turn = _axis(sample, options=options), None
+    along, turn = _axis(sample, options=options.lens), None
     if along is None:
         turn = _facing(sample)
         sample = sample @ turn.T
-        along = _axis(sample, options=options)
+        along = _axis(sample, options=options.lens)
         if along is None:
             return None
     plane = _tangents(sample, *along)
     spacing = float(np.sqrt(np.ptp(plane[0]) * np.ptp(plane[1]) / len(xyz)))
     pitch = [
         p
-        for p in (_lattice(tangents, options) for tangents in plane)
+        for p in (_lattice(tangents, options.lens) for tangents in plane)
         if p is not None and p > options.lens.min_pitch_spacings * spacing
     ]
     if turn is None and len(pitch) == 2:
-        return _lens(sample, eye, None, along, (pitch[0], pitch[1]), options=options)
+        return _lens(sample, eye, None, along, (pitch[0], pitch[1]), options=options.lens)
     if spacing <= 0 or (
-        moves and reach_of(xyz, options=options) > options.range_image.camera_reach_m
+        moves and reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
     ):
         return None
     lens = _lens(
@@ -163,7 +163,7 @@ def find_lens(
         turn,
         along,
         (options.lens.pixel_spacings * spacing, options.lens.pixel_spacings * spacing),
-        options=options,
+        options=options.lens,
     )
     least = (
         0.0
@@ -172,7 +172,7 @@ def find_lens(
         if place is None
         else options.lens.filled_share_sought
     )
-    if lens is None or not _sees(lens, xyz, told, least, options=options):
+    if lens is None or not _sees(lens, xyz, told, least, options=options.lens):
         return None
     return replace(lens, lattice=False)
 
@@ -183,15 +183,14 @@ def _lens(
     turn: F64 | None,
     along: tuple[int, float],
     pitch: tuple[float, float],
-    options: TrackerOptions,
+    options: LensOptions,
 ) -> Lens | None:
     plane = _tangents(local, *along)
-    low = [float(t.min()) - options.lens.margin_px * p for t, p in zip(plane, pitch, strict=True)]
+    low = [float(t.min()) - options.margin_px * p for t, p in zip(plane, pitch, strict=True)]
     width, height = (
-        int(np.ptp(t) / p) + 2 * options.lens.margin_px + 1
-        for t, p in zip(plane, pitch, strict=True)
+        int(np.ptp(t) / p) + 2 * options.margin_px + 1 for t, p in zip(plane, pitch, strict=True)
     )
-    if width * height > options.lens.max_pixels:
+    if width * height > options.max_pixels:
         return None
     turned = None if turn is None else turn.astype(np.float32)
     at = eye.astype(np.float32)
@@ -203,13 +202,13 @@ def _tangents(local: F64, axis: int, sign: float) -> list[F64]:
     return [local[:, a] / depth for a in range(3) if a != axis]
 
 
-def _axis(local: F64, options: TrackerOptions) -> tuple[int, float] | None:
+def _axis(local: F64, options: LensOptions) -> tuple[int, float] | None:
     """The axis that the points (N, 3) lie about, and 1 or -1, None where they spread too far."""
     for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
         sign = 1.0 if local[:, axis].mean() > 0 else -1.0
         depth = sign * local[:, axis]
         others = np.abs(np.delete(local, axis, axis=1)).max(axis=1)
-        if depth.min() > 0 and (others / depth).max() < options.lens.half_view_tan:
+        if depth.min() > 0 and (others / depth).max() < options.half_view_tan:
             return axis, sign
     return None
 
@@ -229,44 +228,42 @@ def axes_along(forward: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: TrackerOptions) -> bool:
+def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) -> bool:
     """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
     fill at least that share of the image; somebody may have ``told`` that the sensor was there.
     """
     cell, depth = lens.cells(np.asarray(xyz, np.float32), options=options)
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
     np.minimum.at(nearest, cell, depth)
-    behind = float((depth / np.float32(options.lens.behind_ratio) > nearest[cell]).mean())
-    height, width = (size - 2 * options.lens.margin_px for size in lens.shape)
+    behind = float((depth / np.float32(options.behind_ratio) > nearest[cell]).mean())
+    height, width = (size - 2 * options.margin_px for size in lens.shape)
     filled = np.isfinite(nearest).sum() > least * height * width
-    if _torn(nearest[:-1].reshape(lens.shape), options=options) > options.lens.torn_share:
+    if _torn(nearest[:-1].reshape(lens.shape), options=options) > options.torn_share:
         return False
-    return bool(filled) and behind < (
-        options.lens.behind_share_told if told else options.lens.behind_share
-    )
+    return bool(filled) and behind < (options.behind_share_told if told else options.behind_share)
 
 
-def _torn(image: F32, options: TrackerOptions) -> float:
+def _torn(image: F32, options: LensOptions) -> float:
     """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
     pairs, torn = 0, 0
     for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
         near, far = np.minimum(one, other), np.maximum(one, other)
         known = np.isfinite(far)
         pairs += int(np.count_nonzero(known))
-        torn += int(np.count_nonzero(far[known] > (1.0 + options.lens.torn_depth) * near[known]))
+        torn += int(np.count_nonzero(far[known] > (1.0 + options.torn_depth) * near[known]))
     return torn / max(pairs, 1)
 
 
-def _lattice(tangent: F64, options: TrackerOptions) -> float | None:
+def _lattice(tangent: F64, options: LensOptions) -> float | None:
     """Pitch of the lattice that the tangents (N,) of points along one side of an image lie on.
 
     None where they lie on none.
     """
     values = np.sort(tangent)
-    levels = values[np.diff(values, prepend=-np.inf) > options.lens.lattice_tolerance]
-    if len(levels) < options.lens.min_lattice_lines or options.lens.min_points_per_line * len(
-        levels
-    ) > len(values):
+    levels = values[np.diff(values, prepend=-np.inf) > options.lattice_tolerance]
+    if len(levels) < options.min_lattice_lines or options.min_points_per_line * len(levels) > len(
+        values
+    ):
         return None
     roughly = float(np.median(np.diff(levels)))
     width = float(np.ptp(levels))

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.geometry.registration import inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import LensOptions, TrackerOptions, VisualOdometryOptions
 from pointbrush.tracking.sensor.image_pyramid import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.sensor.lens import Lens
 from pointbrush.tracking.sensor.trajectory import RegisteredTrajectory, Trajectory
@@ -61,7 +61,7 @@ def motion_between(
     begun = [_rigid(to @ start @ back) for start in starts]
     T = _followed(one, other, begun, options=options)
     if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
-        begun += [turn @ begun[0] for turn in _turns(one[0].image, options=options)]
+        begun += [turn @ begun[0] for turn in _turns(one[0].image, options=options.visual_odometry)]
         tried = [
             _mended(
                 one[0],
@@ -83,13 +83,22 @@ def motion_between(
             ],
             options=options,
         )
-    off = _off(one[-1], other[-1].image, T, options=options)
-    scale = _scale(off, options=options)
+    off = _off(one[-1], other[-1].image, T, options=options.lens)
+    scale = _scale(off, options=options.visual_odometry)
     before = _agreement(
-        _off(one[-1], other[-1].image, np.eye(4), options=options), scale, options=options
+        _off(one[-1], other[-1].image, np.eye(4), options=options.lens),
+        scale,
+        options=options.visual_odometry,
     )
     shift = _shift(one[-1], T, np.eye(4))
-    return Fit(back @ T @ to, _agreement(off, scale, options=options), before, shift, off, scale)
+    return Fit(
+        back @ T @ to,
+        _agreement(off, scale, options=options.visual_odometry),
+        before,
+        shift,
+        off,
+        scale,
+    )
 
 
 def _rigid(T: F64) -> F64:
@@ -113,13 +122,11 @@ def _followed(
     return _best(one[-1], other[-1].image, found, options=options)[0]
 
 
-def _turns(image: Image, options: TrackerOptions) -> list[F64]:
+def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
     """Turns of a camera aside and upward by some pixels."""
     x, y = image.pitch
     turns = []
-    for aside, upward in product(
-        options.visual_odometry.start_aside_px, options.visual_odometry.start_upward_px
-    ):
+    for aside, upward in product(options.start_aside_px, options.start_upward_px):
         turn = np.eye(4)
         turn[:3, :3] = Rotation.from_rotvec([upward * y, aside * x, 0.0]).as_matrix()
         turns.append(turn)
@@ -128,28 +135,30 @@ def _turns(image: Image, options: TrackerOptions) -> list[F64]:
 
 def _best(layer: Layer, image: Image, found: list[F64], options: TrackerOptions) -> list[F64]:
     """The motions, the one by which the pictures agree best first."""
-    off = [_off(layer, image, T, options=options) for T in found]
-    scale = np.min([_scale(each, options=options) for each in off], axis=0)
-    order = np.argsort([-_agreement(each, scale, options=options) for each in off], kind="stable")
+    off = [_off(layer, image, T, options=options.lens) for T in found]
+    scale = np.min([_scale(each, options=options.visual_odometry) for each in off], axis=0)
+    order = np.argsort(
+        [-_agreement(each, scale, options=options.visual_odometry) for each in off], kind="stable"
+    )
     return [found[i] for i in order.tolist()]
 
 
-def _off(layer: Layer, image: Image, T: F64, options: TrackerOptions) -> F32:
-    return compared(T, layer.points, layer.values, image, options.lens.nearest_m)
+def _off(layer: Layer, image: Image, T: F64, options: LensOptions) -> F32:
+    return compared(T, layer.points, layer.values, image, options.nearest_m)
 
 
-def _scale(off: F32, options: TrackerOptions) -> F64:
+def _scale(off: F32, options: VisualOdometryOptions) -> F64:
     """(channels,) deviation of what agrees; infinite where hardly anything can be compared."""
     there = off[np.isfinite(off[:, -1])]
-    if len(there) < options.visual_odometry.min_pixels:
+    if len(there) < options.min_pixels:
         return np.full(off.shape[1], np.inf)
     return np.asarray(SPREAD * np.median(np.abs(there), axis=0) + 1e-6, np.float64)
 
 
-def _agreement(off: F32, scale: F64, options: TrackerOptions) -> float:
+def _agreement(off: F32, scale: F64, options: VisualOdometryOptions) -> float:
     if not len(off):
         return 0.0
-    far = ((off / (options.visual_odometry.robust_sigmas * scale)) ** 2).mean(axis=1)
+    far = ((off / (options.robust_sigmas * scale)) ** 2).mean(axis=1)
     return float((1.0 / (1.0 + np.nan_to_num(far, nan=np.inf))).mean())
 
 
@@ -167,8 +176,8 @@ def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOpti
     """A motion made better by Gauss and Newton's steps."""
     away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
     for _ in range(steps):
-        off = _off(layer, image, T, options=options)
-        scale = _scale(off, options=options)
+        off = _off(layer, image, T, options=options.lens)
+        scale = _scale(off, options=options.visual_odometry)
         if np.isinf(scale).any():
             break
         H, g = equations(
@@ -223,7 +232,7 @@ def moves(
         )
         if (
             better
-            and _agreement(fit.off, scale, options=options)
+            and _agreement(fit.off, scale, options=options.visual_odometry)
             >= options.visual_odometry.lost_agreement
         ):
             return True
@@ -237,7 +246,7 @@ def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
     """
     height, width = lens.shape
     seen = np.zeros(height * width + 1, np.bool_)
-    seen[lens.cells(np.asarray(frame.xyz, np.float32), options=options).cell] = True
+    seen[lens.cells(np.asarray(frame.xyz, np.float32), options=options.lens).cell] = True
     image = seen[:-1].reshape(height, width)[
         options.lens.margin_px : -options.lens.margin_px,
         options.lens.margin_px : -options.lens.margin_px,
@@ -305,10 +314,10 @@ class CameraTrajectory(RegisteredTrajectory):
 
     def _lost(self, fit: Fit) -> bool:
         """Whether hardly anything agrees as well as it usually does."""
+        options = self.options.visual_odometry
         return (
             self._scale is None
-            or _agreement(fit.off, self._scale, options=self.options)
-            < self.options.visual_odometry.lost_agreement
+            or _agreement(fit.off, self._scale, options=options) < options.lost_agreement
         )
 
     def _apart(self, key: _Key, pose: F64) -> float:

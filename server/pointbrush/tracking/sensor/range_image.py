@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import RangeImageOptions, TrackerOptions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,14 +32,13 @@ class RangeImage:
 
         In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
         """
-        cell, away = _cells(
-            xyz - self.eye, self.up, self.step, self.options.range_image.azimuth_deg
-        )
+        options = self.options.range_image
+        cell, away = _cells(xyz - self.eye, self.up, self.step, options.azimuth_deg)
         far = self.farthest[cell]
-        hidden = far < away - np.maximum(by, self.options.range_image.hidden_share * away)
+        hidden = far < away - np.maximum(by, options.hidden_share * away)
         if own is not None:
             there = np.zeros(len(self.farthest), np.bool_)
-            width = _width(self.options.range_image.azimuth_deg)
+            width = _width(options.azimuth_deg)
             beside = np.add.outer((-width, 0, width), (-1, 0, 1)).ravel()
             there[np.clip(own[:, None] + beside, 0, len(there) - 1)] = True
             hidden &= ~there[cell] | (far < away - size)
@@ -65,10 +64,10 @@ def range_image_of(
     if most is None:
         most = options.range_image.swept_share
     local = xyz - eye
-    up = axis_up(local, options=options)
+    up = axis_up(local, options=options.range_image)
     if (
-        _behind(local, up, options=options) > most
-        and _confused(local, up, options=options) > options.range_image.behind_share
+        _behind(local, up, options=options.range_image) > most
+        and _confused(local, up, options=options.range_image) > options.range_image.behind_share
     ):
         return None
     for step in options.range_image.elevations_deg:
@@ -85,15 +84,15 @@ def range_image_of(
         part = image[row[0] : row[1] + 1, image.any(axis=0)] > 0
         if part.mean() > options.range_image.filled_share:
             break
-    farthest = np.where(farthest > 0, farthest, _open(image, options=options)).astype(np.float32)
+    farthest = np.where(farthest > 0, farthest, _open(image, options=options.range_image)).astype(
+        np.float32
+    )
     return RangeImage(options, np.asarray(eye, np.float64), farthest, up, step)
 
 
-def _open(image: F32, options: TrackerOptions) -> F32:
+def _open(image: F32, options: RangeImageOptions) -> F32:
     """Flat ranges where an ``image`` (R, width) is empty: inf inside of its edges, 0 beyond."""
-    looks = maximum_filter1d(
-        image.any(axis=0), 2 * options.range_image.blind_cells + 1, mode="wrap"
-    )
+    looks = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
     rows = np.flatnonzero(image.any(axis=1))
     seen = np.zeros(image.shape, np.float32)
     seen[rows[0] : rows[-1] + 1, looks] = np.inf
@@ -107,100 +106,89 @@ def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
     """
     if len(xyz) < options.range_image.min_points:
         return None
-    up = axis_up(xyz, options=options)
+    up = axis_up(xyz, options=options.range_image)
     above = np.eye(3)[up]
     height, most = 0.0, options.range_image.swept_share
-    if _behind(xyz, up, options=options) > options.range_image.swept_share:
+    if _behind(xyz, up, options=options.range_image) > options.range_image.swept_share:
         height, most = (
             min(
                 options.range_image.sensor_heights_m,
-                key=lambda h: _confused(xyz - h * above, up, options=options),
+                key=lambda h: _confused(xyz - h * above, up, options=options.range_image),
             ),
             options.range_image.behind_share,
         )
     local = xyz - height * above
     there = range_image_of(xyz, height * above, options, most) is not None and _deep(
-        local, options=options
+        local, options=options.range_image
     )
     # What is thinned to cells and reaches as far as a lidar does is no figure about its middle.
     there = there and (
-        reach_of(xyz, options=options) > options.range_image.camera_reach_m
-        or _spreads(local, options=options)
+        reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
+        or _spreads(local, options=options.range_image)
     )
     return np.asarray(height * above) if there else None
 
 
-def _deep(local: F32 | F64, options: TrackerOptions) -> bool:
+def _deep(local: F32 | F64, options: RangeImageOptions) -> bool:
     """Whether what lies behind something else would be seen to: all of a small thing is hardly
     farther than its front."""
     away = np.linalg.norm(local, axis=1)
-    near, far = np.quantile(
-        away, [options.range_image.stray_share, 1 - options.range_image.stray_share]
-    )
-    return bool(far > options.range_image.lidar_depth_ratio * near)
+    near, far = np.quantile(away, [options.stray_share, 1 - options.stray_share])
+    return bool(far > options.lidar_depth_ratio * near)
 
 
-def _spreads(local: F32 | F64, options: TrackerOptions) -> bool:
+def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
     """Whether points (N, 3) lie farther apart the farther they are, as a sensor sees them.
 
     A figure about its own middle shows one surface in each direction too, but is sampled evenly.
     """
     away = np.linalg.norm(local, axis=1)
-    some = np.arange(0, len(local), -(-len(local) // options.range_image.spread_points))
-    apart = np.asarray(
-        cKDTree(local).query(local[some], k=[options.range_image.spread_neighbours + 1])[0]
-    )[:, 0]
+    some = np.arange(0, len(local), -(-len(local) // options.spread_points))
+    apart = np.asarray(cKDTree(local).query(local[some], k=[options.spread_neighbours + 1])[0])[
+        :, 0
+    ]
     near, far = (away[some] <= np.quantile(away, 1 / 3), away[some] >= np.quantile(away, 2 / 3))
     farther = np.median(away[some][far]) / np.median(away[some][near])
     wider = np.median(apart[far]) / max(float(np.median(apart[near])), 1e-9)
-    return bool(wider > farther**options.range_image.spread_power)
+    return bool(wider > farther**options.spread_power)
 
 
-def reach_of(xyz: F32 | F64, options: TrackerOptions) -> float:
+def reach_of(xyz: F32 | F64, options: RangeImageOptions) -> float:
     """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
     if not len(xyz):
         return 0.0
     away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
-    return float(np.quantile(away, options.range_image.camera_share))
+    return float(np.quantile(away, options.camera_share))
 
 
-def axis_up(local: F32 | F64, options: TrackerOptions) -> int:
+def axis_up(local: F32 | F64, options: RangeImageOptions) -> int:
     """The axis that a spinning sensor looks along the least."""
-    return int(
-        np.argmin(
-            np.abs(local[:: max(1, len(local) // options.range_image.up_points)]).mean(axis=0)
-        )
-    )
+    return int(np.argmin(np.abs(local[:: max(1, len(local) // options.up_points)]).mean(axis=0)))
 
 
-def _behind(local: F32 | F64, up: int, options: TrackerOptions) -> float:
+def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
     """Share of the points (N, 3) that lie well behind another in their direction."""
-    cell, away = _cells(
-        local, up, options.range_image.elevations_deg[0], options.range_image.azimuth_deg
-    )
+    cell, away = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
     nearest = np.full(
-        int(180 / options.range_image.elevations_deg[0] + 1)
-        * _width(options.range_image.azimuth_deg),
+        int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg),
         np.inf,
         np.float32,
     )
     np.minimum.at(nearest, cell, away.astype(np.float32))
-    return float((away > options.range_image.behind_ratio * nearest[cell]).mean())
+    return float((away > options.behind_ratio * nearest[cell]).mean())
 
 
-def _confused(local: F32 | F64, up: int, options: TrackerOptions) -> float:
+def _confused(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
     """Share of the points (N, 3), of those with others in the very same direction, that lie well
     behind another: what several sensors saw, or one elsewhere, is confused so."""
-    cell, away = _cells(
-        local, up, options.range_image.same_direction_deg, options.range_image.same_direction_deg
-    )
+    cell, away = _cells(local, up, options.same_direction_deg, options.same_direction_deg)
     order = np.argsort(cell, kind="stable")
     start = np.flatnonzero(np.diff(cell[order], prepend=-1))
     count = np.diff(start, append=len(cell))
     nearest = np.repeat(np.minimum.reduceat(away[order], start), count)
-    behind = np.count_nonzero(away[order] > options.range_image.behind_ratio * nearest)
+    behind = np.count_nonzero(away[order] > options.behind_ratio * nearest)
     shared = int(count[count > 1].sum())
-    return float(behind / max(shared, options.range_image.min_same_direction * len(local)))
+    return float(behind / max(shared, options.min_same_direction * len(local)))
 
 
 def _width(azimuth: float) -> int:

@@ -9,21 +9,21 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ViewpointOptions
 from pointbrush.tracking.sensor.lens import axes_along
 
 
-def evened(xyz: F64, place: F64, size: float, options: TrackerOptions) -> F64:
+def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
     """The place (3,) near ``place`` from which points (N, 3) fill an image the most evenly.
 
     ``size`` metres of the scene.
     """
     middle = np.median(xyz, axis=0)
-    starts = [middle + share * (place - middle) for share in options.viewpoint.distance_shares]
+    starts = [middle + share * (place - middle) for share in options.distance_shares]
     costs = [unevenness(xyz, start, options=options) for start in starts]
     place, least = starts[int(np.argmin(costs))], min(costs)
     ways = _ways(middle - place)
-    step, last = (s * size for s in options.viewpoint.direction_steps)
+    step, last = (s * size for s in options.direction_steps)
     while step > last:
         before = least
         for way in ways:
@@ -36,7 +36,7 @@ def evened(xyz: F64, place: F64, size: float, options: TrackerOptions) -> F64:
     return place
 
 
-def unevenness(xyz: F64, place: F64, options: TrackerOptions) -> float:
+def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
     """How far, in logarithms, parts of the image hold more or fewer points than it is usual there.
 
     What is usual changes slowly over the image where that does not look along its axis.  inf
@@ -46,19 +46,16 @@ def unevenness(xyz: F64, place: F64, options: TrackerOptions) -> float:
     rays = local / (np.sqrt(np.einsum("ij,ij->i", local, local))[:, None] + 1e-9)
     forward = rays.mean(axis=0)
     straight = float(np.linalg.norm(forward))
-    if straight < options.viewpoint.min_mean_ray:
+    if straight < options.min_mean_ray:
         return np.inf
     to_right, to_bottom, ahead = axes_along(forward / straight)
-    depth = np.maximum(rays @ ahead, options.viewpoint.min_ray_cos)
+    depth = np.maximum(rays @ ahead, options.min_ray_cos)
     across, down = rays @ to_right / depth, rays @ to_bottom / depth
-    pitch = (
-        options.viewpoint.part_spacings * float(np.sqrt(np.ptp(across) * np.ptp(down) / len(xyz)))
-        + 1e-9
-    )
+    pitch = options.part_spacings * float(np.sqrt(np.ptp(across) * np.ptp(down) / len(xyz))) + 1e-9
     column, row = (((t - t.min()) / pitch).astype(np.int64) for t in (across, down))
     width = int(column.max()) + 1
     count = np.bincount(row * width + column)
-    part = np.flatnonzero(count >= options.viewpoint.part_spacings)
+    part = np.flatnonzero(count >= options.part_spacings)
     x, y = part % width * pitch, part // width * pitch
     slow = np.stack([np.ones(len(part)), x, y, x * x, x * y, y * y], axis=1)
     many = np.log(count[part])

@@ -12,18 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ScanOdometryOptions
 
 
-def likely_shifts(before: F64, here: F64, cell: float, count: int, options: TrackerOptions) -> F64:
+def likely_shifts(
+    before: F64, here: F64, cell: float, count: int, options: ScanOdometryOptions
+) -> F64:
     """(count, 3) metres, the likeliest first, that bring points (N, 3) near to points (M, 3).
 
     Both thinned to cells of ``cell`` metres; ``before`` turned as ``here`` is.
     """
-    pixel = options.scan_odometry.shift_pixel_cells * cell
+    pixel = options.shift_pixel_cells * cell
     middle = np.median(before, axis=0)
     around = before - middle
-    around = around[(np.abs(around) < options.scan_odometry.shift_side_px * pixel).all(axis=1)]
+    around = around[(np.abs(around) < options.shift_side_px * pixel).all(axis=1)]
     _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", around, around))
     wide = axes[:, :0:-1]
     pictures = [
@@ -31,15 +33,13 @@ def likely_shifts(before: F64, here: F64, cell: float, count: int, options: Trac
     ]
     one, other = (np.fft.rfft2(picture) for picture in pictures)
     product = other * np.conj(one)
-    product /= np.abs(product) ** options.scan_odometry.shift_whitening + 1e-9
+    product /= np.abs(product) ** options.shift_whitening + 1e-9
     middle_part = slice(
-        options.scan_odometry.shift_side_px // 2 - options.scan_odometry.shift_max_px,
-        options.scan_odometry.shift_side_px // 2 + options.scan_odometry.shift_max_px + 1,
+        options.shift_side_px // 2 - options.shift_max_px,
+        options.shift_side_px // 2 + options.shift_max_px + 1,
     )
     likeness = np.fft.fftshift(
-        np.fft.irfft2(
-            product, s=(options.scan_odometry.shift_side_px, options.scan_odometry.shift_side_px)
-        )
+        np.fft.irfft2(product, s=(options.shift_side_px, options.shift_side_px))
     )[middle_part, middle_part]
     shifts = np.empty((count, 3))
     for number in range(count):
@@ -47,40 +47,36 @@ def likely_shifts(before: F64, here: F64, cell: float, count: int, options: Trac
         shifts[number] = wide @ (
             np.array(
                 [
-                    row - options.scan_odometry.shift_max_px,
-                    column - options.scan_odometry.shift_max_px,
+                    row - options.shift_max_px,
+                    column - options.shift_max_px,
                 ]
             )
             * pixel
         )
         rows = slice(
-            max(0, row - options.scan_odometry.shift_same_px),
-            row + options.scan_odometry.shift_same_px + 1,
+            max(0, row - options.shift_same_px),
+            row + options.shift_same_px + 1,
         )
         likeness[
             rows,
-            max(0, column - options.scan_odometry.shift_same_px) : column
-            + options.scan_odometry.shift_same_px
-            + 1,
+            max(0, column - options.shift_same_px) : column + options.shift_same_px + 1,
         ] = -np.inf
     return shifts
 
 
-def _upright(xyz: F64, pixel: float, options: TrackerOptions) -> NDArray[np.float64]:
+def _upright(xyz: F64, pixel: float, options: ScanOdometryOptions) -> NDArray[np.float64]:
     """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
-    xyz = xyz[
-        (np.abs(xyz[:, :2]) < (options.scan_odometry.shift_side_px // 2 - 1) * pixel).all(axis=1)
-    ]
-    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + options.scan_odometry.shift_side_px // 2
-    number, height = at[:, 0] * options.scan_odometry.shift_side_px + at[:, 1], xyz[:, 2]
+    xyz = xyz[(np.abs(xyz[:, :2]) < (options.shift_side_px // 2 - 1) * pixel).all(axis=1)]
+    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + options.shift_side_px // 2
+    number, height = at[:, 0] * options.shift_side_px + at[:, 1], xyz[:, 2]
     high, low = (
-        np.full(options.scan_odometry.shift_side_px**2, -np.inf),
-        np.full(options.scan_odometry.shift_side_px**2, np.inf),
+        np.full(options.shift_side_px**2, -np.inf),
+        np.full(options.shift_side_px**2, np.inf),
     )
     np.maximum.at(high, number, height)
     np.minimum.at(low, number, height)
     return (
-        np.asarray(high > low + options.scan_odometry.shift_steep_px * pixel)
+        np.asarray(high > low + options.shift_steep_px * pixel)
         .astype(np.float64)
-        .reshape(options.scan_odometry.shift_side_px, options.scan_odometry.shift_side_px)
+        .reshape(options.shift_side_px, options.shift_side_px)
     )

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
 
 
 class Trajectory(ABC):
@@ -39,17 +39,14 @@ class RecordedTrajectory(Trajectory):
 
     def pose(self, number: int) -> F64:
         """See ``Trajectory``."""
-        pose = recorded_pose(self._frames(number), options=self.options)
+        pose = recorded_pose(self._frames(number), options=self.options.scan_odometry)
         return np.eye(4) if pose is None else np.asarray(self._back @ pose, np.float64)
 
 
-def recorded_pose(frame: TrackFrame, options: TrackerOptions) -> F64 | None:
+def recorded_pose(frame: TrackFrame, options: ScanOdometryOptions) -> F64 | None:
     """The pose of a frame as the recording tells it, None where that is no motion of space."""
     pose = frame.pose
-    if (
-        pose is None
-        or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > options.scan_odometry.max_skew
-    ):
+    if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > options.max_skew:
         return None
     return pose
 

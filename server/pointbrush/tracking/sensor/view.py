@@ -90,14 +90,15 @@ class View:
 
     def colour(self, indices: I64) -> F32:
         """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
+        options = self.options.tint
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
         return _tints(
             self._rgb,
             indices,
-            self.options.tint.red_weight,
-            self.options.tint.dark_sum,
-            self.options.tint.brightness,
+            options.red_weight,
+            options.dark_sum,
+            options.brightness,
         )
 
     @cached_property
@@ -142,7 +143,7 @@ class View:
         """Where every point (N,) lies in the depth image; needs a camera."""
         return self.camera.cells(
             self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
-            options=self.options,
+            options=self.options.lens,
         )
 
     @cached_property
@@ -192,7 +193,7 @@ class View:
         """The axis of the world that points up, or down, before a lidar."""
         return axis_up(
             self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye),
-            options=self.options,
+            options=self.options.range_image,
         )
 
     @cached_property
@@ -219,7 +220,7 @@ class View:
 
     @property
     def _reach(self) -> float:
-        return reach_of(self.xyz, options=self.options)
+        return reach_of(self.xyz, options=self.options.range_image)
 
     def firm(self, indices: I64, step: float) -> Mask:
         """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
@@ -240,7 +241,7 @@ class View:
     def project(self, world: F64) -> Projection:
         """Where any points (M, 3) of the world lie in the depth image; needs a camera."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
-        return self.camera.cells(local.astype(np.float32), options=self.options)
+        return self.camera.cells(local.astype(np.float32), options=self.options.lens)
 
     def hides(self, world: F64, margin: float) -> Mask:
         """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import TrackerOptions, ViewpointOptions
 from pointbrush.tracking.sensor.lens import axes_along
 from pointbrush.tracking.sensor.sampling import evened
 
@@ -33,7 +33,8 @@ def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
     if size <= 0:
         return None
     places = middle + size * (
-        np.array(options.viewpoint.distance_sizes)[:, None, None] * _all_round(options=options)
+        np.array(options.viewpoint.distance_sizes)[:, None, None]
+        * _all_round(options=options.viewpoint)
     ).reshape(-1, 3)
     gap = options.viewpoint.hidden_sizes * size
     costs = np.array([_hidden(few, place, gap, options=options) for place in places])
@@ -48,7 +49,7 @@ def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
     place = _closer(every, best, gap, 2 * last, least, options=options)
     if _hidden(every, place, gap, options=options) >= options.viewpoint.hidden_share:
         return None
-    closer = evened(many, place, size, options=options)
+    closer = evened(many, place, size, options=options.viewpoint)
     return (
         closer
         if _hidden(every, closer, gap, options=options) < options.viewpoint.hidden_share
@@ -60,10 +61,10 @@ def _thinned(xyz: F32, most: int) -> F64:
     return np.asarray(xyz[:: max(1, len(xyz) // most)], np.float64)
 
 
-def _all_round(options: TrackerOptions) -> F64:
+def _all_round(options: ViewpointOptions) -> F64:
     """(DIRECTIONS, 3) unit vectors, even: Fibonacci's lattice."""
-    at = np.arange(options.viewpoint.directions) + 0.5
-    down, round_ = np.arccos(1 - 2 * at / options.viewpoint.directions), np.pi * (1 + 5**0.5) * at
+    at = np.arange(options.directions) + 0.5
+    down, round_ = np.arccos(1 - 2 * at / options.directions), np.pi * (1 + 5**0.5) * at
     across = np.sin(down)
     return np.stack([across * np.cos(round_), across * np.sin(round_), np.cos(down)], axis=1)
 

@@ -23,21 +23,22 @@ from pointbrush.tracking.sensor.view import View
 
 def taught(thing: Thing, view: View, points: I64) -> F64 | None:
     """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
+    options = thing.options
     if (
         thing.bends
         or thing.large
         or thing.missing
-        or len(points) < thing.options.update.correction_min_points
+        or len(points) < options.update.correction_min_points
     ):
         return None
     place = find(search_among(thing, view, points))
-    model, reach = thing.model, thing.options.update.new_surface_units * thing.unit
+    model, reach = thing.model, options.update.new_surface_units * thing.unit
     found = claim(view, points, place.world, model.colour, thing.weight, 2 * thing.reach)
-    if place.cost > thing.options.update.correction_max_cost or len(
+    if place.cost > options.update.correction_max_cost or len(
         found.indices
-    ) < thing.options.update.correction_explained_share * len(points):
+    ) < options.update.correction_explained_share * len(points):
         return None
-    model.drop(_denied(thing, view, place, points) & (model.hits < thing.options.surface.sure_hits))
+    model.drop(_denied(thing, view, place, points) & (model.hits < options.surface.sure_hits))
     back = inverse(place.pose)
     eye = None if view.eye is None else transform(back, view.eye[None])[0]
     found = claim(view, points, transform(place.pose, model.xyz), model.colour, 0.0, reach)
@@ -52,10 +53,9 @@ def taught(thing: Thing, view: View, points: I64) -> F64 | None:
 
 def _denied(thing: Thing, view: View, place: Place, points: I64) -> Mask:
     """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
-    painted = close_to(
-        place.world, view.xyz[points], thing.options.verdict.surface_units * thing.unit
-    )
+    options = thing.options.verdict
+    painted = close_to(place.world, view.xyz[points], options.surface_units * thing.unit)
     denied = ~painted & thing.model.facing(place.pose[None], view.eye)[0]
     if view.lens is not None:
-        denied &= ~view.hides(place.world, thing.options.verdict.hidden_units * thing.unit)
+        denied &= ~view.hides(place.world, options.hidden_units * thing.unit)
     return np.asarray(denied)

@@ -31,15 +31,16 @@ def learn(thing: Thing, sighting: Sighting) -> None:
 
 def _make_anew(thing: Thing, sighting: Sighting) -> None:
     """Replace a model that bends by what was found, and what of the old one was not in sight."""
+    options = thing.options
     view, place, points = sighting.view, sighting.place, sighting.points
     back = inverse(place.pose)
     xyz = transform(back, view.xyz[points].astype(np.float64))
     unseen = sighting.verdict.hidden
     if thing.scanned:  # what hides it from a lidar is known too coarsely
         unseen = unseen | ~close_to(
-            place.world, view.xyz[points], thing.options.verdict.surface_units * thing.unit
+            place.world, view.xyz[points], options.verdict.surface_units * thing.unit
         )
-    old = np.flatnonzero(unseen & (thing.model.misses < thing.options.update.forgotten_frames))
+    old = np.flatnonzero(unseen & (thing.model.misses < options.update.forgotten_frames))
     before = thing.model
     new = Model.of(
         xyz,
@@ -47,7 +48,7 @@ def _make_anew(thing: Thing, sighting: Sighting) -> None:
         _eye_of(back, view),
         before.spacing,
         thing.options,
-        thing.options.surface.max_points_bent,
+        options.surface.max_points_bent,
     )
     new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
     new.colour = np.vstack([new.colour, before.colour[old]])
@@ -88,11 +89,10 @@ def _claimed_again(thing: Thing, sighting: Sighting, number: I64) -> Claim:
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
+    options = thing.options.update
     view, place, found = sighting.view, sighting.place, sighting.found
     reach = (
-        thing.options.update.teach_units_alone
-        if place.whole or thing.scanned
-        else thing.options.update.teach_units
+        options.teach_units_alone if place.whole or thing.scanned else options.teach_units
     ) * thing.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)

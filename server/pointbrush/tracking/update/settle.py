@@ -32,6 +32,7 @@ def settle(
     asked: TrackOptions,
 ) -> tuple[TrackState, I64]:
     """Judge what was found in a frame, and learn from it: the state, and the points (M,)."""
+    options = thing.options.update
     pose, world = (None, None) if place is None else (place.pose, place.world)
     verdict = judge(thing, view, pose, world, found)
     seen = place is not None and _seen(thing, view, place, verdict)
@@ -47,17 +48,15 @@ def settle(
     _trust(thing, place, fit)
     thing.last = LastSight(len(points), place.vain, place.cut_short, fit)
     _move(thing, place, verdict)
-    if place.cost < thing.options.update.motion_cost:
+    if place.cost < options.motion_cost:
         note_strain(thing, sighting)
     # What bends fits badly as a whole, and well where it was bent.
     followed = (
-        thing.soft
-        and place.cost < thing.options.update.motion_cost
-        and verdict.inliers > thing.options.update.reappear_share
+        thing.soft and place.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
-    if place.cost < thing.options.update.teach_cost or thing.bends or thing.large or followed:
+    if place.cost < options.teach_cost or thing.bends or thing.large or followed:
         learn(thing, replace(sighting, found=_lesson(thing, sighting)))
-    if place.cost < thing.options.update.teach_cost and not (thing.bends or thing.large):
+    if place.cost < options.teach_cost and not (thing.bends or thing.large):
         remember(thing.glimpses, view, place.pose, place.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
     track = TrackState(place.pose, rmse, verdict.inliers, thing.trust, len(points), "tracked")
@@ -78,18 +77,15 @@ def _unseen(thing: Thing, pose: F64 | None, verdict: Verdict, asked: TrackOption
 
 def _trust(thing: Thing, place: Place, fit: Evidence) -> None:
     """Trust a thing as far as this fit and the frames before allow."""
-    here = likelihood(fit, thing.body, options=thing.options)
-    if place.whole and place.cost < thing.options.update.teach_cost:
+    options = thing.options
+    here = likelihood(fit, thing.body, options=options.confidence)
+    if place.whole and place.cost < options.update.teach_cost:
         cost = thing.in_the_air.cost
-        cost += thing.options.update.usual_cost_rate * (fit.cost - cost)
+        cost += options.update.usual_cost_rate * (fit.cost - cost)
         thing.in_the_air = InTheAir(thing.in_the_air.frames + 1, cost)
-    regain = (
-        thing.options.confidence.regain_scanned
-        if thing.scanned
-        else thing.options.confidence.regain
-    )
+    regain = options.confidence.regain_scanned if thing.scanned else options.confidence.regain
     thing.strayed = not place.whole and (thing.strayed or _strays(thing, place))
-    most = min(place.most, thing.options.update.astray_confidence) if thing.strayed else place.most
+    most = min(place.most, options.update.astray_confidence) if thing.strayed else place.most
     thing.trust = min(here, thing.trust + regain, most)
 
 
@@ -98,29 +94,27 @@ def _strays(thing: Thing, place: Place) -> bool:
 
     What bends has no shape that would tell it from an arm.
     """
-    if thing.dyed or thing.large or thing.trust > thing.options.update.astray_confidence:
+    options = thing.options.update
+    if thing.dyed or thing.large or thing.trust > options.astray_confidence:
         return False
     centre = thing.motion.centre[None]
     at = transform(place.pose, centre)[0]
     expected = transform_each(thing.motion.predictions(), centre)[:, 0]
     off = np.linalg.norm(expected - at, axis=1).min()
-    return bool(off > thing.options.update.astray_radii * thing.model.radius)
+    return bool(off > options.astray_radii * thing.model.radius)
 
 
 def _move(thing: Thing, place: Place, verdict: Verdict) -> None:
     """Let the motion of a thing take in where it was found."""
     # What was found so in the frame before too has moved from there to here.
+    options = thing.options.update
     scrap = (
-        thing.large
-        and thing.last.points < thing.options.update.scrap_share * thing.size
-        and not thing.scanned
+        thing.large and thing.last.points < options.scrap_share * thing.size and not thing.scanned
     )
     if scrap or (place.anew and not thing.motion.fresh):
         thing.motion.begin(place.pose)
     else:
-        thing.motion.add(
-            place.pose, sure=thing.large or place.cost < thing.options.update.motion_cost
-        )
+        thing.motion.add(place.pose, sure=thing.large or place.cost < options.motion_cost)
     if thing.handy and well_seen(thing, verdict, thing.last.points):
         thing.motion.seen(thing.unit)
 
@@ -130,23 +124,22 @@ def well_seen(thing: Thing, verdict: Verdict, count: int) -> bool:
 
     What has turned or gone farther away shows fewer points, but in sight it tells that it moves.
     """
+    options = thing.options
     if thing.motion.rests(thing.unit):
-        return count > thing.options.update.well_seen_share * thing.size
+        return count > options.update.well_seen_share * thing.size
     in_sight = (
-        verdict.visible > thing.options.update.well_seen_share
-        and verdict.inliers > thing.options.update.reappear_share
+        verdict.visible > options.update.well_seen_share
+        and verdict.inliers > options.update.reappear_share
     )
-    return in_sight and count > thing.options.track.hardly_share * thing.size
+    return in_sight and count > options.track.hardly_share * thing.size
 
 
 def _seen(thing: Thing, view: View, place: Place, verdict: Verdict) -> bool:
     """Whether the thing was found; one that was hidden must show itself clearly."""
-    clear = (
-        place.cost < thing.options.update.motion_cost
-        and verdict.inliers > thing.options.update.reappear_share
-    )
+    options = thing.options.update
+    clear = place.cost < options.motion_cost and verdict.inliers > options.reappear_share
     if view.lens is None and np.array_equal(place.pose, thing.motion.poses[-1]):
-        clear = verdict.inliers > thing.options.update.stayed_share
+        clear = verdict.inliers > options.stayed_share
     return verdict.found and (thing.missing == 0 or thing.large or clear)
 
 
@@ -156,16 +149,17 @@ def hides(thing: Thing, view: View, place: Place, found: Claim) -> bool:
 
     What is alone in the air hides nothing.
     """
-    if not thing.dyed or place.cost < thing.options.update.teach_cost or place.whole:
+    options = thing.options
+    if not thing.dyed or place.cost < options.update.teach_cost or place.whole:
         return False
     colour = view.colour(found.indices)
     if not thing.worn.unlike(colour):
         return False
     known = ColourHistogram.of(
-        thing.model.colour[thing.model.hits >= thing.options.surface.sure_hits],
+        thing.model.colour[thing.model.hits >= options.surface.sure_hits],
         options=thing.options,
     )
-    return known.likeness(colour) < known.usual - thing.options.update.hiding_log_colour
+    return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 
 
 def _lesson(thing: Thing, sighting: Sighting) -> Claim:
