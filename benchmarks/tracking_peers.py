@@ -1,7 +1,7 @@
 """What `auto` is compared with: registrations of other libraries, in the paper's loop.
 
 A peer registers the object's points to the next frame; the points near the moved object get the
-label, as in ``pointbrush.tracking.paper``.  Open3D and small_gicp are no dependencies: they are
+label, as in ``pointbrush.tracking.icp``.  Open3D and small_gicp are no dependencies: they are
 installed into a folder of the benchmark's own when they are asked for.
 """
 
@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions, TrackState
-from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.compute.rigid import transform
+from pointbrush.tracking.icp import REACH, _cut, _Object, _painted
 from pointbrush.tracking.interface import Frames, Known, TrackFrame
-from pointbrush.tracking.paper import REACH, _cut, _Object, _painted
 
 F64 = NDArray[np.float64]
 FOLDER = (

@@ -11,17 +11,17 @@ import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.auto import Run
-from pointbrush.tracking.disputes import placed
-from pointbrush.tracking.fitting import relocation
-from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.search import Search, crop
-from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
-from pointbrush.tracking.segmentation.findings import Findings
+from pointbrush.tracking.steps import relocate as relocation
+from pointbrush.tracking.steps.claim import Findings
+from pointbrush.tracking.steps.predict import Search, crop
+from pointbrush.tracking.steps.register import find
+from pointbrush.tracking.steps.relocate import placed
+from pointbrush.tracking.tracker import Run
 
 OPTIONS = TrackerOptions()
 

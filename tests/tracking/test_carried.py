@@ -10,17 +10,15 @@ import scenes
 from runs import follow
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.background.map_background import MapBackground
-from pointbrush.tracking.background.mapping import chart_of
-from pointbrush.tracking.background.surface_map import SurfaceMap
-from pointbrush.tracking.geometry.near import close_to
-from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.compute.grid import close_to
+from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F32
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.ego_motion import find_trajectory
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.scene.mapped import MapBackground, SurfaceMap, chart_of
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

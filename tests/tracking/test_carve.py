@@ -6,10 +6,10 @@ import numpy as np
 import scenes
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.objects.free_space import Glimpse, carved, remember
+from pointbrush.tracking.model.surface import Glimpse, carved, remember
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

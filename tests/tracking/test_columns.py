@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from pointbrush.tracking.geometry.columns import (
+from pointbrush.tracking.compute.columns import (
     NONE,
     columns,
     nearer_than,
@@ -21,13 +21,11 @@ from pointbrush.tracking.geometry.columns import (
     pairs,
     spans,
 )
-from pointbrush.tracking.geometry.components import parts
-from pointbrush.tracking.geometry.grid import numbered, perhaps_near
-from pointbrush.tracking.geometry.near import RUN, close_to, in_box, runs_of
-from pointbrush.tracking.geometry.paths import paths_over, reach
-from pointbrush.tracking.geometry.registration import Target, excess
+from pointbrush.tracking.compute.graph import parts, paths_over, reach
+from pointbrush.tracking.compute.grid import RUN, close_to, in_box, numbered, perhaps_near, runs_of
+from pointbrush.tracking.compute.rigid import Target, excess
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.connectivity import Limits, flood
+from pointbrush.tracking.steps.grow import Limits, flood
 
 OPTIONS = TrackerOptions()
 

@@ -11,13 +11,12 @@ import pytest
 import scenes
 
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions, TrackState
-from pointbrush.tracking.auto import Run
-from pointbrush.tracking.between import BothSides
-from pointbrush.tracking.companions import Companions
+from pointbrush.tracking.bidirectional import BothSides
 from pointbrush.tracking.interface import PAINTED, Frames, Known
 from pointbrush.tracking.options import CompanionOptions
 from pointbrush.tracking.parallel.workers import Workers
-from pointbrush.tracking.rules import FrameRules
+from pointbrush.tracking.permissions import Companions, FrameRules
+from pointbrush.tracking.tracker import Run
 
 BLUE = (40, 90, 200)
 TRACKED = 2

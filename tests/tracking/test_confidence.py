@@ -10,11 +10,12 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking import TrackState, auto
-from pointbrush.tracking.objects.confidence import Evidence, likelihood
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking import TrackState
+from pointbrush.tracking import tracker as auto
+from pointbrush.tracking.model.confidence import Evidence, likelihood
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.update.settle import settle
+from pointbrush.tracking.steps.settle import settle
 
 OPTIONS = TrackerOptions()
 

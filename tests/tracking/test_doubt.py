@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.fitting import fit
-from pointbrush.tracking.fitting.search import search_among
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps import register as fit
+from pointbrush.tracking.steps.predict import search_among
 
 OPTIONS = TrackerOptions()
 

@@ -9,7 +9,7 @@ import pytest
 import scenes
 
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions
-from pointbrush.tracking.distinct import Copies
+from pointbrush.tracking.duplicates import Copies
 from pointbrush.tracking.interface import PAINTED
 
 

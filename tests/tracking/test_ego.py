@@ -9,11 +9,11 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking.fitting.recovery import shifts
-from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.ego_motion import find_trajectory
-from pointbrush.tracking.sensor.range_image import find_eye, range_image_of
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
+from pointbrush.tracking.sensors.scanner import find_eye, range_image_of
+from pointbrush.tracking.steps.propose import shifts
 
 OPTIONS = TrackerOptions()
 

@@ -11,15 +11,14 @@ import scenes
 from runs import follow
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.track import Rivals, Thing, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.people.bodies import undisputed
+from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.returning import reclaim, recognised
-from pointbrush.tracking.segmentation.assign import Claim
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Claim
 
 OPTIONS = TrackerOptions()
 

@@ -8,17 +8,15 @@ import scenes
 import views
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.segmentation.belong import grow
-from pointbrush.tracking.segmentation.findings import Findings
-from pointbrush.tracking.segmentation.flying_pixels import flying
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Findings, claim, flying
+from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
 

@@ -8,14 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pointbrush.tracking.fitting.fit import find
-from pointbrush.tracking.fitting.search import search_among
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.belong import own_points
-from pointbrush.tracking.segmentation.ground_below import painted_with_ground, with_ground
-from pointbrush.tracking.sensor.ground import on_ground
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.scanner import on_ground
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.grow import own_points
+from pointbrush.tracking.steps.pieces import painted_with_ground, with_ground
+from pointbrush.tracking.steps.predict import search_among
+from pointbrush.tracking.steps.register import find
 
 OPTIONS = TrackerOptions()
 

@@ -13,24 +13,21 @@ from runs import follow
 from scipy.ndimage import minimum_filter
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
-from pointbrush.tracking.auto import Run
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.geometry.mean_field import agreed
-from pointbrush.tracking.geometry.paths import Paths, paths_into
-from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.compute.graph import Paths, agreed, paths_into
+from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
-from pointbrush.tracking.people.arrivals import come_back, mistakable
-from pointbrush.tracking.people.exchanges import exchange, exchanged
+from pointbrush.tracking.people.arrivals import come_back, exchange, exchanged, mistakable
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, astray, cell_size, outcome
 from pointbrush.tracking.people.observation import Observation
-from pointbrush.tracking.people.person import Person
-from pointbrush.tracking.people.person_confidence import PersonEvidence
-from pointbrush.tracking.people.vertical import across, upright
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.people.person import Person, PersonEvidence
+from pointbrush.tracking.people.stature import across, upright
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.tracker import Run
 
 OPTIONS = TrackerOptions()
 

@@ -9,13 +9,13 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking.background.last_seen import LastSeen
-from pointbrush.tracking.disputes import placed
-from pointbrush.tracking.fitting.search import search_among
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.pixels import LastSeen
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.predict import search_among
+from pointbrush.tracking.steps.relocate import placed
 
 OPTIONS = TrackerOptions()
 

@@ -8,12 +8,12 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.fitting.judge import Verdict
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.settle import well_seen
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.settle import well_seen
+from pointbrush.tracking.steps.verdict import Verdict
 
 OPTIONS = TrackerOptions()
 

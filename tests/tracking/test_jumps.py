@@ -10,11 +10,10 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64, FrameResult, Frames, Known, Seed, TrackOptions
-from pointbrush.tracking.jumps import AcrossJumps
+from pointbrush.tracking.jumps import AcrossJumps, find_jumps
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.jumps import find_jumps
 
 OPTIONS = TrackerOptions()
 

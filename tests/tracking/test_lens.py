@@ -7,10 +7,10 @@ import pytest
 import scenes
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.scene import Scene
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

@@ -11,21 +11,19 @@ from runs import follow
 
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background.point_background import PointBackground
-from pointbrush.tracking.background.scene import Scene
-from pointbrush.tracking.fitting.fit import register
-from pointbrush.tracking.fitting.judge import Verdict, judge
-from pointbrush.tracking.fitting.search import crop
-from pointbrush.tracking.geometry.grid import cells_of
-from pointbrush.tracking.geometry.near import bounds
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.compute.grid import bounds, cells_of
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import Claim, claim
-from pointbrush.tracking.sensor.ego_motion import find_trajectory
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.learn import learn
-from pointbrush.tracking.update.sighting import Sighting
+from pointbrush.tracking.scene.scans import PointBackground
+from pointbrush.tracking.scene.scene import Scene
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Claim, claim
+from pointbrush.tracking.steps.predict import crop
+from pointbrush.tracking.steps.register import register
+from pointbrush.tracking.steps.update import Sighting, learn
+from pointbrush.tracking.steps.verdict import Verdict, judge
 
 OPTIONS = TrackerOptions()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.objects.motion import Motion
+from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.options import TrackerOptions
 
 OPTIONS = TrackerOptions()

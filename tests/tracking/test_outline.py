@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 import views
 
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, begin
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.segmentation.belong import grow
-from pointbrush.tracking.segmentation.findings import Findings
-from pointbrush.tracking.segmentation.outline import outline
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.steps.claim import Findings, claim, outline
+from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
 

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pointbrush.tracking.background.scene import Scene
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.ego_motion import find_trajectory
-from pointbrush.tracking.sensor.lens import find_lens
+from pointbrush.tracking.scene.scene import Scene
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
 
 OPTIONS = TrackerOptions()
 

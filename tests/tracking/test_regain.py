@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import cut_off
-from pointbrush.tracking.segmentation.regain import lost_pieces
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import cut_off
+from pointbrush.tracking.steps.pieces import lost_pieces
 
 OPTIONS = TrackerOptions()
 

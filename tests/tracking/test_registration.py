@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.geometry.registration import (
+from pointbrush.tracking.compute.rigid import (
     Source,
     Target,
     best_rigid_motion,

@@ -3,8 +3,7 @@
 import numpy as np
 
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.sampling import evened, unevenness
-from pointbrush.tracking.sensor.viewpoint import find_camera
+from pointbrush.tracking.sensors.viewpoint import evened, find_camera, unevenness
 
 OPTIONS = TrackerOptions()
 

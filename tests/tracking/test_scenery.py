@@ -7,19 +7,20 @@ import pytest
 import scenes
 
 from pointbrush.tracking import FrameResult
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
-from pointbrush.tracking.background.pixel_tests import least
-from pointbrush.tracking.background.scene import Scene
-from pointbrush.tracking.background.scenery import (
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import (
+    DepthNoise,
     continued,
     drawn_on,
     farthest,
+    measure_noise,
     wavering,
 )
-from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import Lens, find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.pixels import least
+from pointbrush.tracking.scene.scene import Scene
+from pointbrush.tracking.sensors.camera import Lens, find_lens
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

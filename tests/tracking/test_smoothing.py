@@ -9,9 +9,10 @@ import pytest
 import scenes
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking import METHODS, Seed, TrackOptions, auto
+from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking import tracker as auto
 from pointbrush.tracking.interface import I64, FrameResult, TrackState
-from pointbrush.tracking.smoothing import Held
+from pointbrush.tracking.steps.smooth import Held
 
 COUNT, BLUE, GREEN = 14, (40, 90, 200), (60, 160, 70)
 

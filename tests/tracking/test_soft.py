@@ -10,17 +10,16 @@ import scenes
 from runs import follow
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.fitting.judge import Verdict, judge
 from pointbrush.tracking.interface import I64
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Bending, Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import Claim, claim
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update import bending
-from pointbrush.tracking.update.learn import learn
-from pointbrush.tracking.update.sighting import Sighting
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps import update as bending
+from pointbrush.tracking.steps.claim import Claim, claim
+from pointbrush.tracking.steps.update import Sighting, learn
+from pointbrush.tracking.steps.verdict import Verdict, judge
 
 OPTIONS = TrackerOptions()
 

@@ -7,14 +7,14 @@ import pytest
 import scenes
 import views
 
-from pointbrush.tracking.geometry.registration import transform
+from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import TrackOptions
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals
-from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.beginning import begin
-from pointbrush.tracking.update.settle import settle
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Rivals
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.begin import begin
+from pointbrush.tracking.steps.claim import claim
+from pointbrush.tracking.steps.settle import settle
 
 FRAMES = 6
 

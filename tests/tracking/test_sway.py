@@ -10,14 +10,13 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking.geometry.registration import inverse, transform
+from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.ego_motion import find_trajectory
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.steady import steadied
-from pointbrush.tracking.sensor.trajectory import Trajectory
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import find_lens, steadied
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
+from pointbrush.tracking.sensors.trajectory import Trajectory
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

@@ -10,18 +10,17 @@ import pytest
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise, measure_noise
-from pointbrush.tracking.geometry.components import solid
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Bending, InTheAir, Rivals, begin
+from pointbrush.tracking.compute.graph import solid
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Bending, InTheAir, Rivals, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.segmentation.assign import claim
-from pointbrush.tracking.segmentation.belong import grow, own_points
-from pointbrush.tracking.segmentation.findings import Findings
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.update.settle import hides
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import DepthNoise, measure_noise
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Findings, claim
+from pointbrush.tracking.steps.grow import grow, own_points
+from pointbrush.tracking.steps.settle import hides
 
 OPTIONS = TrackerOptions()
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Rivals, Thing, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
-from pointbrush.tracking.swaps import Swaps
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.identity import Swaps
 
 OPTIONS = TrackerOptions()
 

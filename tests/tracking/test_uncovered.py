@@ -8,11 +8,11 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.background.depth_background import ImageBackground
-from pointbrush.tracking.background.depth_noise import DepthNoise
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import ImageBackground
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

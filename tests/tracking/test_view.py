@@ -6,7 +6,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

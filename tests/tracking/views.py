@@ -7,8 +7,8 @@ import scenes
 
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import find_lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.view import View
 
 OPTIONS = TrackerOptions()
 

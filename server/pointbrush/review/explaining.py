@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.tracking import TrackOptions
+from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
-from pointbrush.tracking.geometry.registration import IcpStep
 from pointbrush.tracking.registry import watched
 from pointbrush.work.tracking import Knowledge, prepare
 from pointbrush.workspace import Workspace

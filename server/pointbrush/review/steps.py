@@ -9,8 +9,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
-from pointbrush.tracking.geometry.registration import IcpStep
 
 F64 = NDArray[np.float64]
 Colors = NDArray[np.uint8]

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.background.depth_background import Background
-from pointbrush.tracking.geometry.registration import inverse, transform, transform_each
+from pointbrush.tracking.compute.rigid import inverse, transform, transform_each
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.objects.place import Place
-from pointbrush.tracking.objects.thing import Thing
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.view import View
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,8 +15,8 @@ from pointbrush.errors import BadInputError
 from pointbrush.tracking.interface import Method
 
 if TYPE_CHECKING:
+    from pointbrush.tracking.compute.rigid import IcpStep
     from pointbrush.tracking.explanation import Watch
-    from pointbrush.tracking.geometry.registration import IcpStep
     from pointbrush.tracking.options import TrackerOptions
 
     WatchIcp = Callable[[int, int, IcpStep], None]
@@ -30,10 +30,10 @@ COLOUR_NEIGHBOURS = 12
 # Imported when they are wanted: the server's own process tracks nothing, and starts without what
 # only trackers need.
 def _auto(watch: Watch | None = None, options: TrackerOptions | None = None) -> Method:
-    from pointbrush.tracking.auto import AutoTracker
+    from pointbrush.tracking.icp import PaperTracker
     from pointbrush.tracking.jumps import AcrossJumps
     from pointbrush.tracking.options import TrackerOptions
-    from pointbrush.tracking.paper import PaperTracker
+    from pointbrush.tracking.tracker import AutoTracker
 
     options = options or TrackerOptions()
     step = PaperTracker(reach=options.jumps.reach_spacings)
@@ -41,19 +41,19 @@ def _auto(watch: Watch | None = None, options: TrackerOptions | None = None) -> 
 
 
 def _icp(watch: WatchIcp | None = None) -> Method:
-    from pointbrush.tracking.paper import PaperTracker
+    from pointbrush.tracking.icp import PaperTracker
 
     return PaperTracker(watch=watch)
 
 
 def _colour_icp(watch: WatchIcp | None = None) -> Method:
-    from pointbrush.tracking.paper import PaperTracker
+    from pointbrush.tracking.icp import PaperTracker
 
     return PaperTracker(k=COLOUR_NEIGHBOURS, watch=watch)
 
 
 def _both_sides(method: Method) -> Method:
-    from pointbrush.tracking.between import BothSides
+    from pointbrush.tracking.bidirectional import BothSides
 
     return BothSides(method)
 

@@ -23,7 +23,7 @@ from pointbrush.tracking import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.rules import FEWEST
+from pointbrush.tracking.permissions import FEWEST
 from pointbrush.worker import Channel
 
 PROCESSES = min(2, os.cpu_count() or 1)

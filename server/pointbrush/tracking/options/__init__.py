@@ -12,7 +12,6 @@ from pointbrush.tracking.options.people import (
     StatureOptions,
     StrideOptions,
 )
-from pointbrush.tracking.options.runs import CompanionOptions, JumpOptions
 from pointbrush.tracking.options.scene import BackgroundOptions, DepthNoiseOptions, MappingOptions
 from pointbrush.tracking.options.sensors import (
     GroundOptions,
@@ -44,7 +43,9 @@ from pointbrush.tracking.options.steps import (
 )
 from pointbrush.tracking.options.tracks import (
     AppearanceOptions,
+    CompanionOptions,
     IdentityOptions,
+    JumpOptions,
     ObjectOptions,
     SmoothingOptions,
     StrainOptions,

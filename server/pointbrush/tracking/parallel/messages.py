@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from pointbrush.tracking.interface import F64, I64, Frames
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.lens import Lens
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.camera import Lens
+from pointbrush.tracking.sensors.view import View
 
 
 class Task(NamedTuple):

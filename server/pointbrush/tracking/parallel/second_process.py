@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import IO, cast
 
-from pointbrush.tracking.background.depth_background import Background
 from pointbrush.tracking.interface import F64, Frames
 from pointbrush.tracking.parallel.connection import GONE, Connection, Names
 from pointbrush.tracking.parallel.messages import (
@@ -29,7 +28,8 @@ from pointbrush.tracking.parallel.messages import (
     Task,
     Work,
 )
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.view import View
 
 PIPE = 1 << 20
 """Bytes that are on their way before the sender waits."""

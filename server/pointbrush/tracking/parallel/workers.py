@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from typing import TypeVar, TypeVarTuple, cast
 
-from pointbrush.tracking.background.depth_background import Background, ImageBackground
 from pointbrush.tracking.interface import F64, Frames
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.parallel.connection import GONE
 from pointbrush.tracking.parallel.messages import Answer, Task
 from pointbrush.tracking.parallel.second_process import BACKGROUND, SecondProcess
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import Background, ImageBackground
+from pointbrush.tracking.sensors.view import View
 
 logger = logging.getLogger(__name__)
 Given = TypeVarTuple("Given")

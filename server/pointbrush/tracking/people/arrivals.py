@@ -1,24 +1,80 @@
-"""Who comes: bodies that nobody has are those who are missing, parts of who is there, or others.
-
-Others are followed as well, without a label, so that no label goes over to them: who was there
-while somebody was in sight is not him.  Of two who come out from behind each other as one body, one
-may have both: what he has in the clothes of the other is looked for too.
-"""
+"""People who come, come back, or changed places."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.geometry.components import parts
+from pointbrush.tracking.compute.graph import parts
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.objects.colours import ColourHistogram
-from pointbrush.tracking.people.heads import beneath_heads
+from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.people.group import beneath_heads
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.stature import ratio, top_of
+
+
+def exchanged(
+    sight: Observation, people: Sequence[Person], now: int
+) -> Iterator[tuple[Person, Person, bool]]:
+    """Pairs of people who are each clearly dressed, or as tall, as the other; and whether both
+    statures tell it, for which one frame is enough."""
+    options = sight.options
+    seen = [f for f in people if len(sight.cells_of(f.label))]
+    some = {f.label: sight.some(sight.cells_of(f.label)) for f in seen}
+    tops = {f.label: f.top(sight) for f in seen}
+    for one, other in combinations(seen, 2):
+        named = [(f, g) for f, g in ((one, other), (other, one)) if f.named]
+        if not named or not all(g.named or _may_have_taken(f, g) for f, g in named):
+            continue
+        cross = [f.likeness(some[g.label]) for f, g in named]
+        rather = min(np.subtract(cross, [f.likeness(some[f.label]) for f, _ in named]))
+        taller = (
+            ratio(tops[one.label], other.identity.stature, one.identity.stature),
+            ratio(tops[other.label], one.identity.stature, other.identity.stature),
+        )
+        dressed = (
+            rather > options.arrivals.exchange_log
+            and sum(taller) > -options.stature.decisive_log_odds
+        )
+        tall = (
+            sum(taller) >= options.stature.decisive_log_odds
+            and min(taller) > 0
+            and rather > -options.arrivals.exchange_log
+        )
+        certain = tall and min(taller) >= options.stature.decisive_log_odds
+        well = not (one.elsewhere(sight, now) or other.elsewhere(sight, now))
+        if min(cross) > -options.arrivals.exchange_usual_log and (
+            certain or (well and (dressed or tall))
+        ):
+            yield one, other, certain
+
+
+def _may_have_taken(person: Person, stranger: Person) -> bool:
+    """Whether somebody may have the place of a stranger, who has his."""
+    return bool(person.identity.doubts) and stranger.since > person.identity.sure
+
+
+def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
+    """Change back who changed places, and doubt those of whom it is not certain yet."""
+    pairs = list(exchanged(sight, people, now))
+    for person in people:
+        if not any(person in pair[:2] for pair in pairs):
+            person.mistaken = 0
+    for one, other, certain in pairs:
+        one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
+        if one.named and other.named:
+            one.doubt(other)
+        if certain or min(one.mistaken, other.mistaken) >= sight.options.arrivals.exchange_frames:
+            mine, others = sight.owner == one.label, sight.owner == other.label
+            sight.owner[mine], sight.owner[others] = other.label, one.label
+            one.become(other)
+            for stranger in (f for f in (one, other) if not f.named):
+                stranger.since = now
+
 
 Offer = tuple[I64, Person | None, I64 | None]
 """Cells that may be somebody's, whose they were, and the rest of his if that is another's head."""

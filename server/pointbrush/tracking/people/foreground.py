@@ -15,15 +15,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.geometry.columns import pairs
-from pointbrush.tracking.geometry.components import parts
-from pointbrush.tracking.geometry.grid import cells_of, means_of
-from pointbrush.tracking.geometry.near import close_to
-from pointbrush.tracking.geometry.paths import Paths, paths_over, reach
+from pointbrush.tracking.compute.columns import pairs
+from pointbrush.tracking.compute.graph import Paths, parts, paths_over, reach
+from pointbrush.tracking.compute.grid import cells_of, close_to, means_of
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.sensors.view import View
 
 OTHER = -(2**20)
 """What other moving things have, for a label."""

@@ -1,33 +1,88 @@
-"""People before a depth camera at rest, all at once, with those who have no label.
-
-What moves before the known scene is shared out among all who are there: each is expected where the
-depth image shows him (displacement.py); cells go to who is near and dressed alike, and agree with
-those that they touch (ownership.py); who was hidden, and who is new, is among what is left
-(arrivals.py).
-"""
+"""People followed together in each frame."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import PictureBackground
+from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.graph import Paths, paths_into, root_of
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.objects.thing import Thing
+from pointbrush.tracking.model.track import Thing
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.people.arrivals import come_back, merge, mistakable, newcomers, rules_out
-from pointbrush.tracking.people.displacement import strides
-from pointbrush.tracking.people.exchanges import exchange
+from pointbrush.tracking.people.arrivals import (
+    come_back,
+    exchange,
+    merge,
+    mistakable,
+    newcomers,
+    rules_out,
+)
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.observation import Observation
-from pointbrush.tracking.people.ownership import Shares, shared_out
-from pointbrush.tracking.people.person import Person
-from pointbrush.tracking.people.person_confidence import PersonEvidence
-from pointbrush.tracking.people.stature import ratio
-from pointbrush.tracking.people.vertical import across, upright
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.people.person import Person, PersonEvidence
+from pointbrush.tracking.people.stature import across, ratio, top_of, upright
+from pointbrush.tracking.people.strides import Shares, shared_out, strides
+from pointbrush.tracking.scene.depth import Background, PictureBackground
+from pointbrush.tracking.sensors.view import View
+
+
+def beneath_heads(
+    sight: Observation, cells: I64, least: float, area: float
+) -> list[tuple[I64, I64]]:
+    """Of somebody's ``cells`` (C,) those of one and of the other of two people, either way round;
+    none where they are not two people's of ``least`` cells or more, each seen to end above;
+    ``area`` showed of him at most."""
+    options = sight.options.body
+    some = np.zeros(len(sight.owner), np.bool_)
+    some[cells] = True
+    links = paths_into(sight.cells.touching, np.ones(len(sight.cells.touching)), some)
+    height = sight.cells.middle @ sight.up
+    order = cells[np.argsort(-height[cells], kind="stable")]
+    head = _peaks(order, links, height, sight.ground, options.head_m)[cells]
+    heads, count = np.unique(head, return_counts=True)
+    largest = np.argsort(-count, kind="stable")[:2]
+    if len(largest) < 2 or count[largest[1]] < least:
+        return []
+    one, two = (cells[head == heads[n]] for n in largest)
+    top, other = (top_of(sight, each, area) for each in (one, two))
+    if top is None or other is None or abs(top - other) > options.head_lower_m:
+        return []
+    gap = np.median(sight.ground[one], axis=0) - np.median(sight.ground[two], axis=0)
+    return [(one, two), (two, one)] if np.linalg.norm(gap) > options.heads_apart_m else []
+
+
+@compiled
+def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> I64:
+    """(N,) the peak that each of the cells ``order`` (C,), highest first, is beneath, -1 for the
+    others; a peak that stands out by less than ``least`` metres is a part of the one it meets."""
+    peak, root = np.full(len(height), -1), np.arange(len(height))
+    for i in order:
+        highest = -1
+        for n in range(links.start[i], links.start[i + 1]):
+            if peak[links.end[n]] >= 0:
+                top = root_of(root, peak[links.end[n]])
+                if highest < 0 or height[top] > height[highest]:
+                    highest = top
+        if highest < 0:
+            peak[i] = i
+            continue
+        nearest, away = highest, np.sum((ground[i] - ground[highest]) ** 2)
+        for n in range(links.start[i], links.start[i + 1]):
+            if peak[links.end[n]] >= 0:
+                top = root_of(root, peak[links.end[n]])
+                if top != highest and height[top] - height[i] < least:
+                    root[top] = highest
+                elif top != highest:
+                    gap = np.sum((ground[i] - ground[top]) ** 2)
+                    if gap < away:
+                        nearest, away = top, gap
+        peak[i] = nearest
+    for i in order:
+        peak[i] = root_of(root, peak[i])
+    return peak
 
 
 @dataclass(eq=False)
@@ -248,3 +303,55 @@ def outcome(
     if his.doubts:
         his.trust = min(his.trust, options.body.doubted_confidence)
     return TrackState(pose, 0.0, looks.shown, his.trust, len(points), "tracked"), points
+
+
+class JointTracking:
+    """The people among the ``things`` of a run, before a depth camera at rest or a charted scene.
+
+    Nobody is followed so where they hold what is tracked too: it and their hands are told apart by
+    one claim; nor where points too far apart to be limbs are a label.
+    """
+
+    def __init__(
+        self, things: Mapping[int, Thing], options: TrackerOptions, *, continue_lost: bool
+    ) -> None:
+        """``things`` are all of the run at any time; see ``TrackOptions.continue_lost``."""
+        self._things, self._continue_lost, self.options = things, continue_lost, options
+        self.group: Group | None = None
+
+    def __contains__(self, label: int) -> bool:
+        """Whether a label is followed together with others."""
+        return self.group is not None and label in self.group.labels
+
+    def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
+        """Begin with those of the ``labels`` of a frame that are people, where they can be."""
+        bodies = {n: self._things[n] for n in labels if self._things[n].body}
+        alone = all(
+            thing.body and thing.unit < self.options.body.limb_m for thing in self._things.values()
+        )
+        if bodies and alone and isinstance(background, PictureBackground):
+            self.group = Group.of(view, bodies, background)
+
+    def join(self, view: View, background: Background, label: int) -> None:
+        """Somebody who was painted in the middle of a run is followed among the others."""
+        if self.group is None:
+            self.gather(view, background, [label])
+        elif self._things[label].body:
+            self.group.put(view, label, self._things[label])
+
+    def step(
+        self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]
+    ) -> dict[int, tuple[TrackState, I64]]:
+        """Label → how people fared in the next frame, but for ``painted`` ones, and their points.
+
+        ``free`` (N,) are the points that they may have.
+        """
+        if self.group is None or not isinstance(background, PictureBackground):
+            return {}
+        found = self.group.step(view, background, free)
+        for label, (track, _) in found.items():
+            thing = self._things[label]
+            thing.stopped = track.state == "lost" and not self._continue_lost
+            if thing.stopped:
+                self.group.drop(label)
+        return {label: each for label, each in found.items() if label not in painted}

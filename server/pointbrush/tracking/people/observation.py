@@ -7,15 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from pointbrush.tracking.background.depth_background import PictureBackground
-from pointbrush.tracking.geometry.components import parts
-from pointbrush.tracking.geometry.paths import Paths, paths_into
+from pointbrush.tracking.compute.graph import Paths, parts, paths_into
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.objects.colours import ColourHistogram
+from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.segmentation.flying_pixels import flying
-from pointbrush.tracking.sensor.view import View
+from pointbrush.tracking.scene.depth import PictureBackground
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import flying
 
 
 @dataclass(eq=False)

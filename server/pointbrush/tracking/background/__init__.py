@@ -1,1 +1,0 @@
-"""What stood still and is unlabelled, for each kind of sensor."""

@@ -1,0 +1,208 @@
+"""Graphs of points: links, shortest paths, connected components, mean field."""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.tracking.compute.columns import pairs
+from pointbrush.tracking.compute.grid import cells_of, means_of
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.options import ComponentOptions
+
+
+class Paths(NamedTuple):
+    """From cell n ways of ``length`` lead to the cells ``end``, each from ``start[n]`` up to the
+    next cell's."""
+
+    start: I64
+    end: I64
+    length: F64
+
+
+@compiled
+def paths_into(links: I64, length: F64, sought: Mask) -> Paths:
+    """Both ways along ``links`` (P, 2), each ``length`` (P,), into the cells that are ``sought``
+    (N,)."""
+    start = np.zeros(len(sought) + 1, np.int64)
+    for one, other in links:
+        start[one + 1] += sought[other]
+        start[other + 1] += sought[one]
+    for n in range(len(sought)):
+        start[n + 1] += start[n]
+    free = start[:-1].copy()
+    end, far = np.empty(start[-1], np.int64), np.empty(start[-1])
+    for k in range(len(links)):
+        for side in range(2):
+            here, there = links[k, side], links[k, 1 - side]
+            if sought[there]:
+                end[free[here]], far[free[here]] = there, length[k]
+                free[here] += 1
+    return Paths(start, end, far)
+
+
+@compiled
+def paths_over(links: I64, length: F64, leads: Mask) -> Paths:
+    """Both ways along ``links`` (P, 2), each ``length`` (P,), out of the cells that ``leads`` (N,)
+    anywhere."""
+    start = np.zeros(len(leads) + 1, np.int64)
+    for one, other in links:
+        start[one + 1] += leads[one]
+        start[other + 1] += leads[other]
+    for n in range(len(leads)):
+        start[n + 1] += start[n]
+    free = start[:-1].copy()
+    end, far = np.empty(start[-1], np.int64), np.empty(start[-1])
+    for k in range(len(links)):
+        for side in range(2):
+            here = links[k, side]
+            if leads[here]:
+                end[free[here]], far[free[here]] = links[k, 1 - side], length[k]
+                free[here] += 1
+    return Paths(start, end, far)
+
+
+@compiled
+def reach(ways: Paths, source: I64, allowed: Mask) -> tuple[F64, I64]:
+    """Length (N,) of the way from the nearest source, inf for none, and that source.
+
+    Over cells ``allowed`` (N,) and the sources alone.  Source: Dijkstra 1959, with a heap.
+    """
+    count = len(allowed)
+    way, origin, open_ = np.full(count, np.inf), np.zeros(count, np.int64), allowed.copy()
+    heap = [(0.0, 0) for _ in range(0)]
+    for cell in source:
+        way[cell], origin[cell], open_[cell] = 0.0, cell, True
+        heap.append((0.0, cell))
+    while heap:
+        length, here = heappop(heap)
+        if length > way[here]:
+            continue
+        for k in range(ways.start[here], ways.start[here + 1]):
+            there, far = ways.end[k], length + ways.length[k]
+            if open_[there] and far < way[there]:
+                way[there], origin[there] = far, origin[here]
+                heappush(heap, (far, there))
+    return way, origin
+
+
+def pieces(xyz: F64, unit: float, options: ComponentOptions) -> I64:
+    """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
+    cell = cells_of(xyz, options.cell_units * unit)
+    middle = means_of(xyz, cell)
+    whole = np.ones(len(middle), np.bool_)
+    return np.asarray(
+        parts(pairs(middle, options.touching_cells * options.cell_units * unit), whole)[cell]
+    )
+
+
+@compiled
+def parts(links: I64, some: Mask) -> I64:
+    """(N,) number of the part that each of ``some`` (N,) is of, from 0; -1 for the others.
+
+    ``links`` (P, 2) join two of them each.  Source: union-find, Tarjan 1975.
+    """
+    root = np.arange(len(some))
+    for k in range(len(links)):
+        one, other = links[k]
+        if some[one] and some[other]:
+            one, other = root_of(root, one), root_of(root, other)
+            root[max(one, other)] = min(one, other)
+    part, count = np.full(len(some), -1), 0
+    for i in range(len(some)):
+        if some[i]:
+            first = root_of(root, i)
+            if first == i:
+                part[i] = count
+                count += 1
+            part[i] = part[first]
+    return part
+
+
+@innermost
+def root_of(root: I64, at: int) -> int:
+    """Where the way ``root`` (N,) of unions ends from ``at``; made shorter on the way."""
+    while root[at] != at:
+        root[at] = root[root[at]]
+        at = root[at]
+    return at
+
+
+def solid(xyz: F64, unit: float, options: ComponentOptions) -> Mask:
+    """Which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
+
+    A person who paints a thing paints the flying pixels of its outline too, which lie anywhere
+    between it and the wall, and would make a pin as large as the way there.
+    """
+    if not len(xyz):
+        return np.ones(0, np.bool_)
+    piece = pieces(xyz, options.apart_factor * unit, options=options)
+    kept = np.bincount(piece)[piece] >= min(options.crumb_points, options.crumb_share * len(xyz))
+    return kept if 2 * np.count_nonzero(kept) > len(xyz) else np.ones(len(xyz), np.bool_)
+
+
+@compiled
+def agreed(
+    cost: F64,
+    links: Paths,
+    sweeps: int,
+    settled_change: float,
+    same_change: float,
+    neighbour_weight: float,
+    full_neighbours: float,
+) -> F64:
+    """(N, K) probability that a cell is of each of the K, which ``cost`` it (N, K).
+
+    ``links`` lead from each cell to its neighbours; their length is how much a neighbour counts.
+    """
+    count, many = cost.shape
+    share, now = np.empty((count, many)), np.empty(many)
+    asked, moved = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    for i in range(count):
+        _normalised(-cost[i], share[i])
+    for sweep in range(sweeps):
+        change = 0.0
+        for turn in range(count):
+            i = turn if sweep % 2 == 0 else count - 1 - turn
+            newest = 0
+            for n in range(links.start[i], links.start[i + 1]):
+                newest = max(newest, moved[links.end[n]])
+            if sweep > 0 and newest < asked[i]:
+                continue
+            now[:] = 0.0
+            total = 0.0
+            for n in range(links.start[i], links.start[i + 1]):
+                total += links.length[n]
+                for k in range(many):
+                    now[k] += links.length[n] * share[links.end[n], k]
+            scale = (
+                neighbour_weight * min(1.0, total / full_neighbours) / total if total > 0.0 else 0.0
+            )
+            for k in range(many):
+                now[k] = scale * now[k] - cost[i, k]
+            _normalised(now, now)
+            away = 0.0
+            for k in range(many):
+                away = max(away, abs(now[k] - share[i, k]))
+                share[i, k] = now[k]
+            change = max(change, away)
+            asked[i] = sweep * count + turn + 1
+            if away > same_change:
+                moved[i] = asked[i]
+        if change < settled_change:
+            break
+    return share
+
+
+@compiled
+def _normalised(odds: F64, out: F64) -> None:
+    """Probabilities (K,) of logarithmic ``odds`` (K,)."""
+    most, total = odds.max(), 0.0
+    for k in range(len(odds)):
+        out[k] = np.exp(odds[k] - most)
+        total += out[k]
+    for k in range(len(odds)):
+        out[k] /= total

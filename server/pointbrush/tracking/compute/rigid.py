@@ -1,0 +1,319 @@
+"""Rigid registration: the best motion between paired points, and the ICP loop around it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.tracking.compute.columns import (
+    NONE,
+    Columns,
+    Triple,
+    any_near,
+    columns,
+    nearest,
+    nearest_one,
+    spans,
+    toned,
+)
+from pointbrush.tracking.compute.grid import bounds, within
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import RegistrationOptions
+
+Pair = Callable[[F64], tuple[F64, I64]]
+"""Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Registration:
+    """A rigid motion and how good it is.
+
+    ``T_target_source`` (4, 4); ``rmse`` metres; ``iterations``; ``converged`` False where the
+    limit of iterations ended the loop.
+    """
+
+    T_target_source: F64
+    rmse: float
+    iterations: int
+    converged: bool
+
+
+def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
+    """Move (N, 3) points by a (4, 4) rigid motion."""
+    return np.asarray(xyz @ T[:3, :3].T + T[:3, 3], np.float64)
+
+
+def inverse(T: F64) -> F64:
+    """The rigid motion (4, 4) back."""
+    back = np.eye(4)
+    back[:3, :3] = T[:3, :3].T
+    back[:3, 3] = -(T[:3, 3] @ T[:3, :3])
+    return back
+
+
+def transform_each(T: F64, xyz: F64) -> F64:
+    """(K, N, 3): the points (N, 3) moved by each of K motions (K, 4, 4)."""
+    return np.asarray(xyz @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3])
+
+
+def best_rigid_motion(source: F64, target: F64) -> F64:
+    """The (4, 4) motion that brings ``source`` (M, 3) nearest to ``target`` in least squares.
+
+    A mere shift where there are fewer than three pairs, identity where there is none.
+    Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
+    """
+    return _motion(source, target, np.ones(len(source)), 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IcpStep:
+    """An iteration of ICP: ``moved`` (M, 3) source points as it began, ``matched`` (M, 3) their
+    partners in the target, ``distance`` (M,) metres between them."""
+
+    iteration: int
+    moved: F64
+    matched: F64
+    distance: F64
+
+    @property
+    def rmse(self) -> float:
+        """Root of the mean square distance, metres."""
+        return float(np.sqrt(np.mean(self.distance**2)))
+
+
+def icp(
+    source: F64,
+    target: F64,
+    pair: Pair,
+    *,
+    iterations: int = 50,
+    tolerance: float = 1e-6,
+    watch: Callable[[IcpStep], None] | None = None,
+) -> Registration:
+    """Besl and McKay 1992: repeat {pair each point, best motion} until the error stands still.
+
+    ``source`` (M, 3) and ``target`` (N, 3) metres, neither empty; ``tolerance`` is the change of
+    the mean square error, in square metres, under which the loop has converged; ``watch`` gets
+    each iteration.
+    """
+    T = np.eye(4)
+    before = np.inf
+    error = 0.0
+    for iteration in range(1, iterations + 1):
+        # 1. Pair each moved source point with a target point.
+        moved = transform(T, source)
+        distance, index = pair(moved)
+        if watch is not None:
+            watch(IcpStep(iteration, moved, target[index], distance))
+        # 2. The rigid motion that brings the pairs together.
+        T = best_rigid_motion(source, target[index])
+        # 3. Stop when the mean square error no longer falls.
+        error = float(np.mean(distance**2))
+        if before - error < tolerance:
+            return Registration(T, float(np.sqrt(error)), iteration, converged=True)
+        before = error
+    return Registration(T, float(np.sqrt(error)), iterations, converged=False)
+
+
+@dataclass(eq=False)
+class Target:
+    """A few points to register to, in place and, where it counts, weighted colour.
+
+    ``xyz`` (N, 3) metres; ``colour`` (N, 3) any unit; ``weight`` metres per unit of colour.
+    """
+
+    xyz: F64
+    colour: F32
+    weight: float
+
+    def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
+        """What of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside; all of it
+        where that is most."""
+        lo, hi = bounds(xyz)
+        part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
+        if len(part) > options.uncut_share * len(self.xyz) or not len(part):
+            return self
+        return Target(self.xyz[part], self.colour[part], self.weight)
+
+    @cached_property
+    def columns(self) -> Columns:
+        """The points, sorted for searching."""
+        return columns(self.xyz, self.colour, self.weight)
+
+    def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
+        """Distances (M,), at most ``most``, and indices; -1 where nothing is nearer."""
+        return nearest(self.columns, xyz, colour, most)
+
+
+class Source(NamedTuple):
+    """Points to register: ``xyz`` (M, 3) metres; ``colour`` (M, 3) in the unit of the target's."""
+
+    xyz: F64
+    colour: F32
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fits:
+    """Robust registrations: motions ``T`` (K, 4, 4); ``cost`` (K,) 0..1, the mean of each point's
+    squared distance, capped."""
+
+    T: F64
+    cost: F64
+
+
+def robust_fits(
+    source: Source,
+    seen: Mask,
+    target: Target,
+    T: F64,
+    scales: Sequence[float],
+    options: RegistrationOptions,
+) -> Fits:
+    """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
+
+    Of the M points of the ``source`` those ``seen`` (K, M) from each motion are moved onto the
+    target; ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the
+    scale, which shrinks (Geman and McClure 1985).
+    """
+    return Fits(
+        *_robust_fits(
+            source,
+            seen,
+            target.columns,
+            T,
+            np.array(scales, np.float64),
+            options.min_pairs,
+            options.pair_scales,
+        )
+    )
+
+
+@innermost
+def carried(T: F64, x: float, y: float, z: float) -> Triple:
+    """The point that a motion (4, 4) takes (x, y, z) to."""
+    return (
+        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+    )
+
+
+@compiled
+def _robust_fits(
+    source: Source,
+    seen: Mask,
+    grid: Columns,
+    start: F64,
+    scales: F64,
+    min_pairs: int,
+    pair_scales: float,
+) -> tuple[F64, F64]:
+    motions, costs = start.copy(), np.ones(len(start))
+    xyz, colour = source
+    count, room = len(xyz), spans(grid)
+    moved, near, share = np.empty((count, 3)), np.empty((count, 3)), np.empty(count)
+    last = np.empty(count, np.int64)
+    for k in range(len(start)):
+        T = motions[k]
+        last[:] = -1
+        for scale in scales:
+            pairs, total, which = 0, 0.0, 0
+            for i in range(count):
+                if not seen[k, i]:
+                    continue
+                place = carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2])
+                moved[pairs] = place
+                tint = toned(grid, colour, i)
+                # What was the nearest before is so again, or nearly.
+                square, at = nearest_one(grid, place, tint, pair_scales * scale, room, last[i])
+                last[i] = at
+                which += 1
+                if at < 0:
+                    total += pair_scales * pair_scales
+                    continue
+                square /= scale * scale
+                total += square
+                share[pairs] = 1.0 / (1.0 + square) ** 2
+                near[pairs] = grid.xyz[at]
+                pairs += 1
+            costs[k] = total / (pair_scales * pair_scales * max(which, 1))
+            T = _motion(moved[:pairs], near[:pairs], share[:pairs], min_pairs) @ T
+        motions[k] = T
+    return motions, costs
+
+
+@compiled
+def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
+    """See ``best_rigid_motion``; each pair counts by its ``weight`` (M,).
+
+    It does not turn by fewer than ``fewest`` pairs that have some.
+    """
+    count = len(source)
+    total, used = 0.0, 0
+    middle_s, middle_t = np.zeros(3), np.zeros(3)
+    for i in range(count):
+        total += weight[i]
+        used += weight[i] != 0.0
+        for a in range(3):
+            middle_s[a] += weight[i] * source[i, a]
+            middle_t[a] += weight[i] * target[i, a]
+    if total > 0.0:
+        middle_s /= total
+        middle_t /= total
+    R = np.eye(3)
+    if used >= fewest:
+        H = np.zeros((3, 3))
+        for i in range(count):
+            for a in range(3):
+                away = weight[i] * (source[i, a] - middle_s[a])
+                for c in range(3):
+                    H[a, c] += away * (target[i, c] - middle_t[c])
+        U, _, Vt = np.linalg.svd(H)
+        R = np.ascontiguousarray((U @ Vt).T)
+        if np.linalg.det(R) < 0.0:
+            Vt[2] *= -1.0
+            R = np.ascontiguousarray((U @ Vt).T)
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = middle_t - R @ middle_s
+    return T
+
+
+def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> float:
+    """How much of the target lies just beside the ``moved`` source, 0 to EXCESS.
+
+    An object placed inside a larger surface fits it well, but the surface goes on around it.
+    """
+    return options.excess_cost * min(
+        1.0,
+        _beside(
+            columns(moved, NONE, 0.0),
+            target.xyz,
+            unit,
+            options.beside_units,
+            options.on_units,
+        ),
+    )
+
+
+@compiled
+def _beside(surface: Columns, xyz: F64, unit: float, beside_units: float, on_units: float) -> float:
+    """Points (N, 3) just beside the surface, for each that is on it."""
+    on, beside, none = 0, 0, (0.0, 0.0, 0.0)
+    lo, hi = bounds(surface.xyz)
+    for i in range(len(xyz)):
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+        if away >= beside_units * unit:
+            continue
+        if any_near(surface, (x, y, z), none, on_units * unit):
+            on += 1
+        elif any_near(surface, (x, y, z), none, beside_units * unit):
+            beside += 1
+    return beside / max(on, 1)

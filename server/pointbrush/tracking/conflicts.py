@@ -1,0 +1,120 @@
+"""Claims in conflict: tracks that lose points to others, or come out of hiding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from pointbrush.tracking.interface import I64
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Findings, decide, without
+from pointbrush.tracking.steps.predict import crop
+from pointbrush.tracking.steps.relocate import placed
+from pointbrush.tracking.steps.verdict import judge
+
+
+def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
+    """Let claims share no point; a thing that lost most of its is looked for in what is left."""
+    view, places = findings.view, findings.places
+    before, claims = (
+        findings.claims,
+        undisputed(findings.claims, things, options=findings.view.options.body),
+    )
+    decided = decide(len(view.xyz), claims)
+    for label in sorted(
+        places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
+    ):
+        if len(decided[label].indices) >= findings.view.options.relocate.kept_share * len(
+            before[label].indices
+        ):
+            continue
+        others = [found for other, found in decided.items() if other != label]
+        left = without(findings.free, others)
+        search = crop(things[label], view, findings.background, left)
+        if search is None:
+            continue
+        place, claim = placed(things[label], view, search)
+        again = {**claims, label: claim}
+        better = decide(len(view.xyz), again)
+        had, has = len(decided[label].indices), len(better[label].indices)
+        # Where nearly all is another's, the other is, and not the thing.
+        anothers = (
+            had < findings.view.options.relocate.others_share * len(before[label].indices)
+            and place.cost < places[label].cost
+        )
+        if (
+            has
+            > (
+                findings.view.options.relocate.others_share
+                if anothers
+                else findings.view.options.relocate.gain
+            )
+            * had
+        ):
+            decided, claims, places[label] = better, again, place
+    for label, place in places.items():
+        place.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
+    findings.claims = decided
+
+
+def look_for(
+    absent: Iterable[Thing], things: Mapping[int, Thing], findings: Findings
+) -> dict[int, I64]:
+    """Find large things that were hidden in what the claims of the others leave.
+
+    ``findings`` take in those that were found; given are the points where the others may be.
+    """
+    view, background = findings.view, findings.background
+    loose: dict[int, I64] = {}
+    free = findings.unclaimed()
+    for thing in absent:
+        search = None if thing.stopped else crop(thing, view, background, free)
+        if search is None:
+            continue
+        place, found = placed(thing, view, search)
+        seen = judge(thing, view, place.pose, place.world, found).found
+        if view.lens is not None and len(found.indices):
+            seen = seen and _surely(thing.label, things, background, view, found.indices)
+        if seen:
+            findings.put(thing.label, place, found)
+            free[found.indices] = False
+        else:
+            loose[thing.label] = search.moving
+    return loose
+
+
+def _surely(
+    label: int, things: Mapping[int, Thing], background: Background, view: View, points: I64
+) -> bool:
+    """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
+    before a known scene, in its own clothes."""
+    options = view.options.relocate
+    if float((background.again(view, points) == label).mean()) > options.shown_share:
+        return True
+    certain = float(background.certain(view, points).mean()) > options.shown_share
+    return certain and recognised(label, things, view, points)
+
+
+def bodies_left(
+    loose: Mapping[int, I64],
+    things: Mapping[int, Thing],
+    findings: Findings,
+    grown: Mapping[int, I64],
+) -> dict[int, I64]:
+    """The bodies nobody has of things so changed that they have to be learnt anew.
+
+    ``loose``: the points where each of them may be.
+    """
+    if not loose:
+        return {}
+    view = findings.view
+    moving = np.unique(np.concatenate(list(loose.values())))
+    left = without(np.ones(len(view.xyz), np.bool_), findings.claims.values())
+    for points in grown.values():
+        left[points] = False
+    moving = moving[left[moving] & findings.background.certain(view, moving)]
+    return reclaim(view, {label: things[label] for label in loose}, moving)

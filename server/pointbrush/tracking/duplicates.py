@@ -1,0 +1,184 @@
+"""Frames in which a point occurs several times, as dual-return sensors and merged clouds give.
+
+A method sees each distinct point once, so that the spacing of an object is that of its distinct
+points; what it finds is given to all copies of a point that the run may take.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pointbrush.compiled import compiled
+from pointbrush.tracking.interface import (
+    F32,
+    F64,
+    I64,
+    PAINTED,
+    FrameKnowledge,
+    FrameResult,
+    Frames,
+    Known,
+    Seed,
+    TrackFrame,
+    TrackOptions,
+)
+from pointbrush.tracking.permissions import FrameRules
+
+REMEMBERED = 16
+"""Frames of which the copies are remembered: somewhat more than a method holds back."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Copies:
+    """The copies in a frame of N points: ``first`` (M,) sorted indices of the distinct points,
+    ``place`` (N,) position of each point's distinct point in ``first``."""
+
+    first: I64
+    place: I64
+
+    @staticmethod
+    def of(xyz: F32) -> Copies | None:
+        """Return the copies among points (N, 3), None where all differ."""
+        bits = (np.ascontiguousarray(xyz, np.float32) + np.float32(0.0)).view(np.uint32)
+        first = _first_equal(bits)
+        distinct = np.flatnonzero(first == np.arange(len(first)))
+        if len(distinct) == len(first):
+            return None
+        return Copies(distinct, np.searchsorted(distinct, first))
+
+
+@dataclass(frozen=True, eq=False)
+class DistinctFrame:
+    """A ``TrackFrame`` of the distinct points of another."""
+
+    whole: TrackFrame
+    first: I64
+
+    @cached_property
+    def xyz(self) -> F32:
+        """(M, 3) positions."""
+        return np.asarray(self.whole.xyz)[self.first]
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """(M, 3) colours, each of the first copy."""
+        rgb = self.whole.rgb
+        return None if rgb is None else np.asarray(rgb)[self.first]
+
+    @property
+    def intensity(self) -> F32 | None:
+        """(M,) intensities, each of the first copy."""
+        intensity = self.whole.intensity
+        return None if intensity is None else np.asarray(intensity)[self.first]
+
+    @cached_property
+    def kdtree(self) -> cKDTree:
+        """A tree over the distinct points."""
+        return cKDTree(self.xyz, balanced_tree=False)
+
+    @property
+    def viewpoint(self) -> F64 | None:
+        """(3,) sensor position."""
+        return self.whole.viewpoint
+
+    @property
+    def pose(self) -> F64 | None:
+        """``T_world_frame``."""
+        return self.whole.pose
+
+
+class DistinctFrames:
+    """Frame number → frame with each distinct point once; pickles as ``frames`` does."""
+
+    def __init__(self, frames: Frames) -> None:
+        self._frames = frames
+        self.copies = lru_cache(REMEMBERED)(self._copies)
+
+    def __call__(self, number: int) -> TrackFrame:
+        """Return a frame of distinct points; the frame itself where all are."""
+        frame, copies = self._frames(number), self.copies(number)
+        return frame if copies is None else DistinctFrame(frame, copies.first)
+
+    def __reduce__(self) -> tuple[type[DistinctFrames], tuple[Frames]]:
+        return DistinctFrames, (self._frames,)
+
+    def _copies(self, number: int) -> Copies | None:
+        return Copies.of(np.asarray(self._frames(number).xyz))
+
+
+@dataclass(frozen=True, eq=False)
+class DistinctRun:
+    """What a method is asked, in distinct points, and its results in all points."""
+
+    frames: DistinctFrames
+    whole: Known
+    options: TrackOptions
+
+    def seeds(self, start: int, seeds: Sequence[Seed]) -> list[Seed]:
+        """Return seeds of frame ``start`` with each distinct point once."""
+        copies = self.frames.copies(start)
+        if copies is None:
+            return list(seeds)
+        return [Seed(seed.label, np.unique(copies.place[seed.indices])) for seed in seeds]
+
+    def known(self, number: int) -> FrameKnowledge | None:
+        """Return what is known of the distinct points of a frame.
+
+        Of several copies the painted one counts, else a labelled one; deleted are those of which
+        no copy is left.
+        """
+        know, copies = self.whole(number), self.frames.copies(number)
+        if know is None or copies is None:
+            return know
+        rank = np.where(know.deleted, 0, 1 + (know.label > 0) + 2 * (know.provenance == PAINTED))
+        order = np.lexsort((-rank, copies.place))
+        _, at = np.unique(copies.place[order], return_index=True)
+        chosen = order[at]
+        return FrameKnowledge(know.label[chosen], know.provenance[chosen], know.deleted[chosen])
+
+    def of_all(self, result: FrameResult, labels: Sequence[int]) -> FrameResult:
+        """Return a result in distinct points as one of all copies that ``labels`` may take."""
+        copies = self.frames.copies(result.frame)
+        if copies is None:
+            return result
+        know = self.whole(result.frame)
+        free = FrameRules(len(copies.place), know, self.options).free(labels)
+        assignments, tracks = {}, dict(result.tracks)
+        for label, distinct in result.assignments.items():
+            has = np.zeros(len(copies.first), np.bool_)
+            has[distinct] = True
+            may = free if know is None else free | ((know.label == label) & ~know.deleted)
+            assignments[label] = np.flatnonzero(has[copies.place] & may)
+            if label in tracks:
+                tracks[label] = replace(tracks[label], points=len(assignments[label]))
+        return FrameResult(result.frame, assignments, tracks)
+
+
+@compiled
+def _first_equal(bits: NDArray[np.uint32]) -> I64:
+    """(N,) for each row of (N, 3) the first that equals it, by a table with open addresses."""
+    size = 16
+    while size < 2 * len(bits):
+        size *= 2
+    table, first = np.full(size, -1), np.empty(len(bits), np.int64)
+    for i in range(len(bits)):
+        a, b, c = np.uint64(bits[i, 0]), np.uint64(bits[i, 1]), np.uint64(bits[i, 2])
+        mixed = a * np.uint64(0x9E3779B97F4A7C15) + b * np.uint64(0xC2B2AE3D27D4EB4F)
+        mixed = (mixed + c) * np.uint64(0x165667B19E3779F9)
+        at = np.int64(mixed >> np.uint64(32)) & (size - 1)
+        while True:
+            other = table[at]
+            if other < 0:
+                table[at] = first[i] = i
+                break
+            if bits[other, 0] == a and bits[other, 1] == b and bits[other, 2] == c:
+                first[i] = other
+                break
+            at = (at + 1) & (size - 1)
+    return first

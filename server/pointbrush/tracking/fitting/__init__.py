@@ -1,1 +1,0 @@
-"""Where things are in a frame: searched for, registered, judged."""

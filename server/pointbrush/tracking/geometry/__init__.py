@@ -1,1 +1,0 @@
-"""Points and pixels by themselves: nearest ones, grids, components, paths, registration."""

@@ -1,0 +1,118 @@
+"""What a thing wears: the colours it showed where it was painted, by which it is known again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import uniform_filter
+
+from pointbrush.tracking.compute.grid import numbered
+from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.options import TrackerOptions
+
+BIN = 0.028
+"""Width of a bin, in the units of ``View.colour``."""
+LIKE = 3
+"""Bins, each way, over which colours are alike."""
+LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+"""Least of each channel of ``View.colour``, and bins along each, the last of them brightness."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ColourHistogram:
+    """``common`` (bins,): the share of a thing's points of about that colour.
+
+    ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
+    says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
+    """
+
+    options: TrackerOptions
+    common: F32
+    hues: F32
+    usual: float
+    alone: Mask
+
+    @staticmethod
+    def of(colour: F32, options: TrackerOptions) -> ColourHistogram:
+        """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
+        count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
+        share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
+        common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
+        hues = LIKE**2 * uniform_filter(share.sum(axis=2), LIKE, mode="constant").ravel()
+        usual = (
+            float(np.log(common[_bins(colour)] + options.appearance.absent_share).mean())
+            if len(colour)
+            else 0.0
+        )
+        return ColourHistogram(options, common, hues, usual, np.zeros(len(common), np.bool_))
+
+    def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
+        """The same, with the colours told that are its alone among ``others``."""
+        options = self.options.appearance
+        alone = self.common > options.common_share
+        for other in others:
+            alone &= self.common > options.rather_ratio * other.common
+        return replace(self, alone=alone)
+
+    def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
+        """The same, with no colour its alone that is not more points' of a thing of ``size`` points
+        than of those that have the colours (M, 3)."""
+        other = ColourHistogram.of(colour, self.options)
+        return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
+
+    def each(self, colour: F32) -> F32:
+        """(M,) logarithm of how common each of the colours (M, 3) is."""
+        return np.asarray(
+            np.log(self.common[_bins(colour)] + self.options.appearance.absent_share), np.float32
+        )
+
+    def likeness(self, colour: F32) -> float:
+        """Mean logarithm of how common the colours (M, 3) are."""
+        return float(self.each(colour).mean()) if len(colour) else -np.inf
+
+    def unlike(self, colour: F32) -> bool:
+        """Whether the colours (M, 3) are much rarer here than its own usually are."""
+        return self.likeness(colour) < self.usual - self.options.appearance.rarer_log
+
+    def rather(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
+        options = self.options.appearance
+        at = _at(colour)
+        place = _flat(at // options.coarse_bins)
+        number = numbered(place)
+        return np.asarray(
+            self.common[_flat(at)]
+            > options.rather_ratio * np.bincount(number)[number] / len(colour)
+        )
+
+    def only(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are its alone."""
+        return np.asarray(self.alone[_bins(colour)])
+
+    def strange(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) have no like here, be they brighter or darker."""
+        return np.asarray(
+            self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.absent_share
+        )
+
+    def share(self, colour: F32) -> float:
+        """Share of the colours (M, 3) that have their like."""
+        return (
+            float((self.common[_bins(colour)] > self.options.appearance.absent_share).mean())
+            if len(colour)
+            else 0.0
+        )
+
+
+def _at(colour: F32) -> I64:
+    return np.asarray(np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1))
+
+
+def _bins(colour: F32) -> I64:
+    return _flat(_at(colour))
+
+
+def _flat(at: I64) -> I64:
+    return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)

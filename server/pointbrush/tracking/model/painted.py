@@ -1,0 +1,113 @@
+"""Properties of an object that show in how it was painted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.options import ObjectOptions
+from pointbrush.tracking.sensors.view import View
+
+
+def cut_off_by_edge(view: View, indices: I64) -> bool:
+    """Whether much of what is painted lies at the edge of the picture: there is more of it.
+
+    Where nothing unlabelled reaches as far, what is painted ends, and not the picture.
+    """
+    options = view.options.track
+    if view.lens is None:
+        return False
+    others, away = ~view.labelled(), np.inf
+    for at in np.divmod(view.cells.cell, view.lens.shape[1]):
+        for side in (at, -at):
+            if others.any() and side[others].min() < side.min() + options.edge_px:
+                away = np.minimum(away, side[indices] - side.min())
+    return float(np.mean(away < options.edge_px)) > options.edge_share
+
+
+def away_from(view: View, xyz: F64) -> float:
+    """Metres of points (M, 3) from the sensor, 0 where its place is unknown."""
+    return 0.0 if view.eye is None else float(np.linalg.norm(xyz.mean(axis=0) - view.eye))
+
+
+def across_way(xyz: F64) -> float:
+    """Metres of deviation of points (M, 3) across the way in which they are longest."""
+    if len(xyz) < 3:
+        return 0.0
+    return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
+
+
+def texture(xyz: F64, colour: F32, options: ObjectOptions) -> tuple[float, float]:
+    """Median distance and colour difference between neighbours."""
+    if len(xyz) < 3:
+        return options.lone_spacing_m, options.min_colour_noise
+    sample = np.arange(0, len(xyz), max(1, len(xyz) // options.sampled_points))
+    distance, near = cKDTree(xyz).query(xyz[sample], k=2)
+    gaps = np.asarray(distance)[:, 1]
+    unlike = np.linalg.norm(colour[sample] - colour[np.asarray(near)[:, 1]], axis=1)
+    return max(float(np.median(gaps)), options.min_spacing_m), float(np.median(unlike))
+
+
+def across_rings(xyz: F64, options: ObjectOptions) -> float:
+    """Median distance to the nearest point aside of the way to the nearest of all.
+
+    Lidars measure densely along a ring, and the next ring is far.
+    """
+    if len(xyz) < options.ring_neighbours:
+        return 0.0
+    sample = xyz[:: max(1, len(xyz) // options.sampled_points)]
+    distance, near = cKDTree(xyz).query(sample, k=options.ring_neighbours)
+    way = xyz[np.asarray(near)[:, 1:]] - sample[:, None]
+    length = np.asarray(distance)[:, 1:] + 1e-9
+    along = np.abs((way * way[:, :1]).sum(axis=2)) / (length * length[:, :1])
+    length = np.where(along < options.ring_cos, length, length[:, -1:])
+    return float(np.median(length.min(axis=1)))
+
+
+def uneven(xyz: F64, options: ObjectOptions) -> float:
+    """Median distance of points (M, 3) from the plane through them."""
+    if len(xyz) < options.ring_neighbours:
+        return np.inf
+    away = xyz - xyz.mean(axis=0)
+    normal = np.linalg.eigh(away.T @ away)[1][:, 0]
+    return float(np.median(np.abs(away @ normal)))
+
+
+def colourless(view: View, indices: I64) -> bool:
+    """Whether many of the points were seen by no camera: exactly black."""
+    rgb = view.frame.rgb
+    return (
+        rgb is None
+        or float((~np.asarray(rgb)[indices].any(axis=1)).mean()) > view.options.track.black_share
+    )
+
+
+@dataclass(frozen=True)
+class Painted:
+    """How a thing was painted.
+
+    ``flat`` lying on the ground; ``sheet`` flat in itself, as a door is; ``broad`` as part of
+    somebody is; ``cut`` off by the edge of the picture; ``grounded`` with the ground under it;
+    ``with_flying`` with the flying pixels at its outline.
+    """
+
+    flat: bool
+    sheet: bool
+    broad: bool
+    cut: bool
+    grounded: bool = False
+    with_flying: bool = False
+
+    @staticmethod
+    def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
+        """As the points ``indices`` (M,) at ``xyz`` (M, 3) show it, ``radius`` metres in size."""
+        options = view.options.track
+        return Painted(
+            flat=float(view.low[indices].mean()) > options.flat_share,
+            sheet=uneven(xyz, options=options) < options.sheet_radii * radius,
+            broad=across_way(xyz) > options.broad_m and away_from(view, xyz) > options.afar_m,
+            cut=cut_off_by_edge(view, indices),
+        )

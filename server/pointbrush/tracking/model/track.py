@@ -1,0 +1,352 @@
+"""One label on its way through a recording: its model, its motion, what is beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.tracking.compute.columns import NONE, columns, nearer_than, nearest
+from pointbrush.tracking.compute.graph import solid
+from pointbrush.tracking.compute.grid import within
+from pointbrush.tracking.compute.rigid import Target, inverse, transform
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.confidence import Evidence
+from pointbrush.tracking.model.motion import Motion
+from pointbrush.tracking.model.painted import (
+    Painted,
+    across_rings,
+    colourless,
+    texture,
+)
+from pointbrush.tracking.model.surface import Glimpse, Model
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensors.view import View
+
+SIDES = np.vstack([np.eye(3), -np.eye(3)])
+"""(6, 3) unit vectors along the axes, both ways."""
+
+
+@dataclass(eq=False)
+class Rivals:
+    """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
+
+    xyz: F64
+    colour: F32
+    weight: float = 0.0
+    """Metres per unit of colour."""
+    box: tuple[F64, F64] | None = None
+    """Corners (3,) of where they were looked for; None for anywhere."""
+
+    @staticmethod
+    def none() -> Rivals:
+        """Nothing unlabelled is known."""
+        return Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+
+    @cached_property
+    def target(self) -> Target:
+        """Where they were, for all questions about them."""
+        return Target(self.xyz, self.colour, self.weight)
+
+    def along(self, before: F64, now: F64, within: float) -> Rivals:
+        """Where they would be, had they gone along with the surface beside them.
+
+        That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
+        metres from it stays.
+        """
+        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, within)
+        step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
+        return Rivals(self.xyz + step, self.colour, self.weight)
+
+    def asked(self, xyz: NDArray[np.floating]) -> Mask:
+        """Which places (M, 3) they were looked for at: of the others nothing is known."""
+        return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
+
+    def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
+        """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
+
+        Where they were, or, with a ``step``, gone along with the object's.
+        """
+        explained = np.zeros(len(xyz), np.bool_)
+        if not len(self.xyz):
+            return explained
+        for back in [None] if step is None else [None, inverse(step)]:
+            rest = np.flatnonzero(~explained)
+            if not len(rest):
+                break
+            at = xyz[rest] if back is None else transform(back, xyz[rest])
+            explained[rest] = nearer_than(self.target.columns, at, colour[rest], within[rest])
+        return explained
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """How a sensor samples a thing.
+
+    ``imaged`` it sees depth images; ``scanned`` it is a lidar, then ``grain`` metres lie between
+    the points of the thing, as it is seen from ``away`` metres, 0 while that is not known.
+    """
+
+    imaged: bool
+    scanned: bool
+    grain: float
+    away: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Bending:
+    """How much a thing bends, as running means.
+
+    ``share`` 0..1 of it that one rigid motion does not explain; ``strain`` share of its known
+    surface that bending alone explains.
+    """
+
+    share: float = 0.0
+    strain: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class InTheAir:
+    """What a thing showed of itself where it was alone in the air, all round.
+
+    ``frames`` how many it was so in; ``cost`` mean distance of its points to the model there, in
+    place and colour, in reaches.
+    """
+
+    frames: int
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class LastSight:
+    """How a thing was found in the last frame that showed it.
+
+    ``points`` number of them; ``vain`` whether it was looked for elsewhere too, its fit being in
+    doubt, and that was no better; ``cut_short`` whether it ended all round with what makes it much
+    longer, which it did not get.
+    """
+
+    points: int
+    vain: bool = False
+    cut_short: bool = False
+    evidence: Evidence | None = None
+    """What its fit said about itself."""
+
+
+@dataclass(eq=False)
+class Thing:
+    """State of a label."""
+
+    options: TrackerOptions
+    label: int
+    model: Model
+    motion: Motion
+    weight: float
+    """Metres per unit of colour; 0 where it has none that tell it."""
+    unit: float
+    """Metres of tolerance: spacing of its points or noise of the sensor."""
+    rivals: Rivals
+    painted: Painted
+    sampling: Sampling
+    worn: ColourHistogram
+    """The colours that it was painted with."""
+    last: LastSight
+    size: float
+    """The most points that it had."""
+    in_the_air: InTheAir
+    extent: float = 0.0
+    """Metres, the greatest radius that it had."""
+    missing: int = 0
+    """Frames since it was seen."""
+    stopped: bool = False
+    """Whether it is not looked for any more."""
+    trust: float = 1.0
+    """The last confidence."""
+    strayed: bool = False
+    """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
+    alone."""
+    bending: Bending = Bending()
+    glimpses: list[Glimpse] = field(default_factory=list)
+    """What lay around it in some frames."""
+
+    def state(self) -> dict[str, object]:
+        """All that is known of it, for a process that has a copy; see ``become``."""
+        return dict(vars(self))
+
+    def become(self, state: Mapping[str, object]) -> None:
+        """Know what a copy of it in another process has learnt: its ``state``."""
+        for name, value in state.items():
+            setattr(self, name, value)
+
+    @property
+    def dyed(self) -> bool:
+        """Whether it is known by its colours; large things and what a lidar sees are otherwise."""
+        return self.weight > 0.0 and not self.large
+
+    def distinct(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start."""
+        if not self.dyed:
+            return np.zeros(len(colour), np.bool_)
+        return self.worn.only(colour)
+
+    def strange(self, colour: F32) -> Mask:
+        """Which of the colours (M, 3) the thing did not show where it was painted."""
+        if not self.dyed:
+            return np.zeros(len(colour), np.bool_)
+        return self.worn.strange(colour)
+
+    @property
+    def bends(self) -> bool:
+        """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
+        options = self.options.track
+        return self.bending.share > (
+            options.bent_share_large if self.large and not self.scanned else options.bent_share
+        )
+
+    def come_to(self, away: float) -> None:
+        """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
+        options = self.options.track
+        grain = self.sampling.grain
+        if self.sampling.away > 0.0 and away > 0.0:
+            closer = float(
+                np.clip(
+                    self.sampling.away / away,
+                    1 / options.max_approach,
+                    options.max_approach,
+                )
+            )
+            self.size *= closer**2
+            grain /= closer
+            unit = max(grain, options.min_unit_spacings * self.model.spacing)
+            self.weight *= unit / self.unit
+            self.unit = unit
+        self.sampling = replace(self.sampling, grain=grain, away=away)
+
+    @property
+    def scanned(self) -> bool:
+        """Whether a lidar sees it."""
+        return self.sampling.scanned
+
+    @property
+    def soft(self) -> bool:
+        """Whether it is a small thing whose surface moves within itself, as a toy's does."""
+        return self.bending.strain > self.options.track.soft_strain and not self.large
+
+    @property
+    def pliant(self) -> bool:
+        """Whether it is soft beyond doubt: what very many points show is seldom posed wrongly."""
+        return self.soft and self.size > self.options.track.dense_points
+
+    @property
+    def large(self) -> bool:
+        """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
+        options = self.options.track
+        if self.scanned:
+            return True
+        part = self.painted.cut or (self.painted.broad and self.span > options.part_m)
+        part = part and self.sampling.imaged and self.span > options.part_units * self.unit
+        return (
+            part or self.span > max(options.tall_m, options.tall_units * self.unit)
+        ) and not self.painted.sheet
+
+    @property
+    def body(self) -> bool:
+        """Whether it is large and before a sensor that sees depth images."""
+        return self.sampling.imaged and self.large
+
+    @property
+    def handy(self) -> bool:
+        """Whether it is small and before a sensor that sees depth images: it may be thrown."""
+        return self.sampling.imaged and not self.large
+
+    @property
+    def span(self) -> float:
+        """Metres from its middle that may hold all of it, hidden parts too."""
+        return max(self.model.radius, self.extent)
+
+    @property
+    def ends(self) -> F64:
+        """(6, 3) as far out as the model on every side: a motion that moves none moves nothing."""
+        return self.model.centre + self.model.radius * SIDES
+
+    @property
+    def absent(self) -> bool:
+        """Whether it is large and hardly anything of it was seen: the others come first then.
+
+        But for what stands before a lidar: it comes out where it was, from behind who goes away.
+        """
+        hardly = self.missing > 0 or self.last.points < self.options.track.hardly_share * self.size
+        return self.large and hardly and not self.stands
+
+    @property
+    def stands(self) -> bool:
+        """Whether a lidar saw it stand still when it was last seen, as a parked car does."""
+        return self.scanned and self.motion.rests(self.unit)
+
+    @property
+    def reach(self) -> float:
+        """Metres between a point and the model's point that stands for it."""
+        return max(self.unit, self.model.spacing)
+
+
+def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
+    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there.
+
+    A small one before a depth camera without its flying pixels; among those of a large one they
+    do not matter.
+    """
+    thing = _made(view, label, indices, noise, rivals)
+    if thing.large:  # what hangs together with it is found as finely as it is seen
+        thing = _made(view, label, indices, noise, rivals, most=len(indices))
+    if view.lens is None:
+        return thing
+    kept = solid(view.xyz[indices].astype(np.float64), thing.unit, options=view.options.link)
+    if not kept.all():
+        without = _made(view, label, indices[kept], noise, rivals)
+        thing = thing if without.large else without
+    if thing.large and (thing.painted.broad or thing.painted.cut):
+        # It stays that, however little of it is seen.
+        thing.extent = max(thing.model.radius, view.options.track.tall_m)
+    return thing
+
+
+def _made(
+    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int | None = None
+) -> Thing:
+    options = view.options
+    xyz = view.xyz[indices].astype(np.float64)
+    colour = view.colour(indices)
+    most = most or options.track.dense_points
+    spacing, speckle = texture(xyz, colour, options=options.track)
+    if not view.scans:  # nothing that is asked of a thing asks more points than these
+        spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
+    unit = max(
+        spacing,
+        noise,
+        options.track.ring_share * across_rings(xyz, options=options.track),
+    )
+    weight = 0.0
+    if view.frame.rgb is not None and not colourless(view, indices):
+        weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)
+    model = Model.of(xyz, colour, view.eye, spacing, options=view.options)
+    model.hits[:] = options.surface.sure_hits
+    count = len(indices)
+    return Thing(
+        view.options,
+        label,
+        model,
+        Motion(view.options, model.centre),
+        weight,
+        unit,
+        rivals,
+        Painted.of(view, indices, xyz, model.radius),
+        Sampling(view.lens is not None, view.scans, grain=unit),
+        ColourHistogram.of(colour, options=view.options),
+        LastSight(count),
+        float(count),
+        InTheAir(0, options.confidence.usual_cost),
+    )

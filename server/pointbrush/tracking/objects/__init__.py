@@ -1,1 +1,0 @@
-"""What is known of one label on its way through a recording."""

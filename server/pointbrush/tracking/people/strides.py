@@ -1,0 +1,274 @@
+"""Strides of people, and the probability that a cell is theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.compute.graph import agreed, parts
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import StrideOptions
+from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.person import Person
+from pointbrush.tracking.sensors.camera import I32
+
+GRID = (np.arange(13) - 6) / 2
+"""Deviations that are tried each way."""
+
+
+def strides(sight: Observation, people: Sequence[Person]) -> F64:
+    """(K, 3) metres that each person has gone."""
+    at = sight.view.cells.cell
+    moving = sight.view.marked(sight.cells.indices)
+    taken = np.zeros_like(moving)
+    tints = np.zeros((len(sight.view.depth), 3), np.float32)
+    if sight.tints is not None:
+        tints[at[sight.cells.indices]] = sight.tints
+    away = [float(np.median(sight.view.project(f.xyz).depth)) for f in people]
+    found = np.zeros((len(people), 3))
+    for k in sorted(range(len(people)), key=lambda k: (people[k].missing > 0, away[k])):
+        found[k] = _stride(sight, people[k], moving & ~taken, tints)
+        there = cKDTree(people[k].xyz + found[k])
+        gap = there.query(
+            sight.cells.middle, distance_upper_bound=sight.options.step.own_cells * sight.cells.size
+        )[0]
+        own = np.isfinite(gap)[sight.cells.cell]
+        taken |= sight.view.marked(sight.cells.indices[own])
+    return found
+
+
+def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
+    options = sight.options.step
+    varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
+    varies += options.stride_m_per_frame * min(person.missing, options.max_unseen_frames)
+    right, ahead = (axis.ravel() for axis in np.meshgrid(GRID, GRID))
+    tried = person.step + varies * (
+        right[:, None] * sight.flat[:, 0] + ahead[:, None] * sight.flat[:, 1]
+    )
+    some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
+    xyz, colour = person.xyz[some], person.colour[some]
+    world = (xyz[None] + tried[:, None]).reshape(-1, 3)
+    cell, depth = sight.view.project(world)
+    cost = _costs(sight, cell, depth, loose)
+    if sight.tints is not None:
+        same = np.abs(sight.view.depth[cell] - depth) <= options.same_depth_m
+        unlike = (
+            np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1)
+            / options.other_colour
+        )
+        both = options.depth_weight * cost + options.colour_weight * np.minimum(1.0, unlike**2)
+        cost = np.where(same & loose[cell], both, cost)
+    total = (
+        options.evidence_weight * cost.reshape(len(tried), -1).mean(axis=1)
+        + (right**2 + ahead**2) / 2
+    )
+    return np.asarray(tried[total.argmin()])
+
+
+def _costs(sight: Observation, cell: I32, depth: F32, loose: Mask) -> F64:
+    """(M,) what surface costs at a ``depth`` (M,) of a ``cell`` (M,), by depth alone."""
+    options = sight.options.step
+    seen = sight.view.depth[cell]
+    behind = seen - depth
+    cost = np.where(behind > options.same_depth_m, 1.0, options.hidden_cost)
+    same = np.abs(behind) <= options.same_depth_m
+    cost[same] = np.where(loose[cell[same]], 0.5 * (behind[same] / options.same_depth_m) ** 2, 1.0)
+    cost[np.isnan(seen)] = options.unknown_cost
+    cost[cell < 0] = options.hidden_cost
+    return cost
+
+
+@dataclass(eq=False)
+class Shares:
+    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be his, ``chance``."""
+
+    stride: F64
+    cost: F64
+    chance: F64
+
+    def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
+        """Share of somebody's cells that hardly less are another's."""
+        others = np.delete(self.cost[cells], who, axis=1)
+        if not others.shape[1] or not len(cells):
+            return 0.0
+        return float((others.min(axis=1) < self.cost[cells, who] + options.disputed_cost).mean())
+
+
+def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Shares:
+    """Give the cells in ``sight`` owners, mending the strides (K, 3) by who has what."""
+    options = sight.options.step
+    clothes = _clothes(sight, people)
+    steps = [float(np.linalg.norm(f.step)) for f in people if not f.missing]
+    swing = options.limbs_m + options.swing_share * min(
+        max([options.slowest_m, *steps]), options.fastest_m
+    )
+    stride = stride.copy()
+    surfaces = [_Surface.of(f, swing, coloured=sight.tints is not None) for f in people]
+    for _ in range(options.rounds):
+        cost = np.full((len(sight.owner), len(people)), options.cap)
+        near = []
+        for k, surface in enumerate(surfaces):
+            cost[:, k], nearest = _place(sight, surface, stride[k])
+            near.append(nearest)
+        cost += clothes
+        chance = agreed(
+            cost,
+            sight.links,
+            sight.view.options.mean_field.sweeps,
+            sight.view.options.mean_field.settled_change,
+            sight.view.options.mean_field.same_change,
+            sight.view.options.mean_field.neighbour_weight,
+            sight.view.options.mean_field.full_neighbours,
+        )
+        who = chance.argmax(axis=1)
+        mended = np.zeros_like(stride)
+        for k, person in enumerate(people):
+            his = np.where(who == k, near[k], -1)
+            mended[k] = _mended(sight, person, stride[k], chance[:, k], his, swing)
+        stride += mended
+        if np.linalg.norm(mended, axis=1).max() < options.settled_m:
+            break
+    sight.owner = np.array([f.label for f in people], np.int64)[who]
+    _leave(sight, cost.min(axis=1), chance.max(axis=1))
+    for k, person in enumerate(people):
+        _drop(sight, person, stride[k])
+    return Shares(stride, cost, chance)
+
+
+def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
+    """(N, K) what the colours of each cell cost."""
+    options = sight.options.step
+    cost = np.zeros((len(sight.owner), len(people)))
+    for k, person in enumerate(people):
+        if sight.tints is not None and person.identity.worn is not None:
+            rare = (
+                person.identity.worn.usual
+                - options.clothes_rarer_log
+                - person.identity.worn.each(sight.tints)
+            )
+            cost[:, k] = options.clothes_weight * sight.mean(
+                np.clip(rare, 0.0, options.clothes_max_log)
+            )
+    return cost
+
+
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """Somebody's surface of the last frame, to be searched in units of ``within`` metres."""
+
+    person: Person
+    within: float
+    own: F64
+    tree: cKDTree
+
+    @staticmethod
+    def of(person: Person, swing: float, *, coloured: bool) -> _Surface:
+        options = person.options.step
+        within = swing + options.limbs_m_per_frame * min(person.missing, options.limbs_max_frames)
+        own = person.xyz / within
+        if coloured:
+            own = np.hstack([own, person.colour / options.shade])
+        return _Surface(person, within, own, cKDTree(own))
+
+
+def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64]:
+    """(N,) what it costs each cell to be his there, and his cell next to it, -1 for none."""
+    options = sight.options.step
+    own, person = surface.own, surface.person
+    seen = (sight.cells.middle - stride) / surface.within
+    if own.shape[1] > seen.shape[1]:
+        seen = np.hstack([seen, sight.cells.colour / options.shade])
+    reach = np.sqrt(2 * options.cap)
+    close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
+    gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
+    gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
+    cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, options.cap) ** 2, options.cap)
+    middle = np.median((person.xyz + stride) @ sight.flat, axis=0)
+    away = np.linalg.norm(sight.ground - middle, axis=1)
+    cost += np.minimum(
+        options.body_max_cost,
+        0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
+    )
+    cost += options.hidden_cost_owner * (person.missing > 0)
+    return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)
+
+
+def _mended(
+    sight: Observation,
+    person: Person,
+    stride: F64,
+    chance: F64,
+    near: I64,
+    swing: float,
+) -> F64:
+    """(3,) how far off a stride is, by the cells he has and by the surface he should show.
+
+    ``near`` (N,) number of the point of his surface that each cell is nearest to, -1 for those
+    that he has not; ``chance`` (N,) of each to be his; ``swing`` metres by which limbs move.
+    """
+    options = sight.options
+    cells = np.flatnonzero((near >= 0) & sight.cells.solid)
+    if len(cells) < max(options.body.seen_min_cells, options.step.corrected_share * person.size):
+        return np.zeros(3)
+    there = person.xyz + stride
+    seen = sight.cells.middle[cells]
+    weight = chance[cells] * np.sqrt(sight.cells.count[cells])
+    off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
+    shown = sight.shows(there)
+    gap, nearest = map(
+        np.asarray,
+        cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing),
+    )
+    met = np.isfinite(gap)
+    if np.count_nonzero(met) > options.body.seen_min_cells:
+        off = (off + (seen[nearest[met]] - there[shown][met]).mean(axis=0)) / 2
+    share = float(shown.mean())
+    return np.asarray(off * share / (share + options.step.visible_doubt))
+
+
+def _leave(sight: Observation, cost: F64, chance: F64) -> None:
+    """What hangs together and hardly fits anybody is nobody's yet."""
+    options = sight.options.step
+    inside = sight.bodies >= 0
+    fits = cost < options.fitting_cap_share * options.cap
+    if inside.any():
+        body = sight.bodies[inside]
+        bad = np.bincount(body, weights=fits[inside]) < options.fitting_cells_share * np.bincount(
+            body
+        )
+        sight.owner[inside] = np.where(bad[body], 0, sight.owner[inside])
+    sight.owner[~inside & ~fits & (chance <= options.sure_probability)] = 0
+
+
+def _drop(sight: Observation, person: Person, stride: F64) -> None:
+    """Take from a person what lies apart from the rest of it, and not where he should be."""
+    options = sight.options
+    cells = np.flatnonzero(sight.owner == person.label)
+    if len(cells) < options.body.seen_min_cells:
+        return
+    some = np.zeros(len(sight.owner), np.bool_)
+    some[cells] = True
+    part = parts(sight.cells.touching, some)[cells]
+    count = np.bincount(part)
+    if len(count) < 2:
+        return
+    rest = np.flatnonzero(count[part] < options.step.apart_share * count.max())
+    if not len(rest):
+        return
+    there, middles = person.xyz + stride, sight.cells.middle[cells]
+    gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles[rest])[0])
+    known = np.asarray(cKDTree(there).query(middles[rest])[0] < options.step.known_m)
+    middle = np.median(there @ sight.flat, axis=0)
+    known &= (
+        np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1) < options.step.known_beside_m
+    )
+    for number in np.unique(part[rest]).tolist():
+        piece = part[rest] == number
+        if (
+            gap[piece].min() > options.step.apart_m
+            and known[piece].mean() < options.step.known_share
+        ):
+            sight.owner[cells[rest[piece]]] = 0

@@ -1,0 +1,214 @@
+"""Depth images of the scene: their noise, the farthest depth, and its continuation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import spsolve
+
+from pointbrush.tracking.compute.grid import blocks, widened
+from pointbrush.tracking.interface import F32, Mask
+from pointbrush.tracking.options import BackgroundOptions, DepthNoiseOptions
+
+DEVIATION = 1.05
+"""Standard deviation of a depth, over the median difference of two of them: 1.4826 / sqrt(2)."""
+
+
+class DepthNoise(NamedTuple):
+    """Depth noise: standard deviation ``still + growing * depth**2`` metres.
+
+    It grows with the square of the distance, as that of triangulated depth does (Khoshelham and
+    Elberink 2012).
+    """
+
+    still: float
+    growing: float
+
+    def __call__(self, depth: F32) -> F32:
+        """(M,) standard deviations at (M,) depths."""
+        return np.asarray(self.still + self.growing * depth * depth, np.float32)
+
+
+def default_noise(options: DepthNoiseOptions) -> DepthNoise:
+    """Return the noise of a sensor that is not known."""
+    return DepthNoise(options.default_m, options.default_per_m2)
+
+
+def measure_noise(one: F32, other: F32, options: DepthNoiseOptions) -> DepthNoise:
+    """Fit the noise to the differences of two depth images of a sensor that stands still.
+
+    Source of the fit, which a third of wrong values does not touch: Theil 1950, Sen 1968.
+    """
+    both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
+    if len(both) < options.min_pixels:
+        return default_noise(options)
+    change = np.abs(one[both] - other[both])
+    square = one[both].astype(np.float64) ** 2
+    parts = np.array_split(np.argsort(square, kind="stable"), options.depth_bins)
+    x = np.array([float(np.median(square[p])) for p in parts])
+    y = np.array([_spread(change[p], options=options) for p in parts])
+    # Slopes of pairs, and their median: what moved between the images spoils a part or two.
+    one_part, other_part = np.triu_indices(len(x), 1)
+    run = x[other_part] - x[one_part]
+    slopes = ((y[other_part] - y[one_part])[run > 1e-6]) / run[run > 1e-6]
+    growing = max(0.0, float(np.median(slopes))) if len(slopes) else 0.0
+    still = float(np.median(y - growing * x))
+    return DepthNoise(max(still, options.floor_m), growing)
+
+
+def _spread(change: F32, options: DepthNoiseOptions) -> float:
+    """Standard deviation of depths that differ by ``change`` (M,) between two images.
+
+    What comes in steps, as a first Kinect's does, is mostly the same or a step away.
+    """
+    gaussian = float(np.median(change)) * DEVIATION
+    other = change[change > options.same_depth_m]
+    if len(other) > (1.0 - options.stepped_share) * len(change) or not len(other):
+        return gaussian
+    return max(gaussian, options.step_sigma * float(np.median(other)))
+
+
+def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: BackgroundOptions) -> F32:
+    """The scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
+
+    Surfaces are drawn on by Laplace's equation in the inverse of the depth, in which a plane is
+    linear over the image, so that floors and walls go on exactly.  Where nothing is measured for
+    many pixels around there is no scene, as far as the sensor sees: that is endlessly far.
+    """
+    height, width = shape
+    hidden = widened(hidden.reshape(shape), 2).ravel()
+    open_ = np.where(hidden, np.nan, 1.0 / depth)
+    rows, columns = (
+        -(-height // options.fill_cell_px),
+        -(-width // options.fill_cell_px),
+    )
+    cells = blocks(open_, shape, options.fill_cell_px)
+    known = np.isfinite(cells).sum(axis=1) > options.fill_cell_px
+    coarse = np.full(len(cells), np.nan)
+    coarse[known] = np.nanmean(cells[known], axis=1)
+    scene = np.isfinite(cells).any(axis=1)
+    scene |= np.nanmax(blocks(hidden.astype(np.float32), shape, options.fill_cell_px), axis=1) > 0
+    coarse[~widened(scene.reshape(rows, columns), options.empty_cells).ravel()] = 0.0
+    filled = _laplace(coarse, (rows, columns))
+    if filled is None:
+        return np.full(len(depth), np.nan, np.float32)
+    v, u = np.divmod(np.flatnonzero(~np.isfinite(open_)), width)
+    at = [
+        (v + 0.5) / options.fill_cell_px - 0.5,
+        (u + 0.5) / options.fill_cell_px - 0.5,
+    ]
+    result = np.full(len(depth), np.nan, np.float32)
+    inverse = map_coordinates(filled.reshape(rows, columns), at, order=1, mode="nearest")
+    result[v * width + u] = 1.0 / np.maximum(inverse, 1 / options.far_m)
+    return result
+
+
+def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.float64] | None:
+    """``values`` (R * C,) with each NaN the mean of its neighbours; None where all are NaN."""
+    unknown = np.isnan(values)
+    if unknown.all():
+        return None
+    if not unknown.any():
+        return values
+    number = np.arange(len(values)).reshape(shape)
+    pairs = np.concatenate(
+        [
+            np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
+            np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
+        ]
+    )
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    pairs = pairs[unknown[pairs[:, 0]]]
+    place = np.cumsum(unknown) - 1
+    count = int(unknown.sum())
+    row, other = place[pairs[:, 0]], pairs[:, 1]
+    degree = np.bincount(row, minlength=count).astype(np.float64)
+    inner = unknown[other]
+    right = np.bincount(row[~inner], weights=values[other[~inner]], minlength=count)
+    entries = np.concatenate([degree, np.full(int(inner.sum()), -1.0)])
+    rows = np.concatenate([np.arange(count), row[inner]])
+    columns = np.concatenate([np.arange(count), place[other[inner]]])
+    matrix = coo_matrix((entries, (rows, columns)), shape=(count, count)).tocsc()
+    result = values.copy()
+    result[unknown] = spsolve(matrix, right)
+    return result
+
+
+def farthest(
+    images: Iterable[F32], noise: DepthNoise, options: BackgroundOptions
+) -> tuple[F32, F32]:
+    """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
+
+    ``images`` depths (H * W,) of frames of a whole recording: so the scene behind what is passed by
+    now and then is known from the first frame on.
+    """
+    best = count = None
+    for image in images:
+        if best is None or count is None:
+            best, count = image.copy(), np.isfinite(image).astype(np.float32)
+            continue
+        limit = options.near_sigmas * noise(image)
+        change = image - best
+        farther = np.isfinite(image) & ~(change <= limit)
+        same = np.flatnonzero(np.abs(change) <= limit)
+        count[same] += 1
+        best[same] += change[same] / count[same]
+        np.copyto(best, image, where=farther)
+        count[farther] = 1
+    if best is None or count is None:
+        return np.empty(0, np.float32), np.empty(0, np.float32)
+    return best, count
+
+
+def continued(depth: F32, known: Mask, shape: tuple[int, int], options: BackgroundOptions) -> Mask:
+    """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
+
+    Furniture goes on beside whom it is hidden by; somebody who stands there ends all round but
+    for the floor beneath him.
+    """
+    image = depth.reshape(shape)
+    start = np.ones(shape, np.bool_)
+    with np.errstate(invalid="ignore"):
+        start[:, 1:] = ~(np.abs(np.diff(image, axis=1)) < options.surface_jump_share * image[:, 1:])
+    surface = np.cumsum(start.ravel()) - 1
+    enough = np.bincount(surface, weights=known) >= options.min_known_beside
+    return np.asarray(enough[surface], np.bool_)
+
+
+def wavering(
+    images: Sequence[F32], deviation: F32, shape: tuple[int, int], options: BackgroundOptions
+) -> F32:
+    """(H * W,) how many times its ``deviation`` the depth of each place wavers.
+
+    ``images`` depths (H * W,) of successive frames, NaN where an object is known to be.  By
+    blocks, since shiny, dark and slanting surfaces are noisier than others at their depth; the
+    calmest pair of frames counts, since what passes is no noise.
+    """
+    height, width = shape
+    rows, columns = (
+        -(-height // options.block_px),
+        -(-width // options.block_px),
+    )
+    found = []
+    for one, other in pairwise(images):
+        with np.errstate(invalid="ignore"):
+            change = blocks(np.abs(one - other) * DEVIATION / deviation, shape, options.block_px)
+        enough = np.isfinite(change).sum(axis=1) > options.block_min_px
+        median = np.full(rows * columns, np.inf)
+        median[enough] = np.nanmedian(change[enough], axis=1)
+        found.append(median)
+    calm = options.usual_over_calmest * np.min(found, axis=0)
+    calm[np.isinf(calm)] = 1.0
+    factor = (
+        np.clip(calm, options.min_block_sigma, options.max_block_sigma)
+        .astype(np.float32)
+        .reshape(rows, columns)
+    )
+    image = np.repeat(np.repeat(factor, options.block_px, axis=0), options.block_px, axis=1)
+    return np.ascontiguousarray(image[:height, :width]).ravel()

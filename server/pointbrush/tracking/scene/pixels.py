@@ -1,0 +1,242 @@
+"""Compiled tests of pixels against the scene, and what each pixel last showed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.tracking.interface import F32, I64, Mask
+from pointbrush.tracking.options import BackgroundOptions
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.sensors.camera import I32, Projection
+
+
+class LastSeen(NamedTuple):
+    """The farthest ``label`` of each cell, 0 for none, and its ``depth`` when it was last seen.
+
+    Arrays (cells + 1,), changed in place as frames are learnt.  A cell keeps its label while
+    something nearer hides it, and gives it up when it shows what lies behind, or the thing is seen
+    elsewhere.
+    """
+
+    label: I32
+    depth: F32
+
+    @staticmethod
+    def nothing(count: int) -> LastSeen:
+        """No label in any of so many cells."""
+        return LastSeen(np.zeros(count, np.int32), np.full(count, np.nan, np.float32))
+
+    def learn(
+        self, seen: F32, owner: I32, limit: F32, known: F32, options: BackgroundOptions
+    ) -> Mask:
+        """Take in a frame; which cells show without a label what was labelled there.
+
+        ``seen`` depths and ``owner`` labels of the cells, ``limit`` metres within which a depth is
+        the same, ``known`` depths of the scene, NaN where it was never seen.
+        """
+        return _learnt(self, seen, owner, limit, known, options.stayed_share)
+
+    def again(self, cell: I32, depth: F32, limit: F32) -> I64:
+        """(M,) label that was as deep as that in the cells (M,), 0 for none."""
+        same = np.abs(depth - self.depth[cell]) < limit
+        return np.where(same, self.label[cell], 0).astype(np.int64)
+
+
+@compiled
+def _learnt(
+    last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32, stayed_share: float
+) -> Mask:
+    label, depth = last
+    gone = _gone(last, seen, owner, limit, stayed_share)
+    missed = np.zeros(len(seen), np.bool_)
+    for c in range(len(seen)):
+        if label[c] != 0 and gone[label[c]]:
+            label[c] = 0
+        if np.isnan(seen[c]) or (owner[c] == 0 and label[c] == 0):
+            continue
+        step = seen[c] - depth[c]
+        if label[c] != 0 and step > limit[c]:
+            label[c] = 0
+        if seen[c] > known[c] - limit[c]:
+            label[c] = 0
+        elif owner[c] != 0 and (label[c] == 0 or label[c] == owner[c]):
+            label[c], depth[c] = owner[c], seen[c]
+        elif owner[c] == 0 and label[c] != 0:
+            missed[c] = step > -limit[c]
+    return missed
+
+
+@compiled
+def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float) -> Mask:
+    """(labels,) which are seen, and mostly elsewhere than before."""
+    label, depth = last
+    most = 0
+    for c in range(len(seen)):
+        most = max(most, label[c], owner[c])
+    every, same = np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64)
+    for c in range(len(seen)):
+        every[owner[c]] += 1
+        if owner[c] == label[c] and abs(seen[c] - depth[c]) < limit[c]:
+            same[owner[c]] += 1
+    return same < stayed_share * every
+
+
+class Images(NamedTuple):
+    """What ``ImageBackground`` knows of each cell (cells + 1,), for compiled loops; see there."""
+
+    noise: DepthNoise
+    scale: F32
+    scene: F32
+    depth: F32
+    hidden: F32
+    previous: F32
+    anchor: F32
+    age: I32
+    hider: I32
+    hiding: F32
+
+
+@innermost
+def _limit(noise: DepthNoise, depth: float, near_sigmas: float) -> float:
+    """Metres within which a depth is the same depth."""
+    return near_sigmas * (noise.still + noise.growing * depth * depth)
+
+
+@compiled
+def stood(
+    points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise, near_sigmas: float
+) -> tuple[Mask, Mask]:
+    """See ``Background.static``: ``known`` depths of the background, and those of the ``last``
+    frame where nothing was labelled."""
+    cells, depths = points
+    count = len(indices)
+    far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    for i in range(count):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = _limit(noise, depth, near_sigmas)
+        far[i] = depth - known[cell] > -limit
+        rest[i] = abs(depth - last[cell]) < limit
+    return far, rest
+
+
+@compiled
+def before(
+    points: Projection,
+    indices: I64,
+    nearest: F32,
+    scale: F32,
+    noise: DepthNoise,
+    near_sigmas: float,
+) -> Mask:
+    """See ``Background.certain``: ``nearest`` as of ``least``, ``scale`` as of ``Images``."""
+    cells, depths = points
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        result[i] = depth < nearest[cell] - _limit(noise, depth, near_sigmas) * scale[cell]
+    return result
+
+
+@compiled
+def scenery(
+    points: Projection,
+    indices: I64,
+    frames: int,
+    nearest: F32,
+    images: Images,
+    hidden_share: float,
+    near_sigmas: float,
+) -> Mask:
+    """See ``Background.scenery``: ``nearest`` as of ``least``."""
+    cells, depths = points
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = _limit(images.noise, depth, near_sigmas) * images.scale[cell]
+        if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
+            result[i] = not depth < nearest[cell] - limit
+            continue
+        # Uncovered just now, where the scene around goes on: no object came there.
+        new = not abs(depth - images.previous[cell]) < limit
+        goes_on = new and depth > hidden_share * images.hidden[cell] - limit
+        stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
+        result[i] = goes_on or stuck
+    return result
+
+
+@compiled
+def uncovered(points: Projection, images: Images, hidden_share: float, near_sigmas: float) -> I64:
+    """See ``Background.uncovered``: the points (M,)."""
+    cells, depths = points
+    found = np.empty(len(cells), np.int64)
+    count = 0
+    for i in range(len(cells)):
+        cell, depth = cells[i], depths[i]
+        if images.hider[cell] == 0:
+            continue
+        limit = _limit(images.noise, depth, near_sigmas)
+        there = abs(depth - images.previous[cell]) < limit
+        shown = there and depth > images.hiding[cell] + limit
+        goes_on = depth > hidden_share * images.hidden[cell] - limit
+        if shown and not goes_on and not depth - images.depth[cell] > -limit:
+            found[count] = i
+            count += 1
+    return found[:count].copy()
+
+
+@compiled
+def keep_up(anchor: F32, age: I32, seen: F32, limit: F32, scale: F32) -> None:
+    """Count the frames for which each cell has been as deep as it is ``seen``, within a ``limit``;
+    one that shows nothing may still be."""
+    for c in range(len(seen)):
+        age[c] += 1
+        if not (np.isnan(seen[c]) or abs(seen[c] - anchor[c]) < limit[c] * scale[c]):
+            anchor[c], age[c] = seen[c], 0
+
+
+@compiled
+def take_in(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
+    """Bring the ``known`` depth of each cell nearer to what is ``seen``; what lies farther is known
+    at once."""
+    share = np.float32(learn_rate)
+    for c in range(len(seen)):
+        change = seen[c] - known[c]
+        if abs(change) < limit[c]:
+            known[c] += share * change
+        elif change > limit[c] or np.isnan(known[c]):
+            known[c] = seen[c]
+
+
+@compiled
+def least(known: F32, shape: tuple[int, int], noise: DepthNoise) -> F32:
+    """(cells + 1,) the least depth that the scene may show in each cell.
+
+    ``known`` (cells + 1,) its depth, NaN where unknown.  At an edge the cells beside it are seen
+    as well; where a surface goes on evenly, a slanting one too, it is as deep as it is.
+    """
+    height, width = shape
+    result = known.copy()
+    for row in range(height):
+        for column in range(width):
+            cell = row * width + column
+            depth = known[cell]
+            if np.isnan(depth):
+                continue
+            same = noise.still + noise.growing * depth * depth
+            for down, along in ((0, 1), (1, 0), (1, 1), (1, -1)):
+                one = other = np.float32(np.nan)
+                if row >= down and 0 <= column - along < width:
+                    one = known[cell - down * width - along]
+                if row + down < height and 0 <= column + along < width:
+                    other = known[cell + down * width + along]
+                # In inverse depth a plane is even: the middle of both ends is as deep as this.
+                if abs(2 * one * other - depth * (one + other)) < same * (one + other):
+                    continue
+                if one < result[cell]:
+                    result[cell] = one
+                if other < result[cell]:
+                    result[cell] = other
+    return result

@@ -1,0 +1,254 @@
+"""What a run knows of its sensor, and of the scene that stands still before it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.scene.depth import Background, ImageBackground
+from pointbrush.tracking.scene.images import default_noise, measure_noise
+from pointbrush.tracking.scene.mapped import MapBackground, SurfaceMap, chart_of
+from pointbrush.tracking.scene.scans import PointBackground
+from pointbrush.tracking.sensors.camera import Lens, find_lens, steadied
+from pointbrush.tracking.sensors.scan_odometry import find_trajectory
+from pointbrush.tracking.sensors.scanner import (
+    find_eye,
+    range_image_of,
+    reach_of,
+)
+from pointbrush.tracking.sensors.trajectory import Trajectory
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.sensors.viewpoint import find_camera
+from pointbrush.tracking.sensors.visual_odometry import framed
+
+
+class Scene:
+    """The frames ``order`` of a recording as one sensor sees them.
+
+    ``first`` frame; ``lens`` of the sensor, or None; ``background`` as far as it was learnt.
+    """
+
+    def __init__(
+        self,
+        frames: Frames,
+        order: list[int],
+        reach: Callable[[F32], F32],
+        painted: I64 | None = None,
+        *,
+        options: TrackerOptions,
+        ahead: bool,
+    ) -> None:
+        """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame.
+
+        What is ``painted`` (M,) in the first frame may move, and tells nothing of the sensor.
+        """
+        self._frames, self._order, self.options = frames, order, options
+        # Long arrays most of it, which leave the interpreter to others.
+        self._ahead = ThreadPoolExecutor(1) if ahead else None
+        self._following = dict(pairwise(order))
+        self._ready: tuple[int, Future[View]] | None = None
+        first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
+        self.lens: Lens | None = _fixed(first, others, options=options)
+        self._way: Trajectory | None = None
+        self._about: F64 | None = None
+        if self.lens is None:
+            self._way = find_trajectory(frames, order, painted, options=options)
+            self.lens, self._about = _sensor(
+                first, others, moves=self._way is not None, options=options
+            )
+        self._steady = False
+        self.first = self._look(order[0])
+        self._steady_it()
+        self._waver = default_noise(options.noise)
+        self.background: Background = PointBackground(options, reach)
+        if self.lens is not None and not self._moves:
+            depth, lens = self._beside(painted), self.lens
+            if len(order) > 1:
+                noise = measure_noise(depth, self._look(order[1]).depth, options=options.noise)
+                # In a figure that was cut out of its room nothing need be at rest.
+                far = np.nanmedian(depth, keepdims=True)
+                if noise(far) < default_noise(options.noise)(far) or framed(
+                    self.first.frame, lens, options=options
+                ):
+                    self._waver = noise
+            unknown = np.full_like(depth, np.nan)
+            self.background = ImageBackground(
+                self.options, self._waver, unknown, unknown, np.ones_like(unknown)
+            )
+        self._reach = reach
+
+    def _steady_it(self) -> None:
+        """See a depth camera that only sways as one at rest."""
+        if self.lens is None or self._way is None:
+            return
+        some = [self._order[0], *self._apart()]
+        way = self._way.over(some)
+        poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
+        seen = len(way.lost) <= self.options.background.covered_share * len(some)
+        still = (
+            steadied(self.lens, self.first.cells.depth, poses, options=self.options)
+            if seen
+            else None
+        )
+        if still is not None:
+            self.lens, self._steady = still, True
+            self.first = self._look(self._order[0])
+
+    def _beside(self, painted: I64 | None) -> F32:
+        """The first depth image without what is ``painted`` (M,), unless that is nearly all."""
+        depth = self.first.depth.copy()
+        if painted is not None:
+            depth[self.first.cells.cell[painted]] = np.nan
+        enough = (
+            np.isfinite(depth).sum()
+            > self.options.background.min_picture_share * np.isfinite(self.first.depth).sum()
+        )
+        return depth if enough else self.first.depth
+
+    def view(self, number: int) -> View:
+        """Frame ``number`` with what is known of the sensor."""
+        ready, self._ready = self._ready, None
+        view = ready[1].result() if ready and ready[0] == number else self._look(number)
+        if self._ahead is not None and number in self._following:
+            following = self._following[number]
+            self._ready = following, self._ahead.submit(self._prepared, following)
+        return view
+
+    def close(self) -> None:
+        """Prepare no more."""
+        if self._ahead is not None:
+            self._ahead.shutdown(cancel_futures=True)
+
+    def _prepared(self, number: int) -> View:
+        view = self._look(number)
+        view.prepare()
+        return view
+
+    def _look(self, number: int) -> View:
+        return View(
+            number,
+            self._frames(number),
+            self.lens,
+            self.options,
+            self._pose(number),
+            self._about,
+            self._steady,
+        )
+
+    def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
+        """A result whose poses count from frame ``start``, in the frames' own coordinates.
+
+        ``back`` label → inverse pose there, in the world.
+        """
+        here, there = self._pose(found.frame), self._pose(start)
+        tracks = {}
+        for label, track in found.tracks.items():
+            pose = track.pose @ back[label]
+            if here is not None and there is not None:
+                pose = np.linalg.inv(here) @ pose @ there
+            tracks[label] = replace(track, pose=pose)
+        return replace(found, tracks=tracks)
+
+    @property
+    def _moves(self) -> bool:
+        return self._way is not None and not self._steady
+
+    def _pose(self, number: int) -> F64 | None:
+        return None if self._way is None else self._way.pose(number)
+
+    def noise(self, view: View, indices: I64) -> float:
+        """Median depth noise at some points, metres."""
+        if self.lens is None or not len(indices):
+            return 0.0
+        return float(np.median(self._waver(view.cells.depth[indices])))
+
+    def learn_first(self, *, survey: bool) -> None:
+        """Take in the first frame, whose labels are a person's.
+
+        ``survey``: learn what is behind large things from the whole recording.
+        """
+        if survey and self.lens is not None and self._moves:
+            self.background = self._charted()
+        if not isinstance(self.background, ImageBackground):
+            self.background.learn(self.first, first=True)
+            return
+        self.background.calm(
+            self.first, self._views(self._order[1 : self.options.background.calm_frames])
+        )
+        self.background.learn(self.first, first=True)
+        if survey:
+            self.background.survey(self.first, self._survey())
+
+    def _apart(self) -> list[int]:
+        """Frames apart, of the whole run."""
+        last = len(self._order) - 1
+        return [
+            self._order[i]
+            for i in np.linspace(1, last, min(self.options.background.survey_frames, last)).astype(
+                int
+            )
+        ]
+
+    def _survey(self) -> list[View]:
+        return self._views(self._apart())
+
+    def _charted(self) -> MapBackground:
+        views = [self.first, *self._survey()]
+        if len(views) > 1:
+            before = SurfaceMap.of(self.first, self.first.depth).drawn(views[1])
+            self._waver = measure_noise(before, views[1].depth, options=self.options.noise)
+        return MapBackground(
+            self.options,
+            self._reach,
+            self._waver,
+            chart_of(views, self._waver, options=self.options),
+        )
+
+    def _views(self, numbers: Sequence[int]) -> list[View]:
+        return [self._look(number) for number in numbers]
+
+
+def _fixed(first: TrackFrame, others: Sequence[TrackFrame], options: TrackerOptions) -> Lens | None:
+    """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
+
+    It is looked for where no frame tells it; the ``others`` were seen from there as well.
+    """
+    xyz = np.asarray(first.xyz)
+    recorded = first.viewpoint is not None or first.pose is not None
+    if (
+        recorded
+        or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
+        or find_lens(first, options=options) is not None
+    ):
+        return None
+    place = find_camera(xyz, options=options)
+    if place is None or any(
+        find_lens(f, place=place, options=options) is None for f in others if len(f.xyz)
+    ):
+        return None
+    return find_lens(first, place=place, options=options)
+
+
+def _sensor(
+    first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool, options: TrackerOptions
+) -> tuple[Lens | None, F64 | None]:
+    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it.
+
+    From there the ``others`` were seen as well: what moves through the world has no one place.
+    """
+    lens = find_lens(first, moves=moves, options=options)
+    if lens is not None or first.viewpoint is not None:
+        return lens, None
+    xyz = np.asarray(first.xyz)
+    about = find_eye(xyz, options=options)
+    later = [np.asarray(frame.xyz) for frame in others]
+    full = [p for p in later if len(p) >= options.range_image.min_points]
+    if about is not None and any(range_image_of(p, about, options=options) is None for p in full):
+        about = None
+    return None, about

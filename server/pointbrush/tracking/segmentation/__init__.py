@@ -1,1 +1,0 @@
-"""Which points of a frame are whose."""

@@ -1,1 +1,0 @@
-"""One frame as its sensor sees it, and how that sensor moves."""

@@ -1,0 +1,1 @@
+"""Sensors: what they are, where they were, and the frames that they give."""

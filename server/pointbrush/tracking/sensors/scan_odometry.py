@@ -1,0 +1,353 @@
+"""Poses of a lidar: planes of the scenery, registered from scan to scan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.compute.deformation import nodes_of
+from pointbrush.tracking.compute.rigid import transform
+from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
+from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
+from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.sensors.scanner import find_eye, reach_of
+from pointbrush.tracking.sensors.trajectory import (
+    RecordedTrajectory,
+    RegisteredTrajectory,
+    Trajectory,
+    recorded_pose,
+)
+from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, framed, moves
+
+
+def likely_shifts(
+    before: F64, here: F64, cell: float, count: int, options: ScanOdometryOptions
+) -> F64:
+    """(count, 3) metres, the likeliest first, that bring points (N, 3) near to points (M, 3).
+
+    Both thinned to cells of ``cell`` metres; ``before`` turned as ``here`` is.
+    """
+    pixel = options.shift_pixel_cells * cell
+    middle = np.median(before, axis=0)
+    around = before - middle
+    around = around[(np.abs(around) < options.shift_side_px * pixel).all(axis=1)]
+    _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", around, around))
+    wide = axes[:, :0:-1]
+    pictures = [
+        _upright((xyz - middle) @ axes[:, ::-1], pixel, options=options) for xyz in (before, here)
+    ]
+    one, other = (np.fft.rfft2(picture) for picture in pictures)
+    product = other * np.conj(one)
+    product /= np.abs(product) ** options.shift_whitening + 1e-9
+    middle_part = slice(
+        options.shift_side_px // 2 - options.shift_max_px,
+        options.shift_side_px // 2 + options.shift_max_px + 1,
+    )
+    likeness = np.fft.fftshift(
+        np.fft.irfft2(product, s=(options.shift_side_px, options.shift_side_px))
+    )[middle_part, middle_part]
+    shifts = np.empty((count, 3))
+    for number in range(count):
+        row, column = (int(i) for i in np.unravel_index(likeness.argmax(), likeness.shape))
+        shifts[number] = wide @ (
+            np.array(
+                [
+                    row - options.shift_max_px,
+                    column - options.shift_max_px,
+                ]
+            )
+            * pixel
+        )
+        rows = slice(
+            max(0, row - options.shift_same_px),
+            row + options.shift_same_px + 1,
+        )
+        likeness[
+            rows,
+            max(0, column - options.shift_same_px) : column + options.shift_same_px + 1,
+        ] = -np.inf
+    return shifts
+
+
+def _upright(xyz: F64, pixel: float, options: ScanOdometryOptions) -> NDArray[np.float64]:
+    """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
+    xyz = xyz[(np.abs(xyz[:, :2]) < (options.shift_side_px // 2 - 1) * pixel).all(axis=1)]
+    at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + options.shift_side_px // 2
+    number, height = at[:, 0] * options.shift_side_px + at[:, 1], xyz[:, 2]
+    high, low = (
+        np.full(options.shift_side_px**2, -np.inf),
+        np.full(options.shift_side_px**2, np.inf),
+    )
+    np.maximum.at(high, number, height)
+    np.minimum.at(low, number, height)
+    return (
+        np.asarray(high > low + options.shift_steep_px * pixel)
+        .astype(np.float64)
+        .reshape(options.shift_side_px, options.shift_side_px)
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planes:
+    """Surface patches of a frame: ``at`` (M, 3), unit ``normal`` (M, 3), ``cell`` metres."""
+
+    at: F64
+    normal: F64
+    tree: cKDTree
+    cell: float
+
+
+def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
+    """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
+    xyz = xyz[:: max(1, len(xyz) // options.scan_odometry.plane_points)]
+    if len(xyz) < options.scan_odometry.min_points:
+        return None
+    least = (
+        options.scan_odometry.cell_min_m
+        if reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
+        else 0.0
+    )
+    cell = _cell(xyz, least, options=options.scan_odometry)
+    if cell <= 0.0:
+        return None
+    # The ground before a sensor is seen by most of its points: what is far counts by its area.
+    for _ in range(2):
+        cell = _cell(nodes_of(xyz, cell), least, options=options.scan_odometry)
+    some = nodes_of(xyz, cell)
+    if len(some) < options.scan_odometry.min_planes * options.scan_odometry.plane_neighbours:
+        return None
+    tree = cKDTree(some)
+    asked = some[
+        :: max(
+            1, len(some) // (options.scan_odometry.asked_per_plane * options.scan_odometry.planes)
+        )
+    ]
+    _, near = tree.query(asked, k=options.scan_odometry.plane_neighbours)
+    around = some[near] - some[near].mean(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
+    flat = (values[:, 0] < options.scan_odometry.plane_flatness * values[:, 2]) & (
+        values[:, 1] > options.scan_odometry.plane_breadth * values[:, 2]
+    )
+    at, normal = asked[flat], vectors[flat, :, 0]
+    kept = _all_ways(normal, options=options.scan_odometry)
+    return Planes(at[kept], normal[kept], tree, cell)
+
+
+def _cell(xyz: F64, least: float, options: ScanOdometryOptions) -> float:
+    away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
+    return max(options.cell_share * float(np.median(away)), least)
+
+
+def _all_ways(normal: F64, options: ScanOdometryOptions) -> I64:
+    """Sorted indices of planes with ``normal`` (M, 3), about as many facing along each axis.
+
+    Along a street nearly all are of the ground and the walls, on which a frame may slip.
+    Normal-space sampling, Rusinkiewicz and Levoy 2001.
+    """
+    axis = np.abs(normal).argmax(axis=1)
+    ways = [np.flatnonzero(axis == a) for a in range(3)]
+    return np.sort(
+        np.concatenate([way[:: max(1, len(way) * 3 // (2 * options.planes))] for way in ways])
+    )
+
+
+def register(
+    planes: Planes, target: cKDTree, start: F64, options: ScanOdometryOptions
+) -> tuple[F64, float]:
+    """The motion (4, 4) of ``planes`` onto the points of ``target``, from ``start``.
+
+    Also the share of the planes that are in place after it.
+    """
+    T = start
+    for scale in options.scales_cells:
+        reach = scale * planes.cell
+        moved = transform(T, planes.at)
+        normal = planes.normal @ T[:3, :3].T
+        gap, index = target.query(moved, distance_upper_bound=max(reach, 2 * planes.cell))
+        there = np.flatnonzero(np.isfinite(gap))
+        if len(there) < options.plane_neighbours:
+            return T, 0.0
+        point, n = moved[there], normal[there]
+        off = ((target.data[np.asarray(index)[there]] - point) * n).sum(axis=1)
+        weight = 1.0 / (1.0 + (off / (0.5 * reach)) ** 2) ** 2
+        middle = point.mean(axis=0)
+        J = np.hstack([n, np.cross(point - middle, n)])
+        H = J.T @ (J * weight[:, None])
+        step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), J.T @ (weight * off))
+        D = np.eye(4)
+        D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
+        D[:3, 3] = step[:3] + middle - D[:3, :3] @ middle
+        T = D @ T
+    return T, in_place(planes, target, T, options=options)
+
+
+def register_anywhere(
+    planes: Planes,
+    target: Planes,
+    starts: Sequence[F64],
+    options: ScanOdometryOptions,
+    enough: float | None = None,
+) -> tuple[F64, float]:
+    """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
+    of place than ``enough``, from the others and from where the scenery seems to have gone."""
+    if enough is None:
+        enough = options.restart_share
+    best = register(planes, target.tree, starts[0], options=options)
+    if best[1] >= enough or not len(planes.at):
+        return best
+    moved = transform(starts[0], np.asarray(planes.tree.data))
+    shifts = likely_shifts(
+        moved,
+        np.asarray(target.tree.data),
+        planes.cell,
+        options.shifts,
+        options=options,
+    )
+    middle = planes.at.mean(axis=0)[None]
+    for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
+        away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
+        if away > options.shift_cells * planes.cell:
+            best = max(best, register(planes, target.tree, start, options=options), key=_share)
+    return best
+
+
+def _shifted(T: F64, shift: F64) -> F64:
+    moved = T.copy()
+    moved[:3, 3] += shift
+    return moved
+
+
+def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptions) -> float:
+    """The share of the planes, moved by ``T``, on which something of the target lies."""
+    moved = transform(T, planes.at)
+    gap, index = target.query(moved, distance_upper_bound=2 * planes.cell)
+    there = np.flatnonzero(np.isfinite(gap))
+    if not len(there):
+        return 0.0
+    normal = planes.normal[there] @ T[:3, :3].T
+    off = ((target.data[np.asarray(index)[there]] - moved[there]) * normal).sum(axis=1)
+    return float((np.abs(off) < options.on_plane_cells * planes.cell).sum() / len(moved))
+
+
+def stands(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
+    """Whether the sensor is at rest, as far as the first frames show it."""
+    first = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
+    if first is None:
+        return True
+    for ahead in options.scan_odometry.asked_frames:
+        if ahead >= len(order):
+            break
+        other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64), options=options)
+        if other is None:
+            break
+        before = in_place(first, other.tree, np.eye(4), options=options.scan_odometry)
+        if before > options.scan_odometry.rest_share:
+            continue
+        T, share = register_anywhere(first, other, [np.eye(4)], options=options.scan_odometry)
+        shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
+        moved = (
+            share > options.scan_odometry.agreed_share
+            and 1.0 - share < options.scan_odometry.left_share * (1.0 - before)
+        )
+        if moved and float(np.median(shift)) > options.scan_odometry.moved_cells * first.cell:
+            return False
+    return True
+
+
+def find_trajectory(
+    frames: Frames, order: Sequence[int], painted: I64 | None = None, *, options: TrackerOptions
+) -> Trajectory | None:
+    """The way of the sensor over ``order``, in the first frame of which the world is.
+
+    As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
+    first frame; None where the sensor is at rest.
+    """
+    first, *others = (
+        recorded_pose(frames(order[at]), options=options.scan_odometry)
+        for at in (0, len(order) // 2, -1)
+    )
+    back = None if first is None else np.linalg.inv(first)
+    if back is not None and any(
+        pose is not None and np.abs(back @ pose - np.eye(4)).max() > options.scan_odometry.rest_pose
+        for pose in others
+    ):
+        return RecordedTrajectory(frames, np.asarray(back, np.float64), options=options)
+    lens = find_lens(frames(order[0]), moves=True, options=options)
+    if lens is not None:
+        last = len(order) - 1
+        asked = [
+            order[at]
+            for at in sorted({0, *options.scan_odometry.asked_frames, last // 2, last})
+            if at <= last
+        ]
+        at_rest = not framed(frames(order[0]), lens, options=options) or not moves(
+            frames, asked, lens, painted, options=options
+        )
+        return None if at_rest else CameraTrajectory(frames, order, options, lens, painted)
+    at_rest = not _of_one(frames(order[0]), options=options) or stands(
+        frames, order, options=options
+    )
+    if not at_rest:
+        return ScanTrajectory(frames, order, options)
+    if not _goes_about(frames, order, options=options):
+        return None
+    still = np.eye(4) if back is None else back
+    return RecordedTrajectory(frames, np.asarray(still, np.float64), options=options)
+
+
+def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
+    """Whether a lidar tells viewpoints along a way: then its frames lie in the world, at rest."""
+    first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
+    if (
+        first.viewpoint is None
+        or reach_of(np.asarray(first.xyz), options=options.range_image)
+        <= options.range_image.camera_reach_m
+    ):
+        return False
+    ways = [eye - first.viewpoint for f in others if (eye := f.viewpoint) is not None]
+    return any(float(np.abs(way).max()) > options.scan_odometry.rest_pose for way in ways)
+
+
+def _of_one(frame: TrackFrame, options: TrackerOptions) -> bool:
+    """Whether one sensor saw a frame: what several saw together, or a figure without its room, has
+    nothing that shows how a sensor moves but what moves itself."""
+    xyz = np.asarray(frame.xyz)
+    return (
+        frame.viewpoint is not None
+        or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
+        or find_eye(xyz, options=options) is not None
+    )
+
+
+def _share(fit: tuple[F64, float]) -> float:
+    return fit[1]
+
+
+class ScanTrajectory(RegisteredTrajectory):
+    """A sensor's way as the planes of the scenery show it."""
+
+    def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
+        super().__init__(frames, order, options)
+        self._enough = self.options.scan_odometry.restart_share
+        self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
+
+    def _registered(self, frame: TrackFrame) -> F64:
+        options = self.options.scan_odometry
+        here = planes_of(np.asarray(frame.xyz, np.float64), options=self.options)
+        before = self._poses[-1]
+        step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
+        if self._last is None or here is None:
+            return np.asarray(before @ step)
+        starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
+        T, share = register_anywhere(self._last, here, starts, options, self._enough)
+        self._enough = min(
+            options.restart_share,
+            share - options.restart_drop,
+        )
+        self._last = here
+        return np.asarray(before @ np.linalg.inv(T))

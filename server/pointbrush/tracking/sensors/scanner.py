@@ -1,0 +1,236 @@
+"""Range image and ground of a lidar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter
+from scipy.spatial import cKDTree
+
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.options import GroundOptions, RangeImageOptions, TrackerOptions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RangeImage:
+    """Ranges around ``eye`` (3,): the ``farthest`` of each cell, metres, inf where none, and 0
+    where the sensor does not look.
+
+    ``up`` the axis that azimuths go round, ``step`` degrees of elevation of a cell.
+    """
+
+    options: TrackerOptions
+    eye: F64
+    farthest: F32
+    up: int
+    step: float
+
+    def hides(self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf) -> Mask:
+        """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
+        beyond the edges of what the sensor sees.
+
+        In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
+        """
+        options = self.options.range_image
+        cell, away = _cells(xyz - self.eye, self.up, self.step, options.azimuth_deg)
+        far = self.farthest[cell]
+        hidden = far < away - np.maximum(by, options.hidden_share * away)
+        if own is not None:
+            there = np.zeros(len(self.farthest), np.bool_)
+            width = _width(options.azimuth_deg)
+            beside = np.add.outer((-width, 0, width), (-1, 0, 1)).ravel()
+            there[np.clip(own[:, None] + beside, 0, len(there) - 1)] = True
+            hidden &= ~there[cell] | (far < away - size)
+        return np.asarray(hidden)
+
+    def towards(self, xyz: F64) -> I64:
+        """The directions of points (M, 3), each once."""
+        return np.unique(
+            _cells(xyz - self.eye, self.up, self.step, self.options.range_image.azimuth_deg)[0]
+        )
+
+
+def range_image_of(
+    xyz: F32, eye: F64, options: TrackerOptions, most: float | None = None
+) -> RangeImage | None:
+    """The ranges of a frame (N, 3) around ``eye``.
+
+    None where it has hardly any points, or was not seen from there: more than the share ``most``
+    lies well behind others.
+    """
+    if len(xyz) < options.range_image.min_points:
+        return None
+    if most is None:
+        most = options.range_image.swept_share
+    local = xyz - eye
+    up = axis_up(local, options=options.range_image)
+    if (
+        _behind(local, up, options=options.range_image) > most
+        and _confused(local, up, options=options.range_image) > options.range_image.behind_share
+    ):
+        return None
+    for step in options.range_image.elevations_deg:
+        cell, away = _cells(local, up, step, options.range_image.azimuth_deg)
+        farthest = np.zeros(
+            int(180 / step + 1) * _width(options.range_image.azimuth_deg), np.float32
+        )
+        np.maximum.at(farthest, cell, away.astype(np.float32))
+        image = farthest.reshape(-1, _width(options.range_image.azimuth_deg))
+        row = np.quantile(
+            cell // _width(options.range_image.azimuth_deg),
+            [options.range_image.rim_share, 1 - options.range_image.rim_share],
+        ).astype(int)
+        part = image[row[0] : row[1] + 1, image.any(axis=0)] > 0
+        if part.mean() > options.range_image.filled_share:
+            break
+    farthest = np.where(farthest > 0, farthest, _open(image, options=options.range_image)).astype(
+        np.float32
+    )
+    return RangeImage(options, np.asarray(eye, np.float64), farthest, up, step)
+
+
+def _open(image: F32, options: RangeImageOptions) -> F32:
+    """Flat ranges where an ``image`` (R, width) is empty: inf inside of its edges, 0 beyond."""
+    looks = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
+    rows = np.flatnonzero(image.any(axis=1))
+    seen = np.zeros(image.shape, np.float32)
+    seen[rows[0] : rows[-1] + 1, looks] = np.inf
+    return seen.ravel()
+
+
+def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
+    """Where the sensor of a frame (N, 3) without a viewpoint was: about its origin, or unknown.
+
+    From there each direction shows one surface; from elsewhere surfaces lie behind each other.
+    """
+    if len(xyz) < options.range_image.min_points:
+        return None
+    up = axis_up(xyz, options=options.range_image)
+    above = np.eye(3)[up]
+    height, most = 0.0, options.range_image.swept_share
+    if _behind(xyz, up, options=options.range_image) > options.range_image.swept_share:
+        height, most = (
+            min(
+                options.range_image.sensor_heights_m,
+                key=lambda h: _confused(xyz - h * above, up, options=options.range_image),
+            ),
+            options.range_image.behind_share,
+        )
+    local = xyz - height * above
+    there = range_image_of(xyz, height * above, options, most) is not None and _deep(
+        local, options=options.range_image
+    )
+    # What is thinned to cells and reaches as far as a lidar does is no figure about its middle.
+    there = there and (
+        reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
+        or _spreads(local, options=options.range_image)
+    )
+    return np.asarray(height * above) if there else None
+
+
+def _deep(local: F32 | F64, options: RangeImageOptions) -> bool:
+    """Whether what lies behind something else would be seen to: all of a small thing is hardly
+    farther than its front."""
+    away = np.linalg.norm(local, axis=1)
+    near, far = np.quantile(away, [options.stray_share, 1 - options.stray_share])
+    return bool(far > options.lidar_depth_ratio * near)
+
+
+def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
+    """Whether points (N, 3) lie farther apart the farther they are, as a sensor sees them.
+
+    A figure about its own middle shows one surface in each direction too, but is sampled evenly.
+    """
+    away = np.linalg.norm(local, axis=1)
+    some = np.arange(0, len(local), -(-len(local) // options.spread_points))
+    apart = np.asarray(cKDTree(local).query(local[some], k=[options.spread_neighbours + 1])[0])[
+        :, 0
+    ]
+    near, far = (away[some] <= np.quantile(away, 1 / 3), away[some] >= np.quantile(away, 2 / 3))
+    farther = np.median(away[some][far]) / np.median(away[some][near])
+    wider = np.median(apart[far]) / max(float(np.median(apart[near])), 1e-9)
+    return bool(wider > farther**options.spread_power)
+
+
+def reach_of(xyz: F32 | F64, options: RangeImageOptions) -> float:
+    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
+    if not len(xyz):
+        return 0.0
+    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
+    return float(np.quantile(away, options.camera_share))
+
+
+def axis_up(local: F32 | F64, options: RangeImageOptions) -> int:
+    """The axis that a spinning sensor looks along the least."""
+    return int(np.argmin(np.abs(local[:: max(1, len(local) // options.up_points)]).mean(axis=0)))
+
+
+def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
+    """Share of the points (N, 3) that lie well behind another in their direction."""
+    cell, away = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
+    nearest = np.full(
+        int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg),
+        np.inf,
+        np.float32,
+    )
+    np.minimum.at(nearest, cell, away.astype(np.float32))
+    return float((away > options.behind_ratio * nearest[cell]).mean())
+
+
+def _confused(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
+    """Share of the points (N, 3), of those with others in the very same direction, that lie well
+    behind another: what several sensors saw, or one elsewhere, is confused so."""
+    cell, away = _cells(local, up, options.same_direction_deg, options.same_direction_deg)
+    order = np.argsort(cell, kind="stable")
+    start = np.flatnonzero(np.diff(cell[order], prepend=-1))
+    count = np.diff(start, append=len(cell))
+    nearest = np.repeat(np.minimum.reduceat(away[order], start), count)
+    behind = np.count_nonzero(away[order] > options.behind_ratio * nearest)
+    shared = int(count[count > 1].sum())
+    return float(behind / max(shared, options.min_same_direction * len(local)))
+
+
+def _width(azimuth: float) -> int:
+    """Return the number of cells around that are ``azimuth`` degrees wide."""
+    return int(360 / azimuth) + 1
+
+
+def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64, F64]:
+    """Flat cell and range of points (M, 3) around the sensor."""
+    across, along = (a for a in range(3) if a != up)
+    away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
+    around = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
+    elevation = np.degrees(np.arcsin(np.clip(local[:, up] / away, -1.0, 1.0))) + 90.0
+    width = _width(azimuth)
+    cell = (elevation / step).astype(np.int64) * width + (around / azimuth).astype(np.int64)
+    return cell, np.asarray(away, np.float64)
+
+
+def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
+    """Which points (N, 3) of a frame are hardly higher than the ground there."""
+    none = np.zeros(len(xyz), np.bool_)
+    if len(xyz) < options.ground.min_points:
+        return none
+    up = axis_up(xyz, options=options.range_image)
+    scale = options.ground.length_share * float(np.median(np.linalg.norm(xyz, axis=1)))
+    flat = np.delete(xyz, up, axis=1)
+    cell = np.floor((flat - flat.min(axis=0)) / max(options.ground.cell * scale, 1e-6)).astype(
+        np.int64
+    )
+    shape = cell.max(axis=0) + 1
+    if float(np.prod(shape, dtype=np.float64)) > options.ground.max_cells:
+        return none
+    number = cell[:, 0] * shape[1] + cell[:, 1]
+    height = xyz[:, up] * (1.0 if _stands(xyz[:, up], options=options.ground) else -1.0)
+    lowest = np.full(int(np.prod(shape)), np.inf, np.float32)
+    np.minimum.at(lowest, number, height)
+    around = minimum_filter(lowest.reshape(shape), 3, mode="nearest").ravel()
+    ground = np.where(lowest < around + options.ground.kerb * scale, lowest, around)
+    return np.asarray(height < ground[number] + options.ground.thickness * scale)
+
+
+def _stands(height: F32, options: GroundOptions) -> bool:
+    """Whether the axis points up: most of what is measured densely lies below."""
+    low, middle, high = np.quantile(height, [options.stray_share, 0.5, 1 - options.stray_share])
+    return bool(middle - low < high - middle)

@@ -1,0 +1,272 @@
+"""One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
+
+The depth image exists where the sensor is pinhole-like (``lens.py``).  It serves to tell what
+stood still, what is hidden and what is seen through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled
+from pointbrush.errors import BadInputError
+from pointbrush.tracking.compute.grid import Runs, in_box, runs_of, widened
+from pointbrush.tracking.compute.rigid import inverse, transform
+from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensors.camera import Lens, Projection
+from pointbrush.tracking.sensors.scanner import (
+    RangeImage,
+    axis_up,
+    on_ground,
+    range_image_of,
+    reach_of,
+)
+
+WHITE = 765.0
+"""Greatest sum of a colour's channels."""
+
+
+@dataclass(eq=False)
+class View:
+    """Frame ``number`` (of the run's order) with ``lens`` or None; arrays in stored order."""
+
+    number: int
+    frame: TrackFrame
+    lens: Lens | None
+    options: TrackerOptions
+    T_world_frame: F64 | None = None
+    about: F64 | None = None
+    """(3,) where the sensor seems to be, local, for frames that do not say it."""
+    steady: bool = False
+    """Whether the lens is that of a sensor at rest in the world, and not the frame's own."""
+    labels: dict[int, I64] = field(default_factory=dict)
+
+    @cached_property
+    def xyz(self) -> F32:
+        """(N, 3) float32 in the world, in this process's memory.
+
+        Raises BadInputError where a position is no number: compiled loops rely on it.
+        """
+        T = self.T_world_frame
+        local = np.array(self.frame.xyz, np.float32)
+        if not np.isfinite(local).all():
+            raise BadInputError(
+                f"frame {self.number}: expected finite positions, got some that are not"
+            )
+        if T is None:
+            return local
+        return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+
+    def prepare(self) -> None:
+        """Work out what several threads will ask for."""
+        _ = self.xyz, self.frame.rgb
+        _ = self.depth if self.lens is not None else (self.shade, self.ground)
+
+    @cached_property
+    def eye(self) -> F64 | None:
+        """(3,) the sensor in the world, None where unknown."""
+        at = self.frame.viewpoint
+        if at is None and self.lens is not None:
+            return self.lens.eye.astype(np.float64)
+        at = self.about if at is None else at
+        if at is None:
+            return None
+        T = self.T_world_lens
+        return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
+
+    def box(self, lo: F64, hi: F64) -> I64:
+        """Sorted indices of the points inside a box of the world."""
+        return in_box(self._runs, lo, hi)
+
+    @cached_property
+    def _runs(self) -> Runs:
+        return runs_of(self.xyz)
+
+    def colour(self, indices: I64) -> F32:
+        """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
+        options = self.options.tint
+        if self.frame.rgb is None:
+            return np.zeros((len(indices), 3), np.float32)
+        return _tints(
+            self._rgb,
+            indices,
+            options.red_weight,
+            options.dark_sum,
+            options.brightness,
+        )
+
+    @cached_property
+    def _rgb(self) -> NDArray[np.uint8]:
+        """(N, 3); some of them are taken all the time."""
+        return np.array(self.frame.rgb)
+
+    @property
+    def camera(self) -> Lens:
+        """The lens of a frame that has a depth image; nobody else may be asked about one.
+
+        Raises RuntimeError where there is none.
+        """
+        if self.lens is None:
+            raise RuntimeError(f"frame {self.number}: expected a depth image, its sensor has none")
+        return self.lens
+
+    @property
+    def T_world_lens(self) -> F64 | None:  # noqa: N802  (named for its direction)
+        """(4, 4) from the coordinates of the lens, the frame's as a rule; None where the same."""
+        return None if self.steady else self.T_world_frame
+
+    @cached_property
+    def T_lens_world(self) -> F64:  # noqa: N802
+        """(4, 4) from the world to the lens's coordinates."""
+        return np.eye(4) if self.T_world_lens is None else inverse(self.T_world_lens)
+
+    @cached_property
+    def T_picture_world(self) -> F64:  # noqa: N802
+        """(4, 4) from the world to what is across, down and along the image; needs a camera."""
+        return self.camera.T_picture_frame @ self.T_lens_world
+
+    def labelled(self) -> Mask:
+        """(N,) points of any of the labels, a new array."""
+        mask = np.zeros(len(self.xyz), np.bool_)
+        for points in self.labels.values():
+            mask[points] = True
+        return mask
+
+    @cached_property
+    def cells(self) -> Projection:
+        """Where every point (N,) lies in the depth image; needs a camera."""
+        return self.camera.cells(
+            self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
+            options=self.options.lens,
+        )
+
+    @cached_property
+    def depth(self) -> F32:
+        """(cells + 1,) depth image, NaN where nothing was measured and in the last entry."""
+        height, width = self.camera.shape
+        image = np.full(height * width + 1, np.nan, np.float32)
+        cell, depth = self.cells
+        image[cell] = depth
+        image[-1] = np.nan
+        return image
+
+    def marked(self, points: I64) -> Mask:
+        """(cells + 1,) the pixels that show some of the ``points`` (M,)."""
+        mask = np.zeros(len(self.depth), np.bool_)
+        mask[self.cells.cell[points]] = True
+        return mask
+
+    def around(self, points: I64) -> Mask:
+        """(cells,) the same pixels, and those that touch them."""
+        return widened(self.marked(points)[:-1].reshape(self.camera.shape), 1).ravel()
+
+    @cached_property
+    def shade(self) -> RangeImage | None:
+        """The nearest range in each direction, in the world, where there is no depth image."""
+        return (
+            None if self.eye is None else range_image_of(self.xyz, self.eye, options=self.options)
+        )
+
+    @cached_property
+    def low(self) -> Mask:
+        """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
+        return self.ground if self.roams else np.zeros(len(self.xyz), np.bool_)
+
+    @cached_property
+    def ground(self) -> Mask:
+        """(N,) points that a lidar sees of the ground; none where no lidar is."""
+        xyz = np.asarray(self.frame.xyz, np.float32)
+        if not self.scans:
+            return np.zeros(len(xyz), np.bool_)
+        if self.T_world_frame is None and len(xyz):  # then the frame is not about its sensor
+            xyz = xyz - np.median(xyz, axis=0).astype(np.float32)
+        return on_ground(xyz, options=self.options)
+
+    @cached_property
+    def up(self) -> int:
+        """The axis of the world that points up, or down, before a lidar."""
+        return axis_up(
+            self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye),
+            options=self.options.range_image,
+        )
+
+    @cached_property
+    def roams(self) -> bool:
+        """Whether a sensor without a pixel grid moves, as a lidar on a car does, or may do: frames
+        that lie in the world do not tell where their lidar was."""
+        if self.lens is not None:
+            return False
+        return self.T_world_frame is not None or (
+            self.eye is None and self._reach > self.options.range_image.camera_reach_m
+        )
+
+    @cached_property
+    def scans(self) -> bool:
+        """Whether the frame is a lidar's, or several lidars': one that moves, looks all round from
+        one place, or sees farther than depth cameras do."""
+        if self.lens is not None:
+            return False
+        return (
+            self.roams
+            or self.shade is not None
+            or self._reach > self.options.range_image.camera_reach_m
+        )
+
+    @property
+    def _reach(self) -> float:
+        return reach_of(self.xyz, options=self.options.range_image)
+
+    def firm(self, indices: I64, step: float) -> Mask:
+        """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
+
+        What lies between two surfaces at an outline belongs to neither.
+        """
+        if self.lens is None:
+            return np.ones(len(indices), np.bool_)
+        cell, depth = self.cells.pick(indices)
+        firm = np.ones(len(indices), np.bool_)
+        width = self.lens.shape[1]
+        for beside in (-width, -1, 1, width):
+            other = self.depth[np.clip(cell + beside, 0, len(self.depth) - 1)]
+            with np.errstate(invalid="ignore"):
+                firm &= ~(np.abs(other - depth) > step)
+        return firm
+
+    def project(self, world: F64) -> Projection:
+        """Where any points (M, 3) of the world lie in the depth image; needs a camera."""
+        local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
+        return self.camera.cells(local.astype(np.float32), options=self.options.lens)
+
+    def hides(self, world: F64, margin: float) -> Mask:
+        """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what
+        it shows; needs a camera."""
+        cell, depth = self.project(world)
+        with np.errstate(invalid="ignore"):
+            return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
+
+    def sees_through(self, world: F64, margin: float) -> Mask:
+        """Which places (M, 3) lie more than ``margin`` metres before what the picture shows."""
+        cell, depth = self.project(world)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.depth[cell] > depth + margin)
+
+
+@compiled
+def _tints(
+    rgb: NDArray[np.uint8], indices: I64, red_weight: float, dark_sum: float, brightness: float
+) -> F32:
+    """(M, 3) chromaticities red against green and blue against both, and a little brightness."""
+    result = np.empty((len(indices), 3), np.float32)
+    for i in range(len(indices)):
+        at = indices[i]
+        red, green, blue = float(rgb[at, 0]), float(rgb[at, 1]), float(rgb[at, 2])
+        total = red + green + blue
+        result[i, 0] = red_weight * (red - green) / (total + dark_sum)
+        result[i, 1] = (2.0 * blue - red - green) / (total + dark_sum)
+        result[i, 2] = total * (brightness / WHITE)
+    return result

@@ -1,0 +1,334 @@
+"""How a depth camera moves, as its pictures show it: all pixels at once, coarse to fine.
+
+Colours must stay the same where a surface is seen again, and its distance must be the one that the
+motion predicts.  What moves by itself, and outlines, are outvoted.  Source: dense visual odometry,
+Steinbruecker, Sturm and Cremers 2011, Kerl, Sturm and Cremers 2013, with the robust weight of Geman
+and McClure 1985.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pointbrush.tracking.compute.rigid import inverse, transform
+from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
+from pointbrush.tracking.options import LensOptions, TrackerOptions, VisualOdometryOptions
+from pointbrush.tracking.sensors.camera import Lens
+from pointbrush.tracking.sensors.image_pyramid import Image, Layer, compared, equations, picture_of
+from pointbrush.tracking.sensors.trajectory import RegisteredTrajectory, Trajectory
+
+SPREAD = 1.4826
+"""Standard deviation over median deviation, of normally distributed values."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """``T`` (4, 4) onto the other picture, in the frames' coordinates.
+
+    ``agree`` 0..1 how well the pictures agree then, ``before`` how well as they are; ``shift`` by
+    how many pixels of the finest picture the motion moves the scene, at the median.  ``off``
+    (M, channels) what is left between the pictures, and ``scale`` (channels,) of what agrees.
+    """
+
+    T: F64
+    agree: float
+    before: float
+    shift: float
+    off: F32
+    scale: F64
+
+
+def motion_between(
+    one: Sequence[Layer],
+    other: Sequence[Layer],
+    lens: Lens,
+    starts: Sequence[F64],
+    options: TrackerOptions,
+) -> Fit:
+    """The motion of ``one`` picture's scene to where the ``other`` shows it.
+
+    ``starts`` (4, 4) where to begin, in the frames' coordinates; where that leads far away, turns
+    about the first are tried too.
+    """
+    to = lens.T_picture_frame
+    back = np.linalg.inv(to)
+    begun = [_rigid(to @ start @ back) for start in starts]
+    T = _followed(one, other, begun, options=options)
+    if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
+        begun += [turn @ begun[0] for turn in _turns(one[0].image, options=options.visual_odometry)]
+        tried = [
+            _mended(
+                one[0],
+                other[0].image,
+                start,
+                options.visual_odometry.tried_iterations,
+                options=options,
+            )
+            for start in begun
+        ]
+        T = _followed(
+            one,
+            other,
+            [
+                T,
+                *_best(one[0], other[0].image, tried, options=options)[
+                    : options.visual_odometry.starts_followed
+                ],
+            ],
+            options=options,
+        )
+    off = _off(one[-1], other[-1].image, T, options=options.lens)
+    scale = _scale(off, options=options.visual_odometry)
+    before = _agreement(
+        _off(one[-1], other[-1].image, np.eye(4), options=options.lens),
+        scale,
+        options=options.visual_odometry,
+    )
+    shift = _shift(one[-1], T, np.eye(4))
+    return Fit(
+        back @ T @ to,
+        _agreement(off, scale, options=options.visual_odometry),
+        before,
+        shift,
+        off,
+        scale,
+    )
+
+
+def _rigid(T: F64) -> F64:
+    """The motion of space nearest to a product of motions, whose errors would add up."""
+    result = T.copy()
+    result[:3, :3] = Rotation.from_matrix(T[:3, :3]).as_matrix()
+    return result
+
+
+def _followed(
+    one: Sequence[Layer], other: Sequence[Layer], found: list[F64], options: TrackerOptions
+) -> F64:
+    """The best of some motions, mended from the coarse to the fine."""
+    for layer, target in zip(one, other, strict=True):
+        found = [
+            _mended(layer, target.image, T, options.visual_odometry.iterations, options=options)
+            for T in found
+        ]
+        if layer is not one[0]:
+            found = _best(layer, target.image, found, options=options)[:1]
+    return _best(one[-1], other[-1].image, found, options=options)[0]
+
+
+def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
+    """Turns of a camera aside and upward by some pixels."""
+    x, y = image.pitch
+    turns = []
+    for aside, upward in product(options.start_aside_px, options.start_upward_px):
+        turn = np.eye(4)
+        turn[:3, :3] = Rotation.from_rotvec([upward * y, aside * x, 0.0]).as_matrix()
+        turns.append(turn)
+    return turns
+
+
+def _best(layer: Layer, image: Image, found: list[F64], options: TrackerOptions) -> list[F64]:
+    """The motions, the one by which the pictures agree best first."""
+    off = [_off(layer, image, T, options=options.lens) for T in found]
+    scale = np.min([_scale(each, options=options.visual_odometry) for each in off], axis=0)
+    order = np.argsort(
+        [-_agreement(each, scale, options=options.visual_odometry) for each in off], kind="stable"
+    )
+    return [found[i] for i in order.tolist()]
+
+
+def _off(layer: Layer, image: Image, T: F64, options: LensOptions) -> F32:
+    return compared(T, layer.points, layer.values, image, options.nearest_m)
+
+
+def _scale(off: F32, options: VisualOdometryOptions) -> F64:
+    """(channels,) deviation of what agrees; infinite where hardly anything can be compared."""
+    there = off[np.isfinite(off[:, -1])]
+    if len(there) < options.min_pixels:
+        return np.full(off.shape[1], np.inf)
+    return np.asarray(SPREAD * np.median(np.abs(there), axis=0) + 1e-6, np.float64)
+
+
+def _agreement(off: F32, scale: F64, options: VisualOdometryOptions) -> float:
+    if not len(off):
+        return 0.0
+    far = ((off / (options.robust_sigmas * scale)) ** 2).mean(axis=1)
+    return float((1.0 / (1.0 + np.nan_to_num(far, nan=np.inf))).mean())
+
+
+def _shift(layer: Layer, T: F64, start: F64) -> float:
+    """By how many pixels two motions displace the scene differently, at the median."""
+    ends = [transform(motion, layer.points) for motion in (T, start)]
+    ahead = (ends[0][:, 2] > 0) & (ends[1][:, 2] > 0)
+    if not ahead.any():
+        return np.inf
+    one, other = (end[ahead, :2] / end[ahead, 2:] for end in ends)
+    return float(np.median(np.linalg.norm((one - other) / np.array(layer.image.pitch), axis=1)))
+
+
+def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
+    """A motion made better by Gauss and Newton's steps."""
+    away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
+    for _ in range(steps):
+        off = _off(layer, image, T, options=options.lens)
+        scale = _scale(off, options=options.visual_odometry)
+        if np.isinf(scale).any():
+            break
+        H, g = equations(
+            T,
+            layer.points,
+            off,
+            image,
+            options.visual_odometry.robust_sigmas * scale,
+            options.lens.nearest_m,
+        )
+        step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), g)
+        D = np.eye(4)
+        D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
+        D[:3, 3] = step[:3]
+        T = D @ T
+        if (
+            np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:])
+            < options.visual_odometry.settled_px * image.pitch[0]
+        ):
+            break
+    return T
+
+
+def moves(
+    frames: Frames,
+    numbers: Sequence[int],
+    lens: Lens,
+    painted: I64 | None = None,
+    *,
+    options: TrackerOptions,
+) -> bool:
+    """Whether the sensor has moved between the first of some frames and any other.
+
+    What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
+    nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
+    """
+    first, *others = numbers
+    picture = picture_of(frames(first), lens, painted, options=options)
+    scale = None
+    for number in others:
+        fit = motion_between(
+            picture,
+            picture_of(frames(number), lens, options=options),
+            lens,
+            [np.eye(4)],
+            options=options,
+        )
+        scale = fit.scale if scale is None else scale
+        better = (
+            fit.shift > options.visual_odometry.moved_px
+            and 1.0 - fit.agree < options.visual_odometry.left_share * (1.0 - fit.before)
+        )
+        if (
+            better
+            and _agreement(fit.off, scale, options=options.visual_odometry)
+            >= options.visual_odometry.lost_agreement
+        ):
+            return True
+    return False
+
+
+def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
+    """Whether a scene goes on to the borders of its picture.
+
+    Where a figure was cut out of it, only what moves is left, and shows no way of a camera.
+    """
+    height, width = lens.shape
+    seen = np.zeros(height * width + 1, np.bool_)
+    seen[lens.cells(np.asarray(frame.xyz, np.float32), options=options.lens).cell] = True
+    image = seen[:-1].reshape(height, width)[
+        options.lens.margin_px : -options.lens.margin_px,
+        options.lens.margin_px : -options.lens.margin_px,
+    ]
+    band = max(1, int(options.visual_odometry.band_share * min(image.shape)))
+    sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])
+    return float(np.mean([side.mean() for side in sides])) > options.visual_odometry.border_share
+
+
+class CameraTrajectory(RegisteredTrajectory):
+    """A depth camera's way as its pictures show it.
+
+    A frame is registered to the one before, and from there to the oldest one most of which it
+    still shows, so that errors do not add up from frame to frame.  One that agrees with none, as
+    behind a hand before the lens, is looked for where older ones were.
+    """
+
+    def __init__(
+        self,
+        frames: Frames,
+        order: Sequence[int],
+        options: TrackerOptions,
+        lens: Lens,
+        painted: I64 | None = None,
+    ) -> None:
+        """What is ``painted`` (M,) in the first frame may move by itself, and tells nothing."""
+        super().__init__(frames, order, options)
+        self._lens, self._painted = lens, painted
+        first = _Key(picture_of(frames(order[0]), lens, painted, options=options), np.eye(4))
+        self._last, self._keys = first, [first]
+        self._scale: F64 | None = None
+
+    def over(self, some: Sequence[int]) -> Trajectory:
+        """See ``Trajectory``."""
+        return CameraTrajectory(self._frames, some, self.options, self._lens, self._painted)
+
+    def _registered(self, frame: TrackFrame) -> F64:
+        here = picture_of(frame, self._lens, options=self.options)
+        last = self._poses[-1]
+        step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
+        fit = self._onto(here, self._last, [last @ step, last])
+        if self._scale is None and np.isfinite(fit.scale).all():
+            self._scale = fit.scale
+        pose, lost = self._last.pose @ inverse(fit.T), self._lost(fit)
+        most = self.options.visual_odometry.keyframe_shift * max(here[-1].image.values.shape)
+        for key in self._keys:
+            if key is self._last or not (lost or self._apart(key, pose) <= most):
+                continue
+            fit = self._onto(here, key, [key.pose] if lost else [pose, key.pose])
+            if fit.shift <= most and not self._lost(fit):
+                pose, lost = key.pose @ inverse(fit.T), False
+                break
+        else:
+            if not lost and self._last is not self._keys[-1]:
+                self._keys.append(self._last)
+        if lost:
+            self.lost.add(self._order[len(self._poses)])
+            return last
+        self._last = _Key(here, np.asarray(pose))
+        return self._last.pose
+
+    def _onto(self, here: list[Layer], key: _Key, guesses: list[F64]) -> Fit:
+        starts = [inverse(guess) @ key.pose for guess in guesses]
+        return motion_between(key.picture, here, self._lens, starts, options=self.options)
+
+    def _lost(self, fit: Fit) -> bool:
+        """Whether hardly anything agrees as well as it usually does."""
+        options = self.options.visual_odometry
+        return (
+            self._scale is None
+            or _agreement(fit.off, self._scale, options=options) < options.lost_agreement
+        )
+
+    def _apart(self, key: _Key, pose: F64) -> float:
+        """Pixels of the finest picture between where a key shows the scene and where ``pose``
+        would."""
+        to = self._lens.T_picture_frame
+        return _shift(key.picture[-1], to @ inverse(pose) @ key.pose @ np.linalg.inv(to), np.eye(4))
+
+
+class _Key(NamedTuple):
+    """A picture that others are registered to, and its ``T_world_frame``."""
+
+    picture: list[Layer]
+    pose: F64

@@ -1,0 +1,1 @@
+"""Steps of the tracker, one after the other in each frame."""

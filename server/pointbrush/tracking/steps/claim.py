@@ -1,0 +1,275 @@
+"""Points that registered tracks claim, with flying pixels and outlines."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.columns import NONE, columns, nearest_three
+from pointbrush.tracking.compute.grid import bounds, within
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.camera import I32
+from pointbrush.tracking.sensors.view import View
+
+
+@dataclass(eq=False)
+class Findings:
+    """Label → where it is in ``view``, and which points it would have there.
+
+    ``free`` (N,) points that the run may take, whoever of it has them; ``background`` knows what
+    stands still.
+    """
+
+    view: View
+    background: Background
+    free: Mask
+    places: dict[int, Place] = field(default_factory=dict)
+    claims: dict[int, Claim] = field(default_factory=dict)
+
+    def put(self, label: int, place: Place, claim: Claim) -> None:
+        """A thing was found, or found elsewhere."""
+        self.places[label], self.claims[label] = place, claim
+
+    def unclaimed(self, but: Collection[int] = ()) -> Mask:
+        """(N,) free points that nobody claims, ``but`` for some labels."""
+        others = (claim for label, claim in self.claims.items() if label not in but)
+        return without(self.free, others)
+
+
+class FlyingRule(NamedTuple):
+    """What makes a pixel a flying one: it lies ``behind`` metres behind one that it touches.
+
+    And up to a ``few`` pixels of the thing, ``reach`` pixels around, are within ``level`` metres as
+    deep.  None of the ``margin`` rows at the edge of the picture is.
+    """
+
+    behind: float
+    level: float
+    reach: int
+    few: int
+    margin: int
+
+
+def flying(view: View, points: I64, unit: float) -> Mask:
+    """Which ``points`` (M,) of a thing lie behind others of it, and none of them beside it.
+
+    ``unit`` metres of tolerance.  None before a sensor that sees no depth images.
+    """
+    if view.lens is None or not view.lens.lattice or not len(points):
+        return np.zeros(len(points), np.bool_)
+    return _loose(view, points, view.marked(points), unit)
+
+
+def painted_with_flying(view: View, points: I64, unit: float) -> bool:
+    """Whether most of the flying pixels at the outline of painted ``points`` (M,) are painted too.
+
+    Who outlines a thing in a picture paints those inside the outline as well.
+    """
+    options = view.options.flying
+    if view.lens is None or not view.lens.lattice:
+        return False
+    cell = view.cells.cell
+    near = np.flatnonzero(view.around(points)[cell])
+    loose = near[_loose(view, near, np.isfinite(view.depth), unit)]
+    return (
+        len(loose) >= options.min_pixels
+        and float(view.marked(points)[cell[loose]].mean()) > options.painted_share
+    )
+
+
+def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
+    options = view.options.flying
+    cell, depth = view.cells.pick(points)
+    rule = FlyingRule(
+        options.behind_units * unit,
+        options.level_units * unit,
+        reach=1,
+        few=0,
+        margin=0,
+    )
+    return lies_behind(cell, depth, view.depth, own, view.camera.shape[1], rule)
+
+
+@compiled
+def lies_behind(
+    cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule
+) -> Mask:
+    """Which pixels (M,) are flying: behind a pixel of the thing, and as deep as hardly any of it.
+
+    ``own`` (cells + 1,) the pixels of the thing in the depth ``image``, rows of ``width``.
+    """
+    result = np.zeros(len(cells), np.bool_)
+    border = rule.margin * (width + 1)
+    for i in range(len(cells)):
+        cell, like, behind = cells[i], 0, False
+        if not border <= cell < len(image) - 1 - border:
+            continue
+        for row in range(-rule.reach, rule.reach + 1):
+            for column in range(-rule.reach, rule.reach + 1):
+                other = cell + row * width + column
+                # Image borders: the pixel that the row before ends with is far from the thing.
+                if other == cell or other < 0 or other >= len(image) or not own[other]:
+                    continue
+                away = depths[i] - image[other]
+                like += abs(away) < rule.level
+                behind |= away > rule.behind and abs(row) < 2 and abs(column) < 2
+        result[i] = behind and like <= rule.few
+    return result
+
+
+def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
+    """Which of a thing's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,) its rim.
+
+    ``unit`` metres of tolerance; needs a camera.
+    """
+    options = view.options.flying
+    cell, depth = view.cells
+    image, width = view.depth, view.camera.shape[1]
+    mine = view.marked(own)
+    rule = FlyingRule(
+        options.outline_behind_units * unit,
+        options.outline_level_units * unit,
+        reach=2,
+        few=options.outline_few,
+        margin=2,
+    )
+    flying = lies_behind(cell[own], depth[own], image, mine, width, rule)
+    return flying, _rim(cell[rest], depth[rest], image, mine, width, rule)
+
+
+@compiled
+def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule) -> Mask:
+    """Which pixels (M,) touch the thing, as deep as it or nearer, and stand apart from all else."""
+    result = np.zeros(len(cells), np.bool_)
+    border = rule.margin * (width + 1)
+    for i in range(len(cells)):
+        others, touches, behind = 0, False, False
+        if not border <= cells[i] < len(image) - 1 - border:
+            continue
+        for row in (-width, 0, width):
+            for other in range(cells[i] + row - 1, cells[i] + row + 2):
+                if other == cells[i]:
+                    continue
+                away = depths[i] - image[other]
+                if own[other]:
+                    touches |= abs(away) < rule.behind
+                    behind |= away > rule.behind
+                else:
+                    others += abs(away) < rule.level
+        result[i] = touches and not behind and others <= rule.few
+    return result
+
+
+@dataclass(eq=False)
+class Claim:
+    """Points that an object would have: ``cost`` (M,) metres in place and colour.
+
+    ``gap`` (M,) metres from the model in place alone, ``nearest`` (M,) the model point.
+    """
+
+    indices: I64
+    cost: F32
+    gap: F64
+    nearest: I64
+
+    @staticmethod
+    def nothing() -> Claim:
+        """A claim on no point."""
+        none = np.empty(0, np.int64)
+        return Claim(none, np.empty(0, np.float32), np.empty(0), none)
+
+    def pick(self, which: Mask) -> Claim:
+        """The claim on some of the points only."""
+        return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
+
+
+def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reach: float) -> Claim:
+    """What a model at ``place`` (M, 3) of the world claims of the points ``indices``.
+
+    A point's cost is the least, over its three nearest model points, of the distance in place and
+    colour; ``reach`` metres away it is claimed no more.
+    """
+    if len(indices) == 0 or len(place) == 0:
+        return Claim.nothing()
+    lo, hi = bounds(place)
+    far = 1.001 * reach  # single precision must not decide what is at the border
+    xyz = view.xyz.take(indices, axis=0)
+    close = np.flatnonzero(within(xyz, lo - far, hi + far))
+    gap, near = nearest_three(columns(place, NONE, 0.0), xyz[close].astype(np.float64), reach)
+    some = np.flatnonzero(near[:, 0] >= 0)
+    indices, gap, near = indices[close[some]], gap[some], near[some]
+    cost = _costs(gap, near, view.colour(indices), colour, weight)
+    return Claim(indices, cost, gap[:, 0], near[:, 0])
+
+
+@compiled
+def _costs(gap: F64, near: I64, tint: F32, colour: F32, weight: float) -> F32:
+    """The least of each point's distances (M,) in place and colour."""
+    cost = np.empty(len(gap), np.float32)
+    for i in range(len(gap)):
+        least = np.inf
+        for k in range(gap.shape[1]):
+            at = near[i, k]
+            if at >= 0:
+                unlike = 0.0
+                for a in range(3):
+                    unlike += float(tint[i, a] - colour[at, a]) ** 2
+                least = min(least, gap[i, k] ** 2 + weight**2 * unlike)
+        cost[i] = np.sqrt(least)
+    return cost
+
+
+def together(one: I64, other: I64) -> I64:
+    """The points of both, sorted, each once; each is sorted already."""
+    if not len(other):
+        return one
+    both = np.sort(np.concatenate([one, other]))
+    return np.asarray(both[np.concatenate([[True], both[1:] != both[:-1]])])
+
+
+def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
+    """Each point to the label that claims it at the least cost; ties to the first label."""
+    best = np.full(count, np.inf, np.float32)
+    for found in claims.values():
+        best[found.indices] = np.minimum(best[found.indices], found.cost)
+    taken = np.zeros(count, np.bool_)
+    result: dict[int, Claim] = {}
+    for label, found in claims.items():
+        mine = (found.cost <= best[found.indices]) & ~taken[found.indices]
+        taken[found.indices[mine]] = True
+        result[label] = found.pick(mine)
+    return result
+
+
+def without(free: Mask, claims: Iterable[Claim]) -> Mask:
+    """Which points (N,) are ``free``, and no claim's."""
+    left = free.copy()
+    for claimed in claims:
+        left[claimed.indices] = False
+    return left
+
+
+def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
+    """Whether something nearer to the sensor hides how the points ``rest`` go on.
+
+    What ends where the outline of something before it begins may go on behind that.  ``unit``
+    metres of tolerance; ``by`` (cells + 1,): only pixels that count as nearer.
+    """
+    options = view.options.claim
+    if view.lens is None or not len(rest):
+        return False
+    cell, depth = view.cells
+    width = view.lens.shape[1]
+    steps = options.hiding_px * np.array([-width, -1, 1, width])
+    around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
+    with np.errstate(invalid="ignore"):
+        nearer = view.depth[around] < depth[rest][:, None] - options.hiding_units * unit
+    if by is not None:
+        nearer &= by[around]
+    return float(nearer.any(axis=1).mean()) > options.hiding_share

@@ -1,0 +1,173 @@
+"""Things that look alike and may have changed places: how far the labels of both can be trusted.
+
+Where two met, each was found where its own motion led, or where the other's did.  If the second
+explains the frame about as well, nothing in it tells whose points are whose, and nothing that is
+seen of the two later does: only their ways before and after, where both flew on evenly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from pointbrush.tracking.interface import F64
+from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.options import IdentityOptions, TrackerOptions
+
+Pair = tuple[int, int]
+
+
+@dataclass(eq=False)
+class Meeting:
+    """Two things that may have changed places: ``most`` confidence that their labels deserve.
+
+    Where both were ``before`` (2, M, 3), and in the frame that they met and those ``after``; None
+    where one was not seen.
+    """
+
+    options: TrackerOptions
+    most: float
+    before: F64
+    after: list[F64 | None] = field(default_factory=list)
+
+    def kept_places(self) -> bool:
+        """Whether the two are known to have kept their places, by their ways."""
+        options = self.options.identity
+        late = [both for both in self.after[1:] if both is not None]
+        if len(late) < options.compared_frames or not self.before.shape[1]:
+            return False
+        after = np.stack(late, axis=1)
+        as_found = _unsteady(np.concatenate([self.before, after], axis=1), options=options)
+        return as_found < options.smooth_ratio * _unsteady(
+            np.concatenate([self.before, after[::-1]], axis=1), options=options
+        )
+
+
+class Swaps:
+    """All pairs of small things of a run that look alike and met."""
+
+    def __init__(self, options: TrackerOptions) -> None:
+        self.options = options
+        self.meetings: dict[Pair, Meeting] = {}
+
+    def meet(self, things: Mapping[int, Thing], places: Mapping[int, Place]) -> None:
+        """Take note of where things were found; ``places`` take in how far that can be trusted."""
+        at = {n: _middle(things[n], place) for n, place in places.items() if things[n].handy}
+        ahead: dict[int, F64] = {}
+        for pair in combinations(sorted(at), 2):
+            if pair not in self.meetings and _may_be_changed(
+                things, at, pair, options=self.options.identity
+            ):
+                for label in pair:
+                    if label not in ahead:
+                        ahead[label] = _predicted(things[label])
+                self._compare(things, at, ahead, pair)
+        self._go_on(at)
+        for pair, meeting in self.meetings.items():
+            for label in pair:
+                if label in places:
+                    places[label].most = min(places[label].most, meeting.most)
+
+    def forget(self, label: int) -> None:
+        """A person has said where a thing is."""
+        self.meetings = {pair: of for pair, of in self.meetings.items() if label not in pair}
+
+    def _compare(
+        self, things: Mapping[int, Thing], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
+    ) -> None:
+        """Begin a meeting where two may have changed places in this frame."""
+        options = self.options.identity
+        one, other = pair
+        rough = sum((options.prediction_units * things[n].unit) ** 2 for n in pair)
+        kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
+        # Nothing stops just where another comes by.
+        swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
+        if kept < options.uneven_ratio * swapped or not _look_alike(things[one], things[other]):
+            return
+        most = (
+            options.unsure_confidence
+            if kept < options.even_ratio * swapped
+            else options.doubted_confidence
+        )
+        self.meetings[pair] = Meeting(self.options, most, _ways(things[one], things[other]))
+
+    def _go_on(self, at: Mapping[int, F64]) -> None:
+        """Remember where those that met are; end the meetings of those told apart by it."""
+        for (one, other), meeting in list(self.meetings.items()):
+            if len(meeting.after) <= self.options.identity.compared_frames:
+                seen = one in at and other in at
+                meeting.after.append(np.stack([at[one], at[other]]) if seen else None)
+                if meeting.kept_places():
+                    del self.meetings[one, other]
+
+
+def _middle(thing: Thing, place: Place) -> F64:
+    return np.asarray(place.pose[:3, :3] @ thing.motion.centre + place.pose[:3, 3])
+
+
+def _predicted(thing: Thing) -> F64:
+    """(K, 3) where the middle of a thing may be, at rest in the end."""
+    poses = thing.motion.predictions()
+    poses = poses if len(poses) > 1 else np.repeat(poses, 2, axis=0)
+    return np.asarray(poses[:, :3, :3] @ thing.motion.centre + poses[:, :3, 3])
+
+
+def _may_be_changed(
+    things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair, options: IdentityOptions
+) -> bool:
+    """Whether two are near, and not both clearly nearer to where they were going than to the other.
+
+    Asked of all pairs in each frame, before all their predictions are made.
+    """
+    one, other = (things[n] for n in pair)
+    apart = float(np.linalg.norm(at[pair[0]] - at[pair[1]]))
+    if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
+        return False
+    off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
+    return off > options.clear_share * apart or apart < options.meeting_units * max(
+        one.unit, other.unit
+    )
+
+
+def _off(ahead: F64, at: F64) -> float:
+    """Square of the way to the nearest prediction."""
+    away = ahead - at
+    return float(np.einsum("ij,ij->i", away, away).min())
+
+
+def _look_alike(one: Thing, other: Thing) -> bool:
+    options = one.options.identity
+    sizes = sorted(thing.model.radius for thing in (one, other))
+    if sizes[1] > options.alike_radius_ratio * sizes[0]:
+        return False
+    shares = (a.worn.share(b.model.colour) for a, b in ((one, other), (other, one)))
+    return min(shares) > options.alike_share
+
+
+def _ways(one: Thing, other: Thing) -> F64:
+    """(2, M, 3) where the middles of both were in the last frames; none where one was hidden."""
+    motions = [one.motion, other.motion]
+    count = min(len(motion.poses) if motion.gap == 1 else 0 for motion in motions)
+    poses = np.stack([motion.poses[len(motion.poses) - count :] for motion in motions])
+    if not count:
+        return np.empty((2, 0, 3))
+    centres = np.stack([motion.centre for motion in motions])
+    return np.asarray(np.einsum("kmij,kj->kmi", poses[..., :3, :3], centres) + poses[..., :3, 3])
+
+
+def _unsteady(ways: F64, options: IdentityOptions) -> float:
+    """Sum of squares by which two ways (2, M + FRAMES, 3) are off even motion and free fall.
+
+    M frames before a meeting, and FRAMES after it; what falls is accelerated as the other is.
+    """
+    early = ways.shape[1] - options.compared_frames
+    time = np.array([*range(-early, 0), *range(1, options.compared_frames + 1)], np.float64)
+    even = np.stack([np.ones_like(time), time], axis=1)
+    rest = np.eye(len(time)) - even @ np.linalg.pinv(even)
+    off, fall = rest @ ways, rest @ time**2
+    gravity = (fall @ off).mean(axis=0) / (fall @ fall)
+    return float(((off - fall[:, None] * gravity) ** 2).sum())

@@ -1,0 +1,278 @@
+"""Predicted poses, the part of a frame around them, and its shares of tracks that meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.columns import Columns, nearest_one, spans, toned
+from pointbrush.tracking.compute.grid import bounds
+from pointbrush.tracking.compute.rigid import Target, transform, transform_each
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.options import SearchOptions, TrackerOptions
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.verdict import Look, costs_of, look
+
+
+@dataclass(eq=False)
+class Search:
+    """A thing's part of the frame: points ``around`` its ``guesses`` (K, 4, 4), inside a ``box``.
+
+    ``near`` are those that it may have, ``moving`` those before the background that were not
+    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.
+    """
+
+    thing: Thing
+    view: View
+    guesses: F64
+    box: tuple[F64, F64]
+    around: I64
+    near: I64
+    moving: I64
+    faint: I64
+    few: I64 = field(init=False)
+    """Numbers of the model points that guesses are judged by."""
+    many: I64 = field(init=False)
+    """Numbers of those that the last iterations use."""
+    target: Target = field(init=False)
+    """What the model is fitted to: some of the moving points."""
+    vain: bool = False
+    """Other places were tried, and were no better."""
+
+    @property
+    def options(self) -> TrackerOptions:
+        """The options of the run."""
+        return self.view.options
+
+    def __post_init__(self) -> None:
+        """Choose what is compared."""
+        options = self.options.search
+        count = len(self.thing.model.xyz)
+        self.few = np.arange(0, count, max(1, count // options.coarse_points))
+        self.many = np.arange(0, count, max(1, count // options.fine_points))
+        self.target = target_of(self.view, self.moving, self.thing.weight)
+
+    @cached_property
+    def costs(self) -> F64:
+        """(K,) what each of the guesses costs, by the target as it is."""
+        thing = self.thing
+        return costs_of(
+            thing,
+            self.target,
+            self.few,
+            self.at,
+            self.options.search.judged_units * thing.unit,
+        )
+
+    def aim(self, target: Target) -> None:
+        """Look for it in another target."""
+        self.target = target
+        # What hides the thing depends on the target without a depth image only.
+        known = ("costs",) if self.view.lens is not None else ("costs", "at", "own")
+        for name in known:
+            self.__dict__.pop(name, None)
+
+    @cached_property
+    def at(self) -> Look:
+        """The few at each of the guesses."""
+        return look(self.thing, self.view, self.few, self.guesses, self.own)
+
+    @cached_property
+    def own(self) -> I64 | None:
+        """The directions in which what was measured may be the thing: it does not hide itself
+        where it has come nearer than a prediction."""
+        if self.view.lens is not None or self.view.shade is None:
+            return None
+        return self.view.shade.towards(self.target.xyz)
+
+    @property
+    def best(self) -> F64:
+        """The likeliest prediction."""
+        return np.asarray(self.guesses[np.argmin(self.costs)])
+
+
+def crop(
+    thing: Thing, view: View, background: Background, free: Mask, guesses: F64 | None = None
+) -> Search | None:
+    """Cut out what may be the thing, without what stood still; None where nothing is.
+
+    ``guesses`` (K, 4, 4) where it may be, if not where it is predicted.
+    """
+    options = thing.options.search
+    if guesses is None:
+        guesses = _distinct(thing, thing.motion.predictions())
+    at = transform_each(guesses, thing.motion.centre[None])[:, 0]
+    radius, unit, gap = (
+        thing.span,
+        thing.unit,
+        min(thing.motion.gap, options.max_growing_frames),
+    )
+    margin = (
+        options.radii * radius
+        + options.units * unit
+        + (options.radii_unknown_motion * radius if thing.motion.fresh else 0.0)
+    )
+    margin += (options.speed_share * thing.motion.speed + options.units_per_frame * unit) * gap
+    lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
+    around = view.box(lo, hi)
+    around = around[free[around]]
+    near = moving = around
+    faint = around[:0]
+    if len(around):
+        far, still = background.static(view, around)
+        if thing.large:
+            speed = thing.motion.speed
+            stay = (
+                int(options.scenery_radii * radius / speed) + options.scenery_frames
+                if speed > unit
+                else options.never_frames
+            )
+            rest = np.flatnonzero(~far)
+            far[rest] = background.scenery(view, around[rest], stay)
+        # Only what is slow can be where something else was; what has just been revealed was not
+        # seen there before, and may be the thing.
+        slow = thing.motion.slow(unit)
+        own = ~far if slow else ~(far | still)
+        if slow and not thing.large:
+            own = own | background.revealed(view, around)
+        hardly = np.zeros(len(around), np.bool_)
+        if slow and not thing.large:
+            hardly = far & background.faint(view, around)
+        near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
+        if view.roams and not thing.painted.flat:
+            moving, around = moving[~view.low[moving]], around[~view.low[around]]
+    if len(moving) < options.min_moving_points:
+        return None
+    search = Search(thing, view, guesses, (lo, hi), around, near, moving, faint)
+    _ = search.costs  # which those who share the points out ask for
+    return search
+
+
+def _distinct(thing: Thing, guesses: F64) -> F64:
+    """Those of the guesses (K, 4, 4) that are not as good as the same as one before them."""
+    ends = transform_each(guesses, thing.ends)
+    apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
+    kept: list[int] = []
+    for number in range(len(guesses)):
+        if (
+            not kept
+            or apart[number, kept].min() > thing.options.search.same_pose_units * thing.unit
+        ):
+            kept.append(number)
+    return guesses[kept]
+
+
+def search_among(thing: Thing, view: View, points: I64) -> Search:
+    """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
+    xyz = view.xyz[points].astype(np.float64)
+    box = bounds(xyz)
+    guesses = thing.motion.predictions()
+    return Search(thing, view, guesses, box, points, points, points, points[:0])
+
+
+def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:
+    """An even part of the points, ``most`` of them, as a target of registration."""
+    most = most or view.options.search.target_points
+    some = indices[:: max(1, -(-len(indices) // most))]
+    return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
+
+
+def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
+    """Take out of each target what another thing's prediction explains clearly better."""
+    searches = list(searches)
+    ghosts = [_ghost(search) for search in searches]
+    sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.thing)]
+    new: list[tuple[Search, Target]] = []
+    for search, ghost in zip(searches, ghosts, strict=True):
+        left = search.target
+        drop = np.zeros(len(left.xyz), np.bool_)
+        for number in sure:
+            if searches[number] is not search and ghosts[number].meets(ghost, options=options):
+                reach = options.explained_units * searches[number].thing.unit
+                own, theirs = ghost.surface, ghosts[number].surface
+                _drop_theirs(
+                    drop,
+                    left.xyz,
+                    left.colour,
+                    own,
+                    theirs,
+                    reach,
+                    options.clearly_nearer_share,
+                )
+        if drop.any() and (~drop).sum() >= options.min_moving_points:
+            new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
+    for search, target in new:
+        search.aim(target)
+
+
+def _limit(thing: Thing) -> float:
+    """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
+    options = thing.options.register
+    if thing.motion.fresh:
+        return options.clear_cost if thing.handy else 0.0
+    return options.doubt_body if thing.large else options.doubt
+
+
+class _Surface(NamedTuple):
+    """Sorted points, and the corners (3,) of the box that they lie in."""
+
+    columns: Columns
+    lo: F64
+    hi: F64
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ghost:
+    """A thing where it is predicted, in place and colour."""
+
+    surface: _Surface
+    centre: F64
+    radius: float
+
+    def meets(self, other: _Ghost, options: SearchOptions) -> bool:
+        """Whether the two are near to each other."""
+        away = self.centre - other.centre
+        return float(away @ away) < (options.meeting_radii * (self.radius + other.radius)) ** 2
+
+
+def _ghost(search: Search) -> _Ghost:
+    model, many, weight = search.thing.model, search.many, search.target.weight
+    world = transform(search.best, model.xyz[many])
+    columns = Target(world, model.colour[many], weight).columns
+    centre = transform(search.best, search.thing.motion.centre[None])[0]
+    return _Ghost(_Surface(columns, *bounds(world)), centre, model.radius)
+
+
+@compiled
+def _drop_theirs(
+    drop: Mask,
+    xyz: F64,
+    colour: F32,
+    own: _Surface,
+    theirs: _Surface,
+    reach: float,
+    clearly_nearer_share: float,
+) -> None:
+    """Mark which points (N, 3) are nearer to another's surface than half as far as to their own."""
+    mine, others = own.columns, theirs.columns
+    room, other_room = spans(mine), spans(others)
+    for i in range(len(xyz)):
+        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        away = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
+        if drop[i] or max(away, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
+            continue
+        tint = toned(others, colour, i)
+        square, at = nearest_one(others, (x, y, z), tint, reach, other_room)
+        if at >= 0:
+            tint = toned(mine, colour, i)
+            drop[i] = (
+                square
+                < clearly_nearer_share**2 * nearest_one(mine, (x, y, z), tint, 2 * reach, room)[0]
+            )

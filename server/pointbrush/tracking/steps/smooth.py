@@ -1,0 +1,158 @@
+"""Fixed-lag smoothing: what was in doubt is looked at once more from where it is sure again.
+
+A frame that leaves a small thing in doubt is held back for a few frames.  Once the thing is found
+surely, it is followed backward from there with the model that was learnt by then, and each frame
+keeps the surer of both.  Source: two-filter smoothing, Fraser and Potter 1969, "The optimum linear
+smoother as a combination of two optimum linear filters"; here each frame has one of the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
+from pointbrush.tracking.model.motion import Motion
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Findings, together
+from pointbrush.tracking.steps.context import set_rivals
+from pointbrush.tracking.steps.grow import grow
+from pointbrush.tracking.steps.predict import crop
+from pointbrush.tracking.steps.relocate import find_astray, placed
+from pointbrush.tracking.steps.settle import settle
+
+
+@dataclass(eq=False)
+class Held:
+    """The ``result`` of a frame that is not given away yet.
+
+    ``free`` (N,) points that the run may take there; ``most`` label → confidence at most, where it
+    may have changed places; ``done`` labels that were looked at once more.
+    """
+
+    view: View
+    free: Mask
+    result: FrameResult
+    most: Mapping[int, float]
+    done: set[int] = field(default_factory=set)
+
+    def sure(self, label: int) -> bool:
+        """Whether a thing was found surely."""
+        return _confidence(self.result.tracks.get(label)) >= self.view.options.smoothing.sure
+
+    def open(self, label: int) -> bool:
+        """Whether a thing is in doubt that was not looked at once more."""
+        return label in self.result.tracks and label not in self.done and not self.sure(label)
+
+    def improve(self, label: int, track: TrackState, points: I64) -> None:
+        """Take another state of a thing, and its points (M,), where they are surer."""
+        self.done.add(label)
+        if _confidence(track) <= _confidence(self.result.tracks.get(label)):
+            return
+        before = self.result.assignments.get(label, points[:0])
+        points = together(points, before[~self.free[before]])  # what a person has painted of it
+        self.result = replace(
+            self.result,
+            assignments={**self.result.assignments, label: points},
+            tracks={**self.result.tracks, label: replace(track, points=len(points))},
+        )
+
+
+class Smoother:
+    """The last frames of a run, from the first on in which something small is in doubt."""
+
+    def __init__(self, asked: TrackOptions, options: TrackerOptions) -> None:
+        self._held: list[Held] = []
+        self._asked, self.options = asked, options
+
+    def take(
+        self, new: Held, things: Mapping[int, Thing], background: Background
+    ) -> Iterator[FrameResult]:
+        """Take in the next frame, and give the results that stay as they are."""
+        small = {n: thing for n, thing in things.items() if _stiff(thing)}
+        for label, thing in small.items():
+            if new.sure(label) and any(held.open(label) for held in self._held):
+                self._go_back(thing, new, background)
+        self._held.append(new)
+        while self._held and (
+            len(self._held) > self.options.smoothing.lag_frames
+            or not any(self._held[0].open(label) for label in small)
+        ):
+            yield self._held.pop(0).result
+
+    def rest(self) -> Iterator[FrameResult]:
+        """What is held at the end of a run."""
+        for held in self._held:
+            yield held.result
+        self._held = []
+
+    def _go_back(self, thing: Thing, new: Held, background: Background) -> None:
+        """Follow a copy of a thing from a ``new`` frame back through all that is in doubt."""
+        label = thing.label
+        again = replace(
+            thing,
+            model=deepcopy(thing.model),
+            motion=Motion(thing.options, thing.motion.centre, [thing.motion.poses[-1]]),
+            glimpses=list(thing.glimpses),
+        )
+        astray: dict[int, int] = {}
+        first = next(i for i, held in enumerate(self._held) if held.open(label))
+        for at in range(len(self._held) - 1, first - 1, -1):
+            held = self._held[at]
+            known = held.result.tracks.get(label)
+            if known is None or known.state == "painted":  # where it was gone back from before
+                return
+            most = new.most.get(label, 1.0)
+            track, points = _found_again(again, astray, held, background, most, self._asked)
+            held.improve(label, track, points)
+
+
+def _found_again(
+    thing: Thing,
+    astray: dict[int, int],
+    held: Held,
+    background: Background,
+    most: float,
+    asked: TrackOptions,
+) -> tuple[TrackState, I64]:
+    """Find a thing among what the others left in an earlier frame, and learn from it.
+
+    ``astray``: see ``find_astray``.
+    """
+    view, label = held.view, thing.label
+    free = held.free.copy()
+    for other, points in held.result.assignments.items():
+        if other != label:
+            free[points] = False
+    findings = Findings(view, background, free)
+    search = crop(thing, view, background, free)
+    if search is not None:
+        findings.put(label, *placed(thing, view, search))
+    find_astray([thing], astray, findings)
+    grown, taken = grow({label: thing}, findings)
+    place, claim = findings.places.get(label), findings.claims.get(label)
+    if place is not None:
+        place.most = min(place.most, most)
+    track, points = settle(thing, view, place, claim, grown.get(label, _NONE), asked)
+    if place is not None:
+        taken[place.neutral] = True
+        set_rivals(thing, view, place.moving[~taken[place.moving]], place.box)
+    return track, points
+
+
+def _stiff(thing: Thing) -> bool:
+    """Whether what was learnt of a small thing's shape later held before, too."""
+    return thing.handy and not (thing.bends or thing.soft)
+
+
+def _confidence(track: TrackState | None) -> float:
+    return 0.0 if track is None else track.confidence
+
+
+_NONE: I64 = np.empty(0, np.int64)

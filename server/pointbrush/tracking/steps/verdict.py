@@ -1,0 +1,176 @@
+"""Evidence of a registered pose: residuals, occlusion, and whether the track is there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.columns import Columns, nearest_one, spans, toned
+from pointbrush.tracking.compute.grid import close_to
+from pointbrush.tracking.compute.rigid import Target, carried, transform_each
+from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.sensors.camera import Pixels, pixel
+from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.claim import Claim
+
+
+class Look(NamedTuple):
+    """Sample points (M,) of the model at each of K poses.
+
+    ``world`` (K, M, 3); ``seen`` (K, M) those that face the sensor with nothing before them;
+    ``through`` (K, M) those where the sensor saw something behind them; ``facing`` (K,) share that
+    faces the sensor.
+    """
+
+    world: F64
+    seen: Mask
+    through: Mask
+    facing: F64
+
+
+def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
+    """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
+
+    ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
+    which does not hide it.
+    """
+    options = thing.options
+    world = transform_each(poses, thing.model.xyz[sample])
+    facing = thing.model.facing(poses, view.eye, sample)
+    seen, through = facing, np.zeros(facing.shape, np.bool_)
+    if view.lens is not None:
+        seen, through = _held_against(
+            view.lens.pixels,
+            view.T_lens_world,
+            view.depth,
+            world,
+            facing,
+            options.register.occlusion_units * thing.unit,
+            options.lens.nearest_m,
+        )
+    elif view.shade is not None:
+        size = options.register.nearer_radii * thing.model.radius
+        hidden = view.shade.hides(
+            world.reshape(-1, 3), options.register.occlusion_units * thing.unit, own, size
+        )
+        seen = facing & ~hidden.reshape(facing.shape)
+    share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
+    return Look(world, seen, through, share)
+
+
+def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) -> F64:
+    """(K,) 0..1: mean squared distance, in place and colour, of what should be seen at each pose.
+
+    A side that was never seen must at least not stand before what was measured.
+    """
+    options = thing.options.register
+    colour = thing.model.colour[sample]
+    total, count = _distances(at, colour, target.columns, options.cap_scales * scale)
+    lean = options.unseen_weight * len(sample)
+    return np.asarray((total + lean * options.unseen_cost) / (count + lean))
+
+
+@compiled
+def _held_against(
+    lens: Pixels,
+    T_lens_world: F64,
+    image: F32,
+    world: F64,
+    facing: Mask,
+    by: float,
+    nearest_m: float,
+) -> tuple[Mask, Mask]:
+    """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
+
+    By ``by`` metres more or less than the depth ``image``.
+    """
+    seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            at = carried(T_lens_world, world[k, i, 0], world[k, i, 1], world[k, i, 2])
+            cell, depth = pixel(lens, at, nearest_m)
+            if cell >= 0:
+                seen[k, i] = facing[k, i] and not image[cell] < depth - by
+                through[k, i] = image[cell] > depth + by
+    return seen, through
+
+
+@compiled
+def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, F64]:
+    """Sum of squares of the distances from what is ``seen``, in ``most`` metres, and how many.
+
+    What is not to be seen, but was looked through, is as far off as it can be.
+    """
+    world, seen, through, _ = at
+    total, count, room = np.zeros(len(world)), np.zeros(len(world)), spans(grid)
+    for k in range(len(world)):
+        for i in range(world.shape[1]):
+            if seen[k, i]:
+                place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
+                square, near = nearest_one(grid, place, toned(grid, colour, i), most, room)
+                total[k] += square / (most * most) if near >= 0 else 1.0
+                count[k] += 1.0
+            elif through[k, i]:
+                total[k] += 1.0
+                count[k] += 1.0
+    return total, count
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """``found``: there is something; ``inliers`` share of the visible model that was matched.
+
+    ``hidden`` and ``through`` (M,): model points behind something else, and in front of what
+    was measured; ``visible`` share of the facing model that nothing hides.
+    """
+
+    found: bool
+    inliers: float
+    confidence: float
+    hidden: Mask
+    through: Mask
+    visible: float
+
+
+def judge(
+    thing: Thing, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
+) -> Verdict:
+    """Compare the model at ``pose`` (4, 4), its points at ``world`` (M, 3), with what it claims.
+
+    Nothing is found where one of them is None.
+    """
+    options = thing.options.verdict
+    n = len(thing.model.xyz)
+    nothing = np.zeros(n, np.bool_)
+    if pose is None or world is None or found is None:
+        return Verdict(False, 0.0, 0.0, nothing, nothing, 0.0)
+    facing = thing.model.facing(pose[None], view.eye)[0]
+    matched = nothing.copy()
+    if len(found.indices):
+        reach = options.surface_units * thing.unit
+        matched[found.nearest[found.gap < reach]] = True
+        rest = np.flatnonzero(~matched)
+        matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
+    hidden = through = nothing
+    if view.lens is not None:
+        hidden = view.hides(world, options.hidden_units * thing.unit) & ~matched
+        through = (
+            view.sees_through(world, options.seen_through_units * thing.unit) & ~matched & facing
+        )
+    elif view.shade is not None:
+        hidden = view.shade.hides(world, options.hidden_units * thing.unit) & ~matched
+    expected = facing & ~hidden
+    if expected.sum() < options.min_facing_points:
+        expected = ~hidden
+    inliers = float(matched[expected].mean()) if expected.any() else 0.0
+    visible = float(expected.sum() / max(1, facing.sum()))
+    enough = len(found.indices) >= max(options.min_points, options.min_size_share * thing.size)
+    # What hides it from a lidar is known too coarsely to tell all that should be seen.
+    much = thing.scanned and len(found.indices) > options.remaining_share * thing.last.points
+    good = enough and (inliers > options.present_share or much)
+    confidence = float(np.clip(inliers * min(1.0, options.min_trust_share + visible), 0, 1))
+    return Verdict(good, inliers, confidence, hidden, through, visible)

@@ -1,1 +1,0 @@
-"""What a run makes of what was found, and learns from it."""
