@@ -56,19 +56,19 @@ def stay(_thing: _Object, _frame: TrackFrame) -> F64:
     return np.eye(4)
 
 
-def _register(fit: FromLibrary, library: Any, thing: _Object, frame: TrackFrame) -> F64:
+def _register(fit: FromLibrary, library: Any, track: _Object, frame: TrackFrame) -> F64:
     """Register to what of the frame lies within ``FAR`` of the object's box.
 
     No farther point could be paired, and a peer that sees only these is many times as fast.
     """
-    low, high = thing.xyz.min(axis=0) - FAR, thing.xyz.max(axis=0) + FAR
+    low, high = track.xyz.min(axis=0) - FAR, track.xyz.max(axis=0) + FAR
     near = np.flatnonzero(((frame.xyz >= low) & (frame.xyz <= high)).all(axis=1))
-    if min(len(near), len(thing.xyz)) < FEW:
+    if min(len(near), len(track.xyz)) < FEW:
         return np.eye(4)
     rgb = np.zeros((len(near), 3)) if frame.rgb is None else frame.rgb[near].astype(np.float64)
     target = Cloud(frame.xyz[near].astype(np.float64), rgb)
     try:
-        T = fit(library, Cloud(thing.xyz, thing.colour), target, thing.spacing)
+        T = fit(library, Cloud(track.xyz, track.colour), target, track.spacing)
     except RuntimeError:  # a peer that found no pairs
         return np.eye(4)
     return T if np.isfinite(T).all() else np.eye(4)
@@ -90,21 +90,21 @@ class Peer:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         first = frames(order[0])
-        things = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
+        tracks = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
         yield FrameResult(
             order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         )
         for number in order[1:]:
             frame, found, tracks = frames(number), {}, {}
-            for label, thing in things.items():
-                T = self.register(thing, frame)
-                near = frame.kdtree.query_ball_point(transform(T, thing.xyz), REACH * thing.spacing)
+            for label, track in tracks.items():
+                T = self.register(track, frame)
+                near = frame.kdtree.query_ball_point(transform(T, track.xyz), REACH * track.spacing)
                 points = np.unique(np.concatenate([np.asarray(n, np.int64) for n in near]))
                 inliers = float(np.mean([len(n) > 0 for n in near]))
                 found[label] = points
                 tracks[label] = TrackState(T, 0.0, inliers, inliers, len(points), "tracked")
                 if len(points):
-                    things[label] = _cut(frame, points, T @ thing.pose)
+                    tracks[label] = _cut(frame, points, T @ track.pose)
             yield FrameResult(number, found, tracks)
 
 

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.steps import relocate as relocation
@@ -53,18 +53,18 @@ def shot(count: int, bat: Callable[[int], np.ndarray | None]) -> list[scenes.Fra
 
 
 @contextmanager
-def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Thing, Findings]]:
+def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Track, Findings]]:
     """Thing 1 of the first of two frames, and where it was found in the second."""
     seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
     with Workers(None) as workers:
         run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
         run.start(seeds)
-        view, thing = run.scene.view(1), run.things[1]
+        view, track = run.scene.view(1), run.tracks[1]
         findings = Findings(view, run.background, np.ones(len(view.xyz), np.bool_))
-        search = crop(thing, view, findings.background, findings.free)
+        search = crop(track, view, findings.background, findings.free)
         assert search is not None
-        findings.put(1, *placed(thing, view, search))
-        yield thing, findings
+        findings.put(1, *placed(track, view, search))
+        yield track, findings
 
 
 def ious(frames: list[scenes.Frame]) -> list[float]:
@@ -111,19 +111,19 @@ def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
     def some(colour: np.ndarray, count: int) -> np.ndarray:
         return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
 
-    worn = ColourHistogram.of(some(blue, 400), options=OPTIONS)
+    appearance = ColourHistogram.of(some(blue, 400), options=OPTIONS)
     beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
-    rather = worn.rather(beside)
+    rather = appearance.rather(beside)
     assert rather[:20].mean() > 0.8
     assert not rather[20:].any()
     # Who holds it wears the same: nothing is told by colour.
-    assert worn.rather(some(blue, 300)).mean() < 0.1
+    assert appearance.rather(some(blue, 300)).mean() < 0.1
 
 
 def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def poor(search: Search) -> Place:  # as where a side shows that is not known yet
+    def poor(search: Search) -> Registration:  # as where a side shows that is not known yet
         place = find(search)
         place.cost = 0.4
         return place
@@ -138,17 +138,17 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
     rng = np.random.default_rng(3)
     frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
-    with found_again(frames) as (thing, findings):
-        place = findings.places[1]
+    with found_again(frames) as (track, findings):
+        place = findings.fits[1]
         astray: dict[int, int] = {}
         # A second process has the thing as it was, until it is judged.
-        before = dict(vars(thing))
+        before = dict(vars(track))
         for cost in (0.3, 0.6):
             place.cost = cost
-            relocation.find_astray([thing], astray, findings)
-            assert (findings.places[1] is place) == (cost < 0.4)
+            relocation.find_astray([track], astray, findings)
+            assert (findings.fits[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
-            assert vars(thing) == before
+            assert vars(track) == before
 
 
 def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing() -> None:
@@ -162,13 +162,13 @@ def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing
         ]
         frames.append(camera.shoot(bat, rng))
     truth = frames[1].truth == 1
-    with found_again(frames) as (thing, findings):
-        place, claim = findings.places[1], findings.claims[1]
+    with found_again(frames) as (track, findings):
+        place, claim = findings.fits[1], findings.claims[1]
         place.pose[0, 3] += 0.6
         for share in (0.6, 0.2):
-            some = claim.pick(np.arange(len(claim.indices)) < share * thing.size)
+            some = claim.pick(np.arange(len(claim.indices)) < share * track.size)
             findings.put(1, place, some)
-            relocation.find_astray([thing], {}, findings)
-            assert (findings.places[1] is place) == (share > 0.5)
+            relocation.find_astray([track], {}, findings)
+            assert (findings.fits[1] is place) == (share > 0.5)
         assert truth[findings.claims[1].indices].mean() > 0.9
         assert len(findings.claims[1].indices) > 0.8 * np.count_nonzero(truth)

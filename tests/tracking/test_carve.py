@@ -6,7 +6,7 @@ import numpy as np
 import scenes
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.model.surface import Glimpse, carved, remember
+from pointbrush.tracking.model.surface import CarvingView, carved, remember
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -31,15 +31,15 @@ def turned(angle: float) -> tuple[View, np.ndarray]:
 
 
 def test_beside_a_thing_is_where_it_was_looked_past() -> None:
-    glimpses: list[Glimpse] = []
+    carving_views: list[CarvingView] = []
     for angle in (0.0, 0.01, 0.6, 1.2):
         view, pose = turned(angle)
-        remember(glimpses, view, pose, view.xyz[view.labels[1]].astype(float))
-    assert len(glimpses) == 3  # the second shows nothing new
+        remember(carving_views, view, pose, view.xyz[view.labels[1]].astype(float))
+    assert len(carving_views) == 3  # the second shows nothing new
     view, pose = turned(0.3)
     own = view.labels[1]
-    assert carved(glimpses, view, pose, own, 0.01).mean() < 0.05  # a rim of flying pixels
+    assert carved(carving_views, view, pose, own, 0.01).mean() < 0.05  # a rim of flying pixels
     moved = pose.copy()
     moved[:3, 3] += pose[:3, :3] @ [0.0, 0.08, 0.0]
-    assert carved(glimpses, view, moved, own, 0.01).mean() > 0.6
-    assert not carved(glimpses[:1], view, moved, own, 0.01).any()
+    assert carved(carving_views, view, moved, own, 0.01).mean() > 0.6
+    assert not carved(carving_views[:1], view, moved, own, 0.01).any()

@@ -25,7 +25,7 @@ from pointbrush.tracking.compute.graph import parts, paths_over, reach
 from pointbrush.tracking.compute.grid import RUN, close_to, in_box, numbered, perhaps_near, runs_of
 from pointbrush.tracking.compute.rigid import Target, excess
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.steps.grow import Limits, flood
+from pointbrush.tracking.steps.connectivity import Limits, flood
 
 OPTIONS = TrackerOptions()
 

@@ -159,7 +159,7 @@ def test_who_is_painted_on_the_way_goes_along_from_there() -> None:
         together = Run(frames.__getitem__, order, seeds, known, TrackOptions(), workers)
         with closing(together.scene):
             together.start(seeds)
-            followed = [together.step(number) and set(together.things) for number in order[1:]]
+            followed = [together.step(number) and set(together.tracks) for number in order[1:]]
     assert followed == [{1, 2}, {1, 2, 3}, {1, 2, 3}]
     assert all(set(found.tracks) == {1, 2} for found in run(frames, [1, 2], known))
 
@@ -227,7 +227,7 @@ def test_who_was_found_before_is_followed_only_while_near() -> None:
             going.start(seeds)
             for number in range(1, 8):
                 going.step(number)
-                followed.append(2 in going.things)
+                followed.append(2 in going.tracks)
     assert followed == sorted(followed)
     assert not any(followed[:3])
     assert followed[-1]

@@ -13,7 +13,7 @@ from runs import follow
 from pointbrush.tracking import TrackState
 from pointbrush.tracking import tracker as auto
 from pointbrush.tracking.model.confidence import Evidence, likelihood
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.steps.settle import settle
 
@@ -30,7 +30,7 @@ GOOD = Evidence(
     grown=0.0,
     whole=False,
     share=0.4,
-    worn=0.0,
+    appearance=0.0,
     usual=1.2,
     points=300,
 )
@@ -128,11 +128,11 @@ def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air
 ) -> None:
     learnt = []
 
-    def noted(thing: Thing, *rest: Any) -> tuple[TrackState, np.ndarray]:
-        before = thing.in_the_air.cost
-        found = settle(thing, *rest)
+    def noted(track: Track, *rest: Any) -> tuple[TrackState, np.ndarray]:
+        before = track.seen_alone.cost
+        found = settle(track, *rest)
         place = rest[1]
-        learnt.append((place is not None and place.whole, thing.in_the_air.cost != before))
+        learnt.append((place is not None and place.whole, track.seen_alone.cost != before))
         return found
 
     monkeypatch.setattr(auto, "settle", noted)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -26,14 +26,14 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     always = replace(OPTIONS, register=replace(OPTIONS.register, doubt=0.0))
     view = View(1, frame, find_lens(frame, options=always), options=always)
     points = np.flatnonzero(frame.truth == 1)
-    none = Rivals.none()
-    thing = begin(view, 2, points, 0.002, none)
-    thing.last = replace(thing.last, vain=True)
+    none = OtherMovers.none()
+    track = begin(view, 2, points, 0.002, none)
+    track.last = replace(track.last, vain=True)
     for _ in range(4):
-        pose = thing.motion.poses[-1].copy()
+        pose = track.motion.poses[-1].copy()
         pose[0, 3] += 0.1 if moves else 0.0
-        thing.motion.add(pose)
+        track.motion.add(pose)
     asked = []
     monkeypatch.setattr(fit, "proposals", lambda *_: asked.append(1) or [])
-    fit.register(search_among(thing, view, points))
+    fit.register(search_among(track, view, points))
     assert bool(asked) == moves

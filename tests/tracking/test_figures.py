@@ -12,7 +12,7 @@ from runs import follow
 
 from pointbrush.tracking import FrameResult
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.model.track import Rivals, Thing, begin
+from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
 from pointbrush.tracking.people.foreground import Foreground
@@ -25,7 +25,7 @@ OPTIONS = TrackerOptions()
 STEP = 0.01
 SIZE = 3 * STEP
 BLUE, RED = (60, 110, 200), (190, 80, 60)
-NO_RIVALS = Rivals.none()
+NO_RIVALS = OtherMovers.none()
 
 
 def overlap(found: np.ndarray, truth: np.ndarray) -> float:
@@ -141,7 +141,7 @@ def test_a_leg_behind_the_other_is_found_by_its_colour(alike: bool) -> None:
 # ── who has a body, and who comes out ────────────────────────────────────────────────────────
 
 
-def thing_of(frame: scenes.Frame, number: int, label: int) -> tuple[Thing, np.ndarray]:
+def thing_of(frame: scenes.Frame, number: int, label: int) -> tuple[Track, np.ndarray]:
     view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     points = np.flatnonzero(frame.truth == number)
     return begin(view, label, points, 0.002, NO_RIVALS), points
@@ -156,14 +156,14 @@ def claim_of(points: np.ndarray, cost: float) -> Claim:
 def test_a_body_that_two_want_goes_whole_to_the_likelier(
     passing: list[scenes.Frame], likelier: int
 ) -> None:
-    things = {}
+    tracks = {}
     for label in (1, 2):
-        things[label], points = thing_of(passing[0], 1, label)
-    assert things[1].large
+        tracks[label], points = thing_of(passing[0], 1, label)
+    assert tracks[1].large
     both = len(points) // 2
     wanted = {1: points[: both + 100], 2: points[100:]}
     claims = {n: claim_of(p, 0.004 if n == likelier else 0.008) for n, p in wanted.items()}
-    result = undisputed(claims, things, options=OPTIONS.body)
+    result = undisputed(claims, tracks, options=OPTIONS.body)
     loser = 3 - likelier
     np.testing.assert_array_equal(result[likelier].indices, wanted[likelier])
     np.testing.assert_array_equal(
@@ -183,15 +183,15 @@ def test_a_touch_and_small_things_are_no_dispute(passing: list[scenes.Frame]) ->
 
 
 def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Frame]) -> None:
-    thing, _ = thing_of(passing[0], 2, 2)
-    thing.missing = 3
+    track, _ = thing_of(passing[0], 2, 2)
+    track.frames_unseen = 3
     last = passing[-1]
     view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
-    found = reclaim(view, {2: thing}, np.flatnonzero(last.truth > 0))[2]
+    found = reclaim(view, {2: track}, np.flatnonzero(last.truth > 0))[2]
     assert overlap(found, last.truth == 2) > 0.7
     assert not (last.truth[found] == 1).any()
-    assert not reclaim(view, {2: thing}, np.flatnonzero(last.truth == 1))
-    assert not reclaim(view, {2: thing}, np.empty(0, np.int64))
+    assert not reclaim(view, {2: track}, np.flatnonzero(last.truth == 1))
+    assert not reclaim(view, {2: track}, np.empty(0, np.int64))
     assert not reclaim(view, {}, np.flatnonzero(last.truth > 0))
 
 
@@ -205,13 +205,13 @@ def test_people_are_large_also_before_a_noisy_sensor(
 
 
 def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scenes.Frame]) -> None:
-    things = {label: thing_of(passing[0], label, label)[0] for label in (1, 2)}
+    tracks = {label: thing_of(passing[0], label, label)[0] for label in (1, 2)}
     last = passing[-1]
     view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
     for label in (1, 2):
         seen = np.flatnonzero(last.truth == label)
-        assert recognised(label, things, view, seen)
-        assert not recognised(3 - label, things, view, seen)
+        assert recognised(label, tracks, view, seen)
+        assert not recognised(3 - label, tracks, view, seen)
 
 
 def test_what_somebody_will_uncover_is_scenery_from_the_first_frame_on() -> None:

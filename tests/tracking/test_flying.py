@@ -8,8 +8,8 @@ import scenes
 import views
 from scipy.spatial.transform import Rotation
 
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
@@ -63,19 +63,19 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     step = np.eye(4)
     step[:3, 3] = [0.15, 0.0, 0.0]  # farther than what is where it was may be
     hand = view.xyz[beside].astype(np.float64) - step[:3, 3]
-    thing = begin(view, 1, core, 0.004, Rivals(np.empty((0, 3)), view.colour(beside[:0])))
-    thing.rivals = Rivals(hand, view.colour(beside), thing.weight)
-    thing.model.xyz -= step[:3, 3]
-    thing.size = 1.2 * len(core)
+    track = begin(view, 1, core, 0.004, OtherMovers(np.empty((0, 3)), view.colour(beside[:0])))
+    track.other_movers = OtherMovers(hand, view.colour(beside), track.weight)
+    track.model.xyz -= step[:3, 3]
+    track.size = 1.2 * len(core)
     box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 1.9]))
     around = view.box(*box)
-    world = thing.model.xyz + step[:3, 3]
-    places = {1: Place(step, world, box, around, around, around, 0.05)}
-    claims = {1: claim(view, core, world, thing.model.colour, thing.weight, 0.05)}
+    world = track.model.xyz + step[:3, 3]
+    places = {1: Registration(step, world, box, around, around, around, 0.05)}
+    claims = {1: claim(view, core, world, track.model.colour, track.weight, 0.05)}
     unknown = np.full_like(view.depth, np.nan)
     still = ImageBackground(
         OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    grown, _ = grow({1: thing}, Findings(view, still, free, places, claims))
+    grown, _ = grow({1: track}, Findings(view, still, free, places, claims))
     assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])

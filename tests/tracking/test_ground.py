@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.scanner import on_ground
 from pointbrush.tracking.sensors.view import View
@@ -19,7 +19,7 @@ from pointbrush.tracking.steps.register import find
 
 OPTIONS = TrackerOptions()
 
-NO_RIVALS = Rivals.none()
+NO_RIVALS = OtherMovers.none()
 KERB = 0.13
 
 
@@ -53,14 +53,14 @@ def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it:
     frame = SimpleNamespace(xyz=xyz, rgb=None, intensity=None, viewpoint=None, pose=None)
     view = View(1, frame, None, OPTIONS, np.eye(4), np.zeros(3))
     mine = np.flatnonzero((truth == 1) | (beside if with_it else False))
-    thing = begin(view, 1, mine, 0.05, NO_RIVALS)
+    track = begin(view, 1, mine, 0.05, NO_RIVALS)
     grounded = painted_with_ground(view, mine)
     assert grounded == with_it
-    thing.unit, thing.painted = 0.15, replace(thing.painted, grounded=grounded)
+    track.unit, track.painted = 0.15, replace(track.painted, grounded=grounded)
     # Ground that was seen before is in no search; what drives on is on other ground.
-    place = find(search_among(thing, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
-    view.labels = {1: own_points(thing, view, place).indices}
-    found = with_ground(view, {1: thing}, {1: place}, np.ones(len(xyz), np.bool_))[1]
+    place = find(search_among(track, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
+    view.labels = {1: own_points(track, view, place).indices}
+    found = with_ground(view, {1: track}, {1: place}, np.ones(len(xyz), np.bool_))[1]
     assert (truth[found] == 1).sum() == 600
     assert (np.hypot(xyz[found, 0] - 2, xyz[found, 1] - 5.5) < 0.4).all()
     taken = beside[found].sum() / beside.sum()

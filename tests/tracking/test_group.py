@@ -15,7 +15,7 @@ from scipy.ndimage import minimum_filter
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import Paths, agreed, paths_into
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, exchange, exchanged, mistakable
@@ -239,7 +239,7 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     )
     sight.cells_of, sight.area = lambda _: np.arange(10), len
     person = Person.met(OPTIONS, 1, middle, middle.astype(np.float32), 0)
-    person.missing = 1
+    person.frames_unseen = 1
     person.follow(cast(Observation, sight), np.zeros(3), 1)
     assert len(person.xyz) == 5
 
@@ -303,7 +303,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     wear: np.ndarray, doubted: bool
 ) -> None:
     found, gone = somebody(1, 0.0, RED, well=5), somebody(2, 0.2, wear, well=5)
-    found.missing = gone.missing = 4
+    found.frames_unseen = gone.frames_unseen = 4
     sight = staged(body(0.1, RED))
     sight.owner[:] = 1
     assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
@@ -312,7 +312,7 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
     assert found.identity.doubts == ({2} if doubted else set())
     assert gone.identity.doubts == ({1} if doubted else set())
     # The other is found elsewhere: in clothes that both wear, either may still be either.
-    found.missing, gone.well = 0, 10
+    found.frames_unseen, gone.well = 0, 10
     sight.owner[15:] = 2
     group.doubt(sight, found, SURE)
     assert bool(found.identity.doubts) == doubted
@@ -392,9 +392,9 @@ def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
     noise: float, size: float
 ) -> None:
     view = SimpleNamespace(options=OPTIONS, cells=(None, np.full(5, 3.0)), labels={1: np.arange(5)})
-    thing = SimpleNamespace(options=OPTIONS, label=1, unit=0.01, span=0.9)
-    background = SimpleNamespace(waver=lambda depth: np.full(len(depth), noise))
-    found = cell_size(cast(View, view), cast(Thing, thing), cast(ImageBackground, background))
+    track = SimpleNamespace(options=OPTIONS, label=1, unit=0.01, span=0.9)
+    background = SimpleNamespace(noise=lambda depth: np.full(len(depth), noise))
+    found = cell_size(cast(View, view), cast(Track, track), cast(ImageBackground, background))
     assert found == pytest.approx(size, rel=0.02)
 
 
@@ -428,7 +428,7 @@ def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
     sight = staged(body(0.0, RED))
     sight.owner[:2] = 1
     person.follow(sight, np.zeros(3), 10)
-    assert person.missing == 1
+    assert person.frames_unseen == 1
     track, points = outcome(sight, person, None)
     assert track.state == "occluded"
     assert np.all(sight.owner[sight.cells.cell[points]] == 1)

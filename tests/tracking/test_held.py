@@ -9,7 +9,7 @@ import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.pixels import LastSeen
 from pointbrush.tracking.sensors.camera import find_lens
@@ -19,7 +19,7 @@ from pointbrush.tracking.steps.relocate import placed
 
 OPTIONS = TrackerOptions()
 
-NO_RIVALS = Rivals.none()
+NO_RIVALS = OtherMovers.none()
 
 
 def recording(
@@ -123,11 +123,11 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
 def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bool) -> None:
     start = recording(1, {2: (0.06, 3.4, 0.0)})[0]
     view = View(0, start, find_lens(start, options=OPTIONS), options=OPTIONS)
-    thing = begin(view, 2, np.flatnonzero(start.truth == 2), 0.0, NO_RIVALS)
-    thing.motion.poses = [np.eye(4)] * 3
+    track = begin(view, 2, np.flatnonzero(start.truth == 2), 0.0, NO_RIVALS)
+    track.motion.poses = [np.eye(4)] * 3
     before = {1: (0.03, 1.3, 0.0)} if hidden else {}
     now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
     view = View(1, now, find_lens(now, options=OPTIONS), options=OPTIONS)
-    search = search_among(thing, view, np.flatnonzero(now.truth == 3))
-    _, claim = placed(thing, view, search)
+    search = search_among(track, view, np.flatnonzero(now.truth == 3))
+    _, claim = placed(track, view, search)
     assert len(claim.indices) < 5 if hidden else len(claim.indices) > 300

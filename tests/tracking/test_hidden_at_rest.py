@@ -8,7 +8,7 @@ import numpy as np
 import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -60,18 +60,18 @@ def test_what_rests_is_found_where_it_was_when_what_hid_it_has_gone() -> None:
 
 def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> None:
     frame = passing(2)[0]
-    none = Rivals.none()
+    none = OtherMovers.none()
     mine, hidden = np.flatnonzero(frame.truth == 1), np.empty(0, np.bool_)
-    thing = begin(
+    track = begin(
         View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS), 1, mine, 0.004, none
     )
-    few, clear = int(0.3 * thing.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
+    few, clear = int(0.3 * track.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
     for _ in range(4):
-        thing.motion.add(np.eye(4))
-    assert not well_seen(thing, clear, few)
+        track.motion.add(np.eye(4))
+    assert not well_seen(track, clear, few)
     for step in range(1, 4):
         pose = np.eye(4)
         pose[0, 3] = 0.1 * step
-        thing.motion.add(pose)
-    assert well_seen(thing, clear, few)
-    assert not well_seen(thing, replace(clear, visible=0.2), few)
+        track.motion.add(pose)
+    assert well_seen(track, clear, few)
+    assert not well_seen(track, replace(clear, visible=0.2), few)

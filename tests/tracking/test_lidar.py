@@ -12,8 +12,8 @@ from runs import follow
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.grid import bounds, cells_of
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Bending, OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.scans import PointBackground
 from pointbrush.tracking.scene.scene import Scene
@@ -111,7 +111,7 @@ def test_a_lidar_whose_viewpoint_stays_is_at_rest() -> None:
     assert find_trajectory([frame, frame].__getitem__, range(2), options=OPTIONS) is None
 
 
-def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:
+def half_hidden() -> tuple[Track, View, Registration, Claim, Verdict]:
     """A box of which a lidar at rest sees one end only, densely, after its whole side."""
     rng = np.random.default_rng(1)
     side = rng.uniform((0, 5, -1), (8, 5.01, 0.5), (800, 3))
@@ -119,58 +119,58 @@ def half_hidden() -> tuple[Thing, View, Place, Claim, Verdict]:
     walls = rng.uniform((-30, 20, -1.7), (30, 20.1, 4), (5000, 3))
     xyz = np.concatenate([end, side, walls]).astype(np.float32)
     view = View(0, scenes.Frame(xyz), None, OPTIONS, np.eye(4))
-    thing = begin(view, 1, np.arange(1100), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
+    track = begin(view, 1, np.arange(1100), 0.0, OtherMovers(np.empty((0, 3)), np.empty((0, 3))))
     here = np.arange(300)
-    world = thing.model.xyz
-    place = Place(np.eye(4), world, bounds(world), here, here, here, 0.1)
-    found = claim(view, here, world, thing.model.colour, 0.0, 3 * thing.unit)
-    return thing, view, place, found, judge(thing, view, np.eye(4), world, found)
+    world = track.model.xyz
+    place = Registration(np.eye(4), world, bounds(world), here, here, here, 0.1)
+    found = claim(view, here, world, track.model.colour, 0.0, 3 * track.unit)
+    return track, view, place, found, judge(track, view, np.eye(4), world, found)
 
 
 def test_what_shows_many_of_its_points_is_there_though_most_of_it_is_hidden() -> None:
     """What hides it is known too coarsely to tell which part of it should be seen."""
-    thing, view, place, found, verdict = half_hidden()
-    assert thing.scanned
+    track, view, place, found, verdict = half_hidden()
+    assert track.scanned
     assert len(found.indices) > 250
     assert verdict.inliers < 0.25
     assert verdict.found
     half = found.pick(np.arange(len(found.indices)) < 150)
-    assert judge(thing, view, place.pose, place.world, half).found
+    assert judge(track, view, place.pose, place.world, half).found
     few = found.pick(np.arange(len(found.indices)) < 80)
-    assert not judge(thing, view, place.pose, place.world, few).found
+    assert not judge(track, view, place.pose, place.world, few).found
 
 
 def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
-    thing, view, place, found, verdict = half_hidden()
-    thing.bending = Bending(share=0.5)
-    learn(thing, Sighting(view, place, found, np.empty(0, np.int64), verdict))
-    assert thing.bends
-    assert np.ptp(thing.model.xyz[:, 0]) > 7.5
+    track, view, place, found, verdict = half_hidden()
+    track.bending = Bending(share=0.5)
+    learn(track, Sighting(view, place, found, np.empty(0, np.int64), verdict))
+    assert track.bends
+    assert np.ptp(track.model.xyz[:, 0]) > 7.5
 
 
 def test_what_comes_near_is_not_asked_more_finely_than_its_model_is_known() -> None:
-    thing = half_hidden()[0]
-    unit, spacing = thing.unit, thing.model.spacing
-    thing.come_to(10.0)
+    track = half_hidden()[0]
+    unit, spacing = track.unit, track.model.spacing
+    track.come_to(10.0)
     for away in (5.0, 2.5, 1.25):
-        thing.come_to(away)
-    assert 0.4 * spacing < thing.unit < unit
+        track.come_to(away)
+    assert 0.4 * spacing < track.unit < unit
     for away in (2.5, 5.0, 10.0):
-        thing.come_to(away)
-    assert np.isclose(thing.unit, unit)
+        track.come_to(away)
+    assert np.isclose(track.unit, unit)
 
 
 def test_a_side_that_comes_into_view_beside_a_coarse_model_is_learnt() -> None:
     whole, view, place, _, _ = half_hidden()
     old = np.flatnonzero(view.xyz[:1100, 0] < 5.0)
     grown = np.flatnonzero((view.xyz[:1100, 0] > 5.32) & (view.xyz[:1100, 0] < 5.38))
-    thing = begin(view, 1, old, 0.0, whole.rivals)
-    thing.unit, thing.model.spacing = 0.1, 0.2
-    world = thing.model.xyz
-    found = claim(view, old, world, thing.model.colour, 0.0, 3 * thing.unit)
-    verdict = judge(thing, view, np.eye(4), world, found)
-    learn(thing, Sighting(view, place, found, grown, verdict))
-    assert thing.model.xyz[:, 0].max() > 5.3
+    track = begin(view, 1, old, 0.0, whole.other_movers)
+    track.unit, track.model.spacing = 0.1, 0.2
+    world = track.model.xyz
+    found = claim(view, old, world, track.model.colour, 0.0, 3 * track.unit)
+    verdict = judge(track, view, np.eye(4), world, found)
+    learn(track, Sighting(view, place, found, grown, verdict))
+    assert track.model.xyz[:, 0].max() > 5.3
 
 
 @pytest.mark.parametrize(("frames", "beside", "most"), [(3, 2.8, 2.0), (0, 4.0, 3.6)])
@@ -185,9 +185,9 @@ def test_a_car_that_is_gone_is_not_the_one_beside_it(
         beside_the_road(0.0),
         PointBackground(OPTIONS, lambda xyz: np.zeros(len(xyz), np.float32)),
     )
-    thing = parked(view, frames)
+    track = parked(view, frames)
     later = beside_the_road(beside)
-    search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
+    search = crop(track, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
     pose = register(search).pose
     assert abs(pose[1, 3]) < most
@@ -206,12 +206,12 @@ def beside_the_road(shift: float) -> View:
     return View(1, scenes.Frame(xyz), None, OPTIONS, None, np.zeros(3))
 
 
-def parked(view: View, frames: int) -> Thing:
+def parked(view: View, frames: int) -> Track:
     """The car of ``beside_the_road``, which has stood there for some ``frames``."""
-    thing = begin(view, 1, np.arange(SIDE), 0.0, Rivals(np.empty((0, 3)), np.empty((0, 3))))
+    track = begin(view, 1, np.arange(SIDE), 0.0, OtherMovers(np.empty((0, 3)), np.empty((0, 3))))
     for _ in range(frames):
-        thing.motion.add(np.eye(4))
-    return thing
+        track.motion.add(np.eye(4))
+    return track
 
 
 @pytest.mark.parametrize(("beside", "gap"), [(-0.7, 1), (-3.0, 8), (2.6, 8)])
@@ -221,19 +221,19 @@ def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) 
         beside_the_road(0.0),
         PointBackground(OPTIONS, lambda xyz: np.zeros(len(xyz), np.float32)),
     )
-    thing = parked(view, 3)
-    assert thing.stands
-    thing.motion.gap = gap
+    track = parked(view, 3)
+    assert track.stands
+    track.motion.gap = gap
     later = beside_the_road(beside)
-    search = crop(thing, later, nobody, np.ones(len(later.xyz), np.bool_))
+    search = crop(track, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
     pose = register(search).pose
     assert np.linalg.norm(pose[:3, 3]) < 0.3
 
 
 def test_what_was_hidden_and_stood_before_a_lidar_need_not_wait_for_the_others() -> None:
-    thing = parked(beside_the_road(0.0), 3)
-    thing.missing, thing.motion.gap = 5, 6
-    assert not thing.absent
-    thing.motion.poses[-1] = thing.motion.poses[-1] + np.eye(4, k=3)  # 1 metre on
-    assert thing.absent
+    track = parked(beside_the_road(0.0), 3)
+    track.frames_unseen, track.motion.gap = 5, 6
+    assert not track.absent
+    track.motion.poses[-1] = track.motion.poses[-1] + np.eye(4, k=3)  # 1 metre on
+    assert track.absent

@@ -22,26 +22,25 @@ from pointbrush.tracking.options import (
 
 ROOT = Path(pointbrush.tracking.__file__).parent
 DEFINITIONS = {
-    "background/depth_noise.py": {"DEVIATION"},  # 1.4826 / sqrt(2)
-    "distinct.py": {"REMEMBERED"},  # size of a cache, in frames
-    "fitting/recovery.py": {"OPPOSITE", "ALONG"},  # rounding of directions
-    "geometry/columns.py": {"PER_COLUMN"},  # layout of a search grid
-    "geometry/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR"},  # likewise
-    "geometry/near.py": {"RUN"},  # likewise
+    "scene/images.py": {"DEVIATION"},  # 1.4826 / sqrt(2)
+    "duplicates.py": {"REMEMBERED"},  # size of a cache, in frames
+    "steps/propose.py": {"OPPOSITE", "ALONG"},  # rounding of directions
+    "compute/columns.py": {"PER_COLUMN"},  # layout of a search grid
+    "compute/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR", "RUN"},  # likewise
     "interface.py": {"PAINTED"},  # code of a provenance
-    "objects/colours.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
-    "objects/confidence.py": {"RATIO_LEAST"},  # keeps a logarithm finite
+    "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
+    "model/confidence.py": {"RATIO_LEAST"},  # keeps a logarithm finite
     "parallel/second_process.py": {"PIPE", "KEPT"},
     "parallel/workers.py": {"PER_POINT", "AT_LEAST", "SENDING"},
-    "objects/thing.py": {"SIDES"},  # unit vectors
-    "paper.py": {"LONE", "FINEST", "SAMPLE"},  # of the paper's method, not of `auto`
-    "people/displacement.py": {"GRID"},  # nodes of a search grid
+    "model/track.py": {"SIDES"},  # unit vectors
+    "icp.py": {"LONE", "FINEST", "SAMPLE"},  # of the paper's method, not of `auto`
+    "people/strides.py": {"GRID"},  # nodes of a search grid
     "people/foreground.py": {"OTHER"},  # code of a label
     "registry.py": {"COLOUR_NEIGHBOURS"},  # of the paper's method
-    "rules.py": {"FEWEST"},  # part of the label store's contract
-    "segmentation/belong.py": {"LABELS"},  # uint16
-    "sensor/odometry.py": {"SPREAD"},  # 1.4826
-    "sensor/view.py": {"WHITE"},  # 3 * 255
+    "permissions.py": {"FEWEST"},  # part of the label store's contract
+    "steps/grow.py": {"LABELS"},  # uint16
+    "sensors/visual_odometry.py": {"SPREAD"},  # 1.4826
+    "sensors/view.py": {"WHITE"},  # 3 * 255
 }
 """Numbers that belong to a definition, by module."""
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import views
 
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
@@ -52,20 +52,20 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     own = np.flatnonzero(view.frame.truth == 1)
     top = views.top_of(view, own)[::3]
     views.put(view, top, view.xyz[top] + 0.08 * (view.xyz[top] - view.eye))
-    thing = begin(view, 1, own, 0.004, Rivals.none())
-    thing.painted = replace(thing.painted, with_flying=painted)
+    track = begin(view, 1, own, 0.004, OtherMovers.none())
+    track.painted = replace(track.painted, with_flying=painted)
     for _ in range(OPTIONS.search.remembered_poses):
-        thing.motion.add(np.eye(4))
+        track.motion.add(np.eye(4))
     limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
     around = view.box(*limits)
-    place = Place(np.eye(4), thing.model.xyz, limits, around, around, around, 0.05)
-    found = claim(view, own, thing.model.xyz, thing.model.colour, thing.weight, 1.0)
+    place = Registration(np.eye(4), track.model.xyz, limits, around, around, around, 0.05)
+    found = claim(view, own, track.model.xyz, track.model.colour, track.weight, 1.0)
     claims = {1: found}
     background = ImageBackground(
         OPTIONS, DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    grown, _ = grow({1: thing}, Findings(view, background, free, {1: place}, claims))
+    grown, _ = grow({1: track}, Findings(view, background, free, {1: place}, claims))
     learnt = np.concatenate([claims[1].indices, grown[1]])
     assert np.isin(top, found.indices).mean() > 0.8
     assert np.isin(top, learnt).mean() < 0.5

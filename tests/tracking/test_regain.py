@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Bending, OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
@@ -51,12 +51,12 @@ def shot(
     ), background
 
 
-def place_of(view: View, thing: Thing, core: np.ndarray) -> Place:
+def place_of(view: View, track: Track, core: np.ndarray) -> Registration:
     """Where a thing was found that shows its points ``core`` (M,)."""
     lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
     box = (lo.astype(np.float64), hi.astype(np.float64))
     around = view.box(*box)
-    return Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    return Registration(np.eye(4), track.model.xyz, box, around, around, around, 0.05)
 
 
 @pytest.mark.parametrize(
@@ -75,35 +75,35 @@ def test_a_piece_that_was_missed_is_taken_back(
     view, background = shot(colour, reach)
     truth = view.frame.truth
     core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
-    none = Rivals.none()
-    thing = begin(view, 1, core, 0.004, none)
-    thing.size = 1.6 * len(core)  # it was larger before
-    place = place_of(view, thing, core)
+    none = OtherMovers.none()
+    track = begin(view, 1, core, 0.004, none)
+    track.size = 1.6 * len(core)  # it was larger before
+    place = place_of(view, track, core)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
     if somebodys:
         has[beside] = True
-    found = lost_pieces(thing, view, place, core, has, background)
+    found = lost_pieces(track, view, place, core, has, background)
     assert (len(np.intersect1d(found, beside)) > 0.8 * len(beside)) == taken
     assert len(np.setdiff1d(found, beside)) <= (0.1 * len(beside) if taken else 0)
-    thing.size = len(core)  # nothing of it is missing
-    assert not len(lost_pieces(thing, view, place, core, has, background))
+    track.size = len(core)  # nothing of it is missing
+    assert not len(lost_pieces(track, view, place, core, has, background))
 
 
 def piece_found(view: View, background: ImageBackground, *, pliant: bool) -> np.ndarray:
     """What a colourless box takes back beside it."""
     core = np.flatnonzero(view.frame.truth == 1)
-    thing = begin(view, 1, core, 0.004, Rivals.none())
-    thing.weight, thing.size = 0.0, 1.6 * len(core)
+    track = begin(view, 1, core, 0.004, OtherMovers.none())
+    track.weight, track.size = 0.0, 1.6 * len(core)
     if pliant:
-        thing.bending, thing.size = (
+        track.bending, track.size = (
             Bending(strain=2 * OPTIONS.track.soft_strain),
             2.0 * OPTIONS.track.dense_points,
         )
-    place = place_of(view, thing, core)
+    place = place_of(view, track, core)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
-    return lost_pieces(thing, view, place, core, has, background)
+    return lost_pieces(track, view, place, core, has, background)
 
 
 def test_a_piece_of_what_is_pliant_is_taken_back_without_colours() -> None:
@@ -126,18 +126,18 @@ def beside_whole(
     ``moves`` metres a frame.
     """
     core, beside = (np.flatnonzero(view.frame.truth == label) for label in (1, 2))
-    thing = begin(view, 1, core, 0.004, Rivals.none())
+    track = begin(view, 1, core, 0.004, OtherMovers.none())
     for frame in range(OPTIONS.search.remembered_poses):
         pose = np.eye(4)
         pose[0, 3] = moves * frame
-        thing.motion.add(pose)
+        track.motion.add(pose)
     lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
     box = (lo.astype(np.float64), hi.astype(np.float64))
     around = view.box(*box)
-    place = Place(pose, thing.model.xyz + pose[:3, 3], box, around, around, around, 0.05)
+    place = Registration(pose, track.model.xyz + pose[:3, 3], box, around, around, around, 0.05)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
-    return lost_pieces(thing, view, place, core, has, background), beside
+    return lost_pieces(track, view, place, core, has, background), beside
 
 
 def test_a_thing_on_the_move_has_sides_that_it_had_not_shown() -> None:
@@ -180,17 +180,17 @@ def test_the_scene_that_a_thing_uncovers_is_no_lost_piece() -> None:
     view, background = shot(BLUE, 0.05)
     truth = view.frame.truth
     core, beside = np.flatnonzero(truth == 1), np.flatnonzero(truth == 2)
-    none = Rivals.none()
-    thing = begin(view, 1, core, 0.004, none)
-    thing.size = 1.6 * len(core)
+    none = OtherMovers.none()
+    track = begin(view, 1, core, 0.004, none)
+    track.size = 1.6 * len(core)
     box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
     around = view.box(*box)
-    place = Place(np.eye(4), thing.model.xyz, box, around, around, around, 0.05)
+    place = Registration(np.eye(4), track.model.xyz, box, around, around, around, 0.05)
     has = np.zeros(len(view.xyz), np.bool_)
     has[core] = True
-    assert len(lost_pieces(thing, view, place, core, has, background)) > 0.8 * len(beside)
+    assert len(lost_pieces(track, view, place, core, has, background)) > 0.8 * len(beside)
     background.hidden = view.depth.copy()  # the scene, drawn on behind the first objects, is there
-    assert not len(lost_pieces(thing, view, place, core, has, background))
+    assert not len(lost_pieces(track, view, place, core, has, background))
 
 
 def test_what_comes_out_from_behind_the_thing_is_cut_off_by_it_alone() -> None:

@@ -50,17 +50,17 @@ def test_icp_finds_a_small_motion() -> None:
 
 def test_robust_fit_leaves_what_is_not_the_object_alone() -> None:
     rng = np.random.default_rng(3)
-    thing = rng.random((400, 3)) * [0.3, 0.1, 0.1]
+    track = rng.random((400, 3)) * [0.3, 0.1, 0.1]
     T = motion(0.1, 0.02)
     clutter = rng.random((400, 3)) + [0.5, 0.0, 0.0]
     colour = rng.random((400, 3)).astype(np.float32)
     both = np.vstack([colour, rng.random((400, 3))]).astype(np.float32)
-    target = Target(np.vstack([transform(T, thing), clutter]), both, 0.5)
+    target = Target(np.vstack([transform(T, track), clutter]), both, 0.5)
     seen = np.ones((1, 400), bool)
     scales = [0.05, 0.05, 0.03, 0.02, 0.02]
     fits = robust_fits(
-        Source(thing, colour), seen, target, np.eye(4)[None], scales, options=OPTIONS.register
+        Source(track, colour), seen, target, np.eye(4)[None], scales, options=OPTIONS.register
     )
-    off = np.linalg.norm(transform(fits.T[0], thing) - transform(T, thing), axis=1)
+    off = np.linalg.norm(transform(fits.T[0], track) - transform(T, track), axis=1)
     assert off.mean() < 0.01
     assert fits.cost[0] < 0.5

@@ -71,10 +71,10 @@ def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
     """Two people before nothing: between them there is no wall as far away as they are."""
     across = np.mgrid[0 : SHAPE[0], 0 : SHAPE[1]][1]
     people = (across < 10) | (across >= 116)
-    thing = (across >= 60) & (across < 66)
-    seen = np.where(people | thing, 3.0, np.nan).astype(np.float32)
-    depth = drawn_on(seen.ravel(), SHAPE, thing.ravel(), options=OPTIONS.background).reshape(SHAPE)
-    assert (depth[thing] > 6.0).all()
+    track = (across >= 60) & (across < 66)
+    seen = np.where(people | track, 3.0, np.nan).astype(np.float32)
+    depth = drawn_on(seen.ravel(), SHAPE, track.ravel(), options=OPTIONS.background).reshape(SHAPE)
+    assert (depth[track] > 6.0).all()
 
 
 def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
@@ -154,13 +154,13 @@ def test_furniture_goes_on_beside_whom_it_is_hidden_by_and_people_end() -> None:
     assert found[25:45, 52:70].all()
 
 
-def filmed(number: int, depth: np.ndarray, thing: np.ndarray) -> View:
-    """A view of (48, 64) depths in which label 1 has the pixels ``thing``."""
+def filmed(number: int, depth: np.ndarray, track: np.ndarray) -> View:
+    """A view of (48, 64) depths in which label 1 has the pixels ``track``."""
     lens = Lens(np.zeros(3, np.float32), None, 2, 1.0, (-0.32, -0.24), (0.01, 0.01), (48, 64))
     v, u = np.mgrid[0:48, 0:64]
     xyz = np.stack([(0.01 * u - 0.32) * depth, (0.01 * v - 0.24) * depth, depth], axis=-1)
     view = View(number, scenes.Frame(xyz.reshape(-1, 3).astype(np.float32)), lens, options=OPTIONS)
-    view.labels[1] = np.flatnonzero(thing.ravel())
+    view.labels[1] = np.flatnonzero(track.ravel())
     return view
 
 
@@ -189,33 +189,33 @@ def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
 
 def test_a_hand_that_passed_before_a_thing_leaves_no_scenery_there() -> None:
     u = np.mgrid[0:48, 0:64][1]
-    thing, hand = (u >= 20) & (u < 40), (u >= 28) & (u < 40)
-    depth = np.where(thing, 2.0, 4.0)
+    track, hand = (u >= 20) & (u < 40), (u >= 28) & (u < 40)
+    depth = np.where(track, 2.0, 4.0)
     before = np.where(hand, 1.8, depth)
     scene = unknown_scene()
-    scene.learn(filmed(0, depth, thing), first=True)
+    scene.learn(filmed(0, depth, track), first=True)
     for number in (1, 2):
-        scene.learn(filmed(number, before, thing & ~hand))
-    gone = filmed(3, depth, thing)
+        scene.learn(filmed(number, before, track & ~hand))
+    gone = filmed(3, depth, track)
     scene.learn(gone)
-    again = filmed(4, depth, thing)
+    again = filmed(4, depth, track)
     points = again.labels[1]
     assert not scene.static(again, points)[0].any()
-    assert scene.static(again, np.flatnonzero(~thing.ravel()))[0].all()
+    assert scene.static(again, np.flatnonzero(~track.ravel()))[0].all()
 
 
 def test_what_has_left_the_picture_teaches_no_pixel() -> None:
     """The picture of a cut-out figure ends where its first frames do."""
-    thing = np.mgrid[0:48, 0:64][1] > 40
-    depth = np.full(thing.shape, 2.0)
+    track = np.mgrid[0:48, 0:64][1] > 40
+    depth = np.full(track.shape, 2.0)
     scene = unknown_scene()
-    scene.learn(filmed(0, depth, thing), first=True)
-    left = filmed(1, depth, thing)
+    scene.learn(filmed(0, depth, track), first=True)
+    left = filmed(1, depth, track)
     left.xyz[left.labels[1], 0] += 5.0
     left.frame.xyz[left.labels[1], 0] += 5.0
     scene.learn(left)
     assert (left.cells[0][left.labels[1]] == -1).all()
-    assert scene.static(left, np.flatnonzero(~thing.ravel()))[0].all()
+    assert scene.static(left, np.flatnonzero(~track.ravel()))[0].all()
 
 
 def test_slanting_surfaces_are_as_deep_as_they_are_and_at_edges_the_nearest_counts() -> None:

@@ -11,8 +11,8 @@ from runs import follow
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.interface import I64
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Bending, Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Bending, OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -148,25 +148,25 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     frame = snake(1, bend=0.0)[0]
     view = View(3, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     mine, none = np.flatnonzero(frame.truth == 1), np.empty(0, np.int64)
-    thing = begin(view, 1, mine, 0.004, Rivals.none())
-    xyz = thing.model.xyz
+    track = begin(view, 1, mine, 0.004, OtherMovers.none())
+    xyz = track.model.xyz
     box = (xyz.min(axis=0), xyz.max(axis=0))
-    place = Place(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
-    found = claim(view, mine, xyz, thing.model.colour, 0.0, thing.reach)
+    place = Registration(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
+    found = claim(view, mine, xyz, track.model.colour, 0.0, track.reach)
     verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
     sighting = Sighting(view, place, found, none, verdict)
     monkeypatch.setattr(bending, "strained", lambda *_: 0.5)  # a wrong pose
-    bending.note_strain(thing, sighting)
-    assert not thing.soft
+    bending.note_strain(track, sighting)
+    assert not track.soft
     for _ in range(6):
-        bending.note_strain(thing, sighting)
-    assert thing.soft
-    thing.bending, thing.size = (
+        bending.note_strain(track, sighting)
+    assert track.soft
+    track.bending, track.size = (
         Bending(),
         2.0 * OPTIONS.track.dense_points,
     )  # many points are seldom posed wrongly
-    bending.note_strain(thing, sighting)
-    assert thing.soft
+    bending.note_strain(track, sighting)
+    assert track.soft
 
 
 def covered(share: float) -> scenes.Frame:
@@ -180,41 +180,43 @@ def covered(share: float) -> scenes.Frame:
     return camera.shoot(parts, np.random.default_rng(4))
 
 
-def rested(share: float) -> tuple[Thing, View, I64]:
+def rested(share: float) -> tuple[Track, View, I64]:
     """A ball that was painted in full view and has rested since, and its points (M,) now."""
     first, frame = covered(0.0), covered(share)
-    none = Rivals.none()
+    none = OtherMovers.none()
     lens = find_lens(first, options=OPTIONS)
-    thing = begin(
+    track = begin(
         View(0, first, lens, options=OPTIONS), 1, np.flatnonzero(first.truth == 1), 0.004, none
     )
     for _ in range(4):
-        thing.motion.add(np.eye(4))
-    return thing, View(1, frame, lens, options=OPTIONS), np.flatnonzero(frame.truth == 1)
+        track.motion.add(np.eye(4))
+    return track, View(1, frame, lens, options=OPTIONS), np.flatnonzero(frame.truth == 1)
 
 
-def found_where_it_was(thing: Thing, view: View, mine: I64) -> tuple[Place, Claim, Verdict]:
-    xyz = thing.model.xyz
-    place = Place(np.eye(4), xyz, (xyz.min(axis=0), xyz.max(axis=0)), mine, mine, mine, cost=0.1)
-    found = claim(view, mine, xyz, thing.model.colour, thing.weight, thing.reach)
-    return place, found, judge(thing, view, place.pose, xyz, found)
+def found_where_it_was(track: Track, view: View, mine: I64) -> tuple[Registration, Claim, Verdict]:
+    xyz = track.model.xyz
+    place = Registration(
+        np.eye(4), xyz, (xyz.min(axis=0), xyz.max(axis=0)), mine, mine, mine, cost=0.1
+    )
+    found = claim(view, mine, xyz, track.model.colour, track.weight, track.reach)
+    return place, found, judge(track, view, place.pose, xyz, found)
 
 
 def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
-    thing, view, mine = rested(1.0)
-    place, found, verdict = found_where_it_was(thing, view, mine)
+    track, view, mine = rested(1.0)
+    place, found, verdict = found_where_it_was(track, view, mine)
     assert np.count_nonzero(~verdict.hidden) > 100
     assert (
-        bending.strained(thing, Sighting(view, place, found, mine[:0], verdict))
+        bending.strained(track, Sighting(view, place, found, mine[:0], verdict))
         < OPTIONS.track.soft_strain
     )
 
 
 def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:
     for visible, bends in ((0.1, False), (1.0, True)):
-        thing, view, mine = rested(1.0)
+        track, view, mine = rested(1.0)
         for _ in range(6):
-            place, found, verdict = found_where_it_was(thing, view, mine)
+            place, found, verdict = found_where_it_was(track, view, mine)
             poor = replace(verdict, inliers=0.5, visible=visible)
-            learn(thing, Sighting(view, place, found, mine[:0], poor))
-        assert thing.bends == bends
+            learn(track, Sighting(view, place, found, mine[:0], poor))
+        assert track.bends == bends

@@ -9,8 +9,8 @@ import views
 
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import TrackOptions
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.begin import begin
 from pointbrush.tracking.steps.claim import claim
@@ -41,15 +41,17 @@ def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone
     colour: bool, aside: float, whole: bool, trusted: bool
 ) -> None:
     first, now = box(0.0, colour), box(aside, colour)
-    thing = begin(first, 1, np.flatnonzero(first.frame.truth == 1), 0.004, Rivals.none())
-    thing.trust = 0.0
+    track = begin(first, 1, np.flatnonzero(first.frame.truth == 1), 0.004, OtherMovers.none())
+    track.confidence = 0.0
     own = np.flatnonzero(now.frame.truth == 1)
     pose = np.eye(4)
     pose[0, 3] = aside
     for _ in range(FRAMES):
-        model = thing.model
+        model = track.model
         world = transform(pose, model.xyz)
-        found = claim(now, own, world, model.colour, thing.weight, 3 * thing.reach)
-        place = Place(pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, whole=whole)
-        track, _ = settle(thing, now, place, found, own[:0], TrackOptions())
-    assert (track.confidence > 0.5) == trusted
+        found = claim(now, own, world, model.colour, track.weight, 3 * track.reach)
+        place = Registration(
+            pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, whole=whole
+        )
+        state, _ = settle(track, now, place, found, own[:0], TrackOptions())
+    assert (state.confidence > 0.5) == trusted

@@ -11,8 +11,8 @@ import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import solid
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Bending, InTheAir, Rivals, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Bending, OtherMovers, SeenAlone, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise, measure_noise
@@ -105,44 +105,46 @@ class Flight:
         self.background.learn(self.first, first=True)
         high = self.first.xyz[self.mine, 1] > 1.4
         self.painted = self.mine[high] if self.upper else self.mine
-        none = Rivals.none()
-        self.thing = begin(self.first, 1, self.painted, 0.004, none)
+        none = OtherMovers.none()
+        self.track = begin(self.first, 1, self.painted, 0.004, none)
         pose, before, ago = np.eye(4), np.eye(4), np.eye(4)
         pose[0, 3], before[0, 3], ago[0, 3] = 0.3, -0.3, -0.6
-        self.thing.motion.poses = [ago, before, np.eye(4)]
-        model = self.thing.model.xyz
+        self.track.motion.poses = [ago, before, np.eye(4)]
+        model = self.track.model.xyz
         box = (model.min(axis=0) + [0.3, 0, 0] - 0.15, model.max(axis=0) + 0.45)
         around = self.view.box(*box)
-        self.place = Place(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
-        self.core = own_points(self.thing, self.view, self.place)
+        self.fit = Registration(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
+        self.core = own_points(self.track, self.view, self.fit)
 
     def grown(self) -> np.ndarray:
         """New surface of the club in the second frame."""
         free = np.ones(len(self.view.xyz), np.bool_)
-        found = Findings(self.view, self.background, free, {1: self.place}, {1: self.core})
-        return grow({1: self.thing}, found)[0][1]
+        found = Findings(self.view, self.background, free, {1: self.fit}, {1: self.core})
+        return grow({1: self.track}, found)[0][1]
 
 
 def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     flight = Flight(upper=True)
-    thing, first, place = flight.thing, flight.first, flight.place
+    track, first, place = flight.track, flight.first, flight.fit
     truth = flight.view.frame.truth == 1
-    thing.size = 0.3 * float(truth.sum())
+    track.size = 0.3 * float(truth.sum())
     flight.grown()
     assert not place.whole  # what was not beside it may be another
     missed = np.setdiff1d(flight.mine, flight.painted)
-    thing.rivals = Rivals(first.xyz[missed].astype(np.float64), first.colour(missed), thing.weight)
+    track.other_movers = OtherMovers(
+        first.xyz[missed].astype(np.float64), first.colour(missed), track.weight
+    )
     grown = flight.grown()
     assert place.whole
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
 
 
-def rivals_of(flight: Flight, view: View, points: np.ndarray, *, beside: bool) -> Rivals:
+def rivals_of(flight: Flight, view: View, points: np.ndarray, *, beside: bool) -> OtherMovers:
     """Points of a frame as known to be unlabelled, looked for there alone or everywhere."""
     xyz = view.xyz[points].astype(np.float64)
     box = (xyz.min(axis=0), xyz.max(axis=0)) if beside else None
-    return Rivals(xyz, view.colour(points), flight.thing.weight, box)
+    return OtherMovers(xyz, view.colour(points), flight.track.weight, box)
 
 
 @pytest.mark.parametrize(
@@ -157,58 +159,58 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     dyed: bool, beside: bool, whole: bool
 ) -> None:
     flight = Flight(upper=True)
-    thing, view = flight.thing, flight.view
-    thing.size = float((view.frame.truth == 1).sum())
-    thing.weight *= dyed
+    track, view = flight.track, flight.view
+    track.size = float((view.frame.truth == 1).sum())
+    track.weight *= dyed
     rest = np.setdiff1d(np.flatnonzero(view.frame.truth == 1), flight.core.indices)
     near = rest[view.xyz[rest, 1] > np.quantile(view.xyz[rest, 1], 0.6)]
-    thing.rivals = rivals_of(flight, view, near, beside=beside)
+    track.other_movers = rivals_of(flight, view, near, beside=beside)
     flight.grown()
-    assert flight.place.whole == whole
+    assert flight.fit.whole == whole
 
 
 @pytest.mark.parametrize("pliant", [True, False])
 def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> None:
     flight = Flight(upper=True)
     if pliant:
-        flight.thing.bending = Bending(strain=2 * OPTIONS.track.soft_strain)
-        flight.thing.size = 2.0 * OPTIONS.track.dense_points
+        flight.track.bending = Bending(strain=2 * OPTIONS.track.soft_strain)
+        flight.track.size = 2.0 * OPTIONS.track.dense_points
     missed = np.setdiff1d(flight.mine, flight.painted)
-    flight.thing.rivals = rivals_of(flight, flight.first, missed, beside=False)
+    flight.track.other_movers = rivals_of(flight, flight.first, missed, beside=False)
     flight.grown()
-    assert flight.place.whole != pliant
+    assert flight.fit.whole != pliant
 
 
 def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
     for seen_alone, whole in ((0, True), (OPTIONS.growth.known_frames, False)):
         flight = Flight(upper=True)
-        flight.thing.size = float((flight.view.frame.truth == 1).sum())
-        flight.thing.unit = 0.006  # over 20 steps to its other end
-        flight.thing.in_the_air = InTheAir(seen_alone, OPTIONS.confidence.usual_cost)
+        flight.track.size = float((flight.view.frame.truth == 1).sum())
+        flight.track.unit = 0.006  # over 20 steps to its other end
+        flight.track.seen_alone = SeenAlone(seen_alone, OPTIONS.confidence.usual_cost)
         flight.grown()
-        assert flight.place.whole == whole
+        assert flight.fit.whole == whole
 
 
 @pytest.mark.parametrize("held", [False, True])
 @pytest.mark.parametrize("seen_alone", [0, OPTIONS.growth.known_frames])
 def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
     flight = Flight(upper=True)
-    thing, view, place = flight.thing, flight.view, flight.place
+    track, view, place = flight.track, flight.view, flight.fit
     truth = view.frame.truth == 1
     own = flight.core.indices
     flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
-    thing.size, thing.in_the_air = (
+    track.size, track.seen_alone = (
         0.2 * float(truth.sum()),
-        InTheAir(seen_alone, OPTIONS.confidence.usual_cost),
+        SeenAlone(seen_alone, OPTIONS.confidence.usual_cost),
     )
     if held:  # a hand hardly turns: it was there in the last frame too
         missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
         xyz = view.xyz[missed].astype(np.float64)
-        thing.rivals = Rivals(xyz, view.colour(missed), thing.weight)
+        track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
     flight.grown()
     assert not place.whole
     assert place.cut_short == (seen_alone == 0 and not held)
-    thing.last = replace(thing.last, cut_short=place.cut_short)
+    track.last = replace(track.last, cut_short=place.cut_short)
     flight.grown()
     assert place.whole == place.cut_short
 
@@ -234,21 +236,23 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     frame = camera.shoot([*parts, hand], rng)
     view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
     painted, turned, skin = (np.flatnonzero(frame.truth == label) for label in (1, 2, 3))
-    none = Rivals.none()
-    thing = begin(view, 1, painted, 0.004, none)
+    none = OtherMovers.none()
+    track = begin(view, 1, painted, 0.004, none)
     both = begin(view, 1, np.concatenate([painted, turned]), 0.004, none).model
 
     def taken_for_another(points: np.ndarray, whole: bool = False) -> bool:
         xyz, colour = view.xyz[points].astype(float), view.colour(points)
-        found = claim(view, points, xyz, colour, thing.weight, 0.1)
-        place = Place(np.eye(4), xyz, (xyz.min(0), xyz.max(0)), points, points, points, cost=0.3)
+        found = claim(view, points, xyz, colour, track.weight, 0.1)
+        place = Registration(
+            np.eye(4), xyz, (xyz.min(0), xyz.max(0)), points, points, points, cost=0.3
+        )
         place.whole = whole
-        return hides(thing, view, place, found)
+        return hides(track, view, place, found)
 
     assert taken_for_another(turned)
     assert taken_for_another(skin)
     assert not taken_for_another(turned, whole=True)  # alone in the air
-    thing.model = both
+    track.model = both
     both.hits[:] = OPTIONS.surface.sure_hits
     assert not taken_for_another(turned)
     assert taken_for_another(skin)

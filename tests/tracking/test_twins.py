@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scenes
 
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals, Thing, begin
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -16,11 +16,11 @@ from pointbrush.tracking.steps.identity import Swaps
 OPTIONS = TrackerOptions()
 
 BLUE, RED = (40, 90, 200), (200, 60, 40)
-NONE = Rivals.none()
+NONE = OtherMovers.none()
 SPEED = 0.12
 
 
-def pair(colour: tuple[int, int, int]) -> dict[int, Thing]:
+def pair(colour: tuple[int, int, int]) -> dict[int, Track]:
     """Two boxes, one blue and one of a ``colour``, half a metre to the left and to the right."""
     size = np.array([0.05, 0.12, 0.05])
     parts = [
@@ -39,11 +39,11 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
     In the frame in which they meet they are found a share ``meant`` of the way off where they were
     going, towards each other; ``swapped``: from there on each is found where the other is.
     """
-    things, twins, result = pair(colour), Swaps(options=OPTIONS), []
-    start = {n: thing.motion.centre.copy() for n, thing in things.items()}
+    tracks, twins, result = pair(colour), Swaps(options=OPTIONS), []
+    start = {n: track.motion.centre.copy() for n, track in tracks.items()}
     for number in range(1, 12):
         places = {}
-        for label, thing in things.items():
+        for label, track in tracks.items():
             way = SPEED * number if label == 1 else -SPEED * number
             at = start[label] + [way, 0.0, 0.0]
             if number >= 5 and swapped:
@@ -51,13 +51,13 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
             if number == 5:
                 at = at + meant * (start[1] + start[2] - 2 * at)
             pose = np.eye(4)
-            pose[:3, 3] = at - thing.motion.centre
+            pose[:3, 3] = at - track.motion.centre
             box = (at - 1.0, at + 1.0)
             none = np.empty(0, np.int64)
-            places[label] = Place(pose, thing.model.xyz, box, none, none, none, 0.05)
-        twins.meet(things, places)
-        for label, thing in things.items():
-            thing.motion.add(places[label].pose)
+            places[label] = Registration(pose, track.model.xyz, box, none, none, none, 0.05)
+        twins.meet(tracks, places)
+        for label, track in tracks.items():
+            track.motion.add(places[label].pose)
         result.append((places[1].most, places[2].most))
     return result
 

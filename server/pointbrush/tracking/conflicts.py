@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from pointbrush.tracking.interface import I64
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
@@ -17,34 +17,32 @@ from pointbrush.tracking.steps.relocate import placed
 from pointbrush.tracking.steps.verdict import judge
 
 
-def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
+def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
     """Let claims share no point; a thing that lost most of its is looked for in what is left."""
-    view, places = findings.view, findings.places
+    view, fits = findings.view, findings.fits
     before, claims = (
         findings.claims,
-        undisputed(findings.claims, things, options=findings.view.options.body),
+        undisputed(findings.claims, tracks, options=findings.view.options.body),
     )
     decided = decide(len(view.xyz), claims)
-    for label in sorted(
-        places, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
-    ):
+    for label in sorted(fits, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)):
         if len(decided[label].indices) >= findings.view.options.relocate.kept_share * len(
             before[label].indices
         ):
             continue
         others = [found for other, found in decided.items() if other != label]
         left = without(findings.free, others)
-        search = crop(things[label], view, findings.background, left)
+        search = crop(tracks[label], view, findings.background, left)
         if search is None:
             continue
-        place, claim = placed(things[label], view, search)
+        fit, claim = placed(tracks[label], view, search)
         again = {**claims, label: claim}
         better = decide(len(view.xyz), again)
         had, has = len(decided[label].indices), len(better[label].indices)
         # Where nearly all is another's, the other is, and not the thing.
         anothers = (
             had < findings.view.options.relocate.others_share * len(before[label].indices)
-            and place.cost < places[label].cost
+            and fit.cost < fits[label].cost
         )
         if (
             has
@@ -55,14 +53,14 @@ def settle_conflicts(things: Mapping[int, Thing], findings: Findings) -> None:
             )
             * had
         ):
-            decided, claims, places[label] = better, again, place
-    for label, place in places.items():
-        place.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
+            decided, claims, fits[label] = better, again, fit
+    for label, fit in fits.items():
+        fit.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
     findings.claims = decided
 
 
 def look_for(
-    absent: Iterable[Thing], things: Mapping[int, Thing], findings: Findings
+    absent: Iterable[Track], tracks: Mapping[int, Track], findings: Findings
 ) -> dict[int, I64]:
     """Find large things that were hidden in what the claims of the others leave.
 
@@ -71,24 +69,24 @@ def look_for(
     view, background = findings.view, findings.background
     loose: dict[int, I64] = {}
     free = findings.unclaimed()
-    for thing in absent:
-        search = None if thing.stopped else crop(thing, view, background, free)
+    for track in absent:
+        search = None if track.lost else crop(track, view, background, free)
         if search is None:
             continue
-        place, found = placed(thing, view, search)
-        seen = judge(thing, view, place.pose, place.world, found).found
+        fit, found = placed(track, view, search)
+        seen = judge(track, view, fit.pose, fit.world, found).found
         if view.lens is not None and len(found.indices):
-            seen = seen and _surely(thing.label, things, background, view, found.indices)
+            seen = seen and _surely(track.label, tracks, background, view, found.indices)
         if seen:
-            findings.put(thing.label, place, found)
+            findings.put(track.label, fit, found)
             free[found.indices] = False
         else:
-            loose[thing.label] = search.moving
+            loose[track.label] = search.moving
     return loose
 
 
 def _surely(
-    label: int, things: Mapping[int, Thing], background: Background, view: View, points: I64
+    label: int, tracks: Mapping[int, Track], background: Background, view: View, points: I64
 ) -> bool:
     """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
     before a known scene, in its own clothes."""
@@ -96,12 +94,12 @@ def _surely(
     if float((background.again(view, points) == label).mean()) > options.shown_share:
         return True
     certain = float(background.certain(view, points).mean()) > options.shown_share
-    return certain and recognised(label, things, view, points)
+    return certain and recognised(label, tracks, view, points)
 
 
 def bodies_left(
     loose: Mapping[int, I64],
-    things: Mapping[int, Thing],
+    tracks: Mapping[int, Track],
     findings: Findings,
     grown: Mapping[int, I64],
 ) -> dict[int, I64]:
@@ -117,4 +115,4 @@ def bodies_left(
     for points in grown.values():
         left[points] = False
     moving = moving[left[moving] & findings.background.certain(view, moving)]
-    return reclaim(view, {label: things[label] for label in loose}, moving)
+    return reclaim(view, {label: tracks[label] for label in loose}, moving)

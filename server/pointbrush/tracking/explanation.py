@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 
 from pointbrush.tracking.compute.rigid import inverse, transform, transform_each
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 
@@ -49,40 +49,40 @@ Watch = Callable[[Explanation], None]
 
 
 def explain(
-    view: View, background: Background, thing: Thing, place: Place | None, track: TrackState
+    view: View, background: Background, track: Track, fit: Registration | None, state: TrackState
 ) -> Explanation:
     """Gather the steps of a label once its frame is decided, before anything is learnt of it."""
     T = view.T_world_frame
     back = np.eye(4) if T is None else inverse(T)
     nowhere = np.empty((0, 3))
-    if place is None:
+    if fit is None:
         none = np.empty(0, np.int64)
         return Explanation(
-            view.number, thing.label, track, nowhere, nowhere, np.empty(0), nowhere, np.empty(0),
+            view.number, track.label, state, nowhere, nowhere, np.empty(0), nowhere, np.empty(0),
             none, none.astype(bool), none.astype(np.uint16), MappingProxyType({}),
         )  # fmt: skip
     owner = np.zeros(len(view.xyz), np.uint16)
     for label, points in view.labels.items():
         owner[points] = label
-    far, still = background.static(view, place.around)
-    own = view.xyz[view.labels.get(thing.label, place.around[:0])]
+    far, still = background.static(view, fit.around)
+    own = view.xyz[view.labels.get(track.label, fit.around[:0])]
     residual = np.empty(0)
     if len(own):
-        residual = np.asarray(cKDTree(own).query(place.world)[0], np.float64)
-    evidence = thing.last.evidence
+        residual = np.asarray(cKDTree(own).query(fit.world)[0], np.float64)
+    evidence = track.last.evidence
     features = {} if evidence is None else {k: float(v) for k, v in asdict(evidence).items()}
-    centre = thing.motion.centre[None]
+    centre = track.motion.centre[None]
     return Explanation(
         view.number,
-        thing.label,
-        track,
-        transform(back, transform_each(place.predicted, centre)[:, 0]),
-        transform(back, transform_each(place.tried, centre)[:, 0]),
-        place.costs,
-        transform(back, place.world) if len(own) else nowhere,
+        track.label,
+        state,
+        transform(back, transform_each(fit.predicted, centre)[:, 0]),
+        transform(back, transform_each(fit.tried, centre)[:, 0]),
+        fit.costs,
+        transform(back, fit.world) if len(own) else nowhere,
         residual,
-        place.around,
+        fit.around,
         far | still,
-        owner[place.around],
+        owner[fit.around],
         MappingProxyType(features),
     )

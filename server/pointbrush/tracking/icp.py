@@ -120,17 +120,17 @@ class PaperTracker:
             rules = FrameRules(len(frame.xyz), known(number), options)
             assignments: dict[int, I64] = {}
             tracks: dict[int, TrackState] = {}
-            for label, thing in objects.items():
+            for label, track in objects.items():
                 certain = rules.keyframe(label)
                 if certain is not None:
                     assignments[label] = certain
-                    tracks[label] = _painted(len(certain), thing.pose)
-                    objects[label] = _cut(frame, certain, thing.pose)
+                    tracks[label] = _painted(len(certain), track.pose)
+                    objects[label] = _cut(frame, certain, track.pose)
                     stopped.discard(label)
                 elif label not in stopped:
                     watch = None if self.watch is None else partial(self.watch, number, label)
                     found, tracks[label] = self._step(
-                        thing, frame, rules, label, list(objects), watch
+                        track, frame, rules, label, list(objects), watch
                     )
                     if len(found):
                         assignments[label] = found
@@ -142,25 +142,25 @@ class PaperTracker:
 
     def _step(
         self,
-        thing: _Object,
+        track: _Object,
         frame: TrackFrame,
         rules: FrameRules,
         label: int,
         labels: list[int],
         watch: Callable[[IcpStep], None] | None,
     ) -> tuple[I64, TrackState]:
-        lost = TrackState(thing.pose, 0.0, 0.0, 0.0, 0, "lost")
+        lost = TrackState(track.pose, 0.0, 0.0, 0.0, 0, "lost")
         if len(frame.xyz) == 0:
             return np.empty(0, np.int64), lost
         # 1. Register the object's points to the next frame.
         if self.k == 1:
             pair = closest_point(frame)
         else:
-            pair = most_similar_colour(frame, thing.colour, self.k)
-        fit = icp(thing.xyz, frame.xyz.astype(np.float64), pair, watch=watch)
+            pair = most_similar_colour(frame, track.colour, self.k)
+        fit = icp(track.xyz, frame.xyz.astype(np.float64), pair, watch=watch)
         # 2. The label goes to the next frame's points near the moved object.
-        moved = transform(fit.T_target_source, thing.xyz)
-        reach = self.reach * thing.spacing
+        moved = transform(fit.T_target_source, track.xyz)
+        reach = self.reach * track.spacing
         near = [np.asarray(n, np.int64) for n in frame.kdtree.query_ball_point(moved, reach)]
         found = np.unique(np.concatenate(near))
         found = found[rules.free(labels)[found]]
@@ -169,7 +169,7 @@ class PaperTracker:
             return found, lost
         # 3. How many of the object's points found one: the only confidence the paper has.
         inliers = float(np.mean([len(n) > 0 for n in near]))
-        pose = fit.T_target_source @ thing.pose
+        pose = fit.T_target_source @ track.pose
         return found, TrackState(pose, fit.rmse, inliers, inliers, len(found), "tracked")
 
 

@@ -34,8 +34,8 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
@@ -44,9 +44,9 @@ from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.begin import begin_anew, begin_label, taught
+from pointbrush.tracking.steps.begin import begin_anew, begin_label, corrected
 from pointbrush.tracking.steps.claim import Claim, Findings, together
-from pointbrush.tracking.steps.context import note_beside, set_rivals_around, tell_apart
+from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
 from pointbrush.tracking.steps.pieces import with_ground
@@ -85,7 +85,7 @@ class AutoTracker:
                     first = run.step(order[0], given).result
                 else:
                     first = run.start(seeds)
-                back = {n: inverse(track.pose) for n, track in first.tracks.items()}
+                back = {n: inverse(state.pose) for n, state in first.tracks.items()}
                 first = replace(first, assignments={})
                 for result in chain([first], run.through(order[1:])):
                     asked = run.companions.without(result)
@@ -111,11 +111,11 @@ class Run:
         self._watch, self._near = method.watch, method.options.companions
         self.known, self.asked, self.labels = known, asked, [s.label for s in seeds]
         self.workers, self.swaps = workers, Swaps(self.options)
-        self.things: dict[int, Thing] = {}
+        self.tracks: dict[int, Track] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
         """Labels that were not followed in the last frame: their points there were known."""
-        self.people = JointTracking(self.things, self.options, continue_lost=asked.continue_lost)
+        self.people = JointTracking(self.tracks, self.options, continue_lost=asked.continue_lost)
         first = frames(order[0]).xyz
         rules = FrameRules(len(first), known(order[0]), asked)
         self.companions = Companions(seeds, rules, first, self._near)
@@ -132,7 +132,7 @@ class Run:
 
     def _reach(self, world: F32) -> F32:
         options = self.options.track
-        units = [t.unit for t in self.things.values()] or [options.default_unit_m]
+        units = [t.unit for t in self.tracks.values()] or [options.default_unit_m]
         return np.full(len(world), options.static_units * float(np.median(units)), np.float32)
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
@@ -143,14 +143,14 @@ class Run:
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
-        tell_apart(self.things, view, self.things)
-        self.scene.learn_first(survey=any(thing.large for thing in self.things.values()))
-        self.people.gather(view, self.background, self.things)
-        tracks = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
-        return FrameResult(view.number, {}, tracks)
+        tell_apart(self.tracks, view, self.tracks)
+        self.scene.learn_first(survey=any(track.large for track in self.tracks.values()))
+        self.people.gather(view, self.background, self.tracks)
+        states = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
+        return FrameResult(view.number, {}, states)
 
     def _begin(self, view: View, label: int, points: I64) -> None:
-        begin_label(self.things, view, label, points, self.scene.noise(view, points))
+        begin_label(self.tracks, view, label, points, self.scene.noise(view, points))
         self.astray.pop(label, None)
 
     def recall(self, seeds: Sequence[Seed]) -> None:
@@ -163,121 +163,121 @@ class Run:
         """Find everything in the frames that follow, and what was in doubt once it is known."""
         smoother = Smoother(self.asked, self.options)
         for number in order:
-            yield from smoother.take(self.step(number), self.things, self.background)
+            yield from smoother.take(self.step(number), self.tracks, self.background)
         yield from smoother.rest()
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
         """Find everything in the next frame; ``given`` labels' points are known."""
-        view, things = self.scene.view(number), self.things
+        view, tracks = self.scene.view(number), self.tracks
         self.workers.show(view, self.background)
         rules = FrameRules(len(view.xyz), self.known(number), self.asked)
-        fixed = {n: k for n in things if (k := rules.keyframe(n)) is not None}
-        fixed |= self.companions.known(rules, view.xyz, things)
+        fixed = {n: k for n in tracks if (k := rules.keyframe(n)) is not None}
+        fixed |= self.companions.known(rules, view.xyz, tracks)
         fixed |= given or {}
         aside = self._set_aside(view, rules, fixed)
         free = rules.free(self.labels)
         for points in chain(fixed.values(), aside.values()):
             free[points] = False
-        sought = [t for n, t in things.items() if not (n in fixed or n in self.people)]
-        absent = [thing for thing in sought if thing.absent]
+        sought = [t for n, t in tracks.items() if not (n in fixed or n in self.people)]
+        absent = [track for track in sought if track.absent]
         findings = self._find([t for t in sought if not t.absent], view, free)
-        places = findings.places
-        settle_conflicts(things, findings)
+        fits = findings.fits
+        settle_conflicts(tracks, findings)
         find_astray(sought, self.astray, findings)
-        self.swaps.meet(things, places)
-        loose = look_for(absent, things, findings)
+        self.swaps.meet(tracks, fits)
+        loose = look_for(absent, tracks, findings)
         settled, emerged = self._settle(sought, findings, loose)
         left = free.copy()
         for _, points in settled.values():
             left[points] = False
         settled |= self.people.step(view, self.background, left, fixed)
         view.labels = fixed | aside
-        tracks = self._conclude(view, rules, fixed, emerged, settled)
-        for label in fixed.keys() - things.keys():
+        states = self._conclude(view, rules, fixed, emerged, settled)
+        for label in fixed.keys() - tracks.keys():
             self._begin(view, label, fixed[label])
-            tracks[label] = _painted(len(fixed[label]), np.eye(4))
-            tell_apart(self.things, view, [label])
+            states[label] = _painted(len(fixed[label]), np.eye(4))
+            tell_apart(self.tracks, view, [label])
             self.people.join(view, self.background, label)
         if self._watch is not None:
             for label in self.labels:
-                if label in tracks:
-                    place, track = places.get(label), tracks[label]
-                    self._watch(explain(view, self.background, things[label], place, track))
-        note_beside(things, view, places)
-        self.workers.learn(view, self.background, withheld(things, places, view))
-        found = with_ground(view, things, places, free)
-        found = {n: points for n, points in found.items() if n in tracks}
-        tracks |= {n: replace(tracks[n], points=len(points)) for n, points in found.items()}
-        most = {n: place.most for n, place in places.items()}
-        return Held(view, free, FrameResult(number, found, tracks), most)
+                if label in states:
+                    fit, state = fits.get(label), states[label]
+                    self._watch(explain(view, self.background, tracks[label], fit, state))
+        note_beside(tracks, view, fits)
+        self.workers.learn(view, self.background, withheld(tracks, fits, view))
+        found = with_ground(view, tracks, fits, free)
+        found = {n: points for n, points in found.items() if n in states}
+        states |= {n: replace(states[n], points=len(points)) for n, points in found.items()}
+        most = {n: fit.most for n, fit in fits.items()}
+        return Held(view, free, FrameResult(number, found, states), most)
 
     def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
         """Labels that are not asked for, and whose stored points are far from what is: they have
         these, and are not followed.  Those that come near are begun anew from them, in ``fixed``.
         """
-        regions = [self._region(self.things[n]) for n in self.labels if n in self.things]
+        regions = [self._region(self.tracks[n]) for n in self.labels if n in self.tracks]
         aside: dict[int, I64] = {}
         for label, points in self.companions.stored(rules, view.xyz).items():
             if label in fixed or label in self.people:
                 continue
             step = max(1, len(points) // self._near.sampled_points)
             some = view.xyz[points[::step]].astype(np.float64)
-            if any(_meets(some, places, margin) for places, margin in regions):
+            if any(_meets(some, fits, margin) for fits, margin in regions):
                 if label in self.aside:
                     fixed[label] = points
                 continue
             aside[label] = points
-            if self.things.pop(label, None) is not None:
+            if self.tracks.pop(label, None) is not None:
                 self.swaps.forget(label)
                 self.astray.pop(label, None)
         self.aside = frozenset(aside)
         return aside
 
-    def _region(self, thing: Thing) -> tuple[F64, float]:
+    def _region(self, track: Track) -> tuple[F64, float]:
         """Points (M, 3) of where a label is expected, and metres around them that it may take."""
         near = self._near
-        xyz = thing.model.xyz[:: max(1, len(thing.model.xyz) // near.sampled_points)]
-        places = transform_each(thing.motion.predictions(), xyz).reshape(-1, 3)
-        margin = near.near_radii * thing.span + near.near_units * thing.unit
-        return places, margin + near.near_steps * thing.motion.speed * thing.motion.gap
+        xyz = track.model.xyz[:: max(1, len(track.model.xyz) // near.sampled_points)]
+        fits = transform_each(track.motion.predictions(), xyz).reshape(-1, 3)
+        margin = near.near_radii * track.span + near.near_units * track.unit
+        return fits, margin + near.near_steps * track.motion.speed * track.motion.gap
 
-    def _find(self, things: list[Thing], view: View, free: Mask) -> Findings:
+    def _find(self, tracks: list[Track], view: View, free: Mask) -> Findings:
         """Where things are that were seen the last time, and what each would have there."""
-        there = [thing for thing in things if not thing.stopped]
+        there = [track for track in tracks if not track.lost]
         predicted = None  # where things are looked for
         known, here = (self.background, free, predicted), not self.workers.learns
         cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
         share_out(list(searches.values()), options=self.options.search)
-        there = [self.things[label] for label in searches]
-        found = self.workers.each(placed, there, lambda thing: (searches[thing.label],))
+        there = [self.tracks[label] for label in searches]
+        found = self.workers.each(placed, there, lambda track: (searches[track.label],))
         findings = Findings(view, self.background, free)
-        for label, (place, claim) in found.items():
-            findings.put(label, place, claim)
+        for label, (fit, claim) in found.items():
+            findings.put(label, fit, claim)
         return findings
 
     def _settle(
-        self, sought: list[Thing], findings: Findings, loose: Mapping[int, I64]
+        self, sought: list[Track], findings: Findings, loose: Mapping[int, I64]
     ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
         """Let things grow, judge and learn them: how they fared, and the points that each has.
 
         And the points of large things that came out of hiding so changed that they are learnt anew.
         What is small is judged while it is found out what hangs together with large things.
         """
-        things = self.things
-        grown, taken = grow(things, findings)
+        tracks = self.tracks
+        grown, taken = grow(tracks, findings)
 
-        def given(thing: Thing) -> tuple[Place | None, Claim | None, I64, TrackOptions]:
-            n = thing.label
-            place, claim = findings.places.get(n), findings.claims.get(n)
-            return place, claim, grown.get(n, _EMPTY), self.asked
+        def given(track: Track) -> tuple[Registration | None, Claim | None, I64, TrackOptions]:
+            n = track.label
+            fit, claim = findings.fits.get(n), findings.claims.get(n)
+            return fit, claim, grown.get(n, _EMPTY), self.asked
 
-        alive = [thing for thing in sought if not thing.stopped]
-        small = [thing for thing in alive if not thing.large]
-        meanwhile = small if any(things[label].large for label in findings.places) else []
+        alive = [track for track in sought if not track.lost]
+        small = [track for track in alive if not track.large]
+        meanwhile = small if any(tracks[label].large for label in findings.fits) else []
         wait = self.workers.begin(settle, meanwhile, given, changes=True)
-        grown |= hang_together(things, findings, taken)
-        emerged = bodies_left(loose, things, findings, grown)
+        grown |= hang_together(tracks, findings, taken)
+        emerged = bodies_left(loose, tracks, findings, grown)
         rest = [t for t in alive if not (t.label in emerged or t in meanwhile)]
         settled = wait()
         return settled | self.workers.each(settle, rest, given, changes=True), emerged
@@ -291,59 +291,59 @@ class Run:
         settled: Mapping[int, tuple[TrackState, I64]],
     ) -> dict[int, TrackState]:
         """How each thing fared; its points go to ``view.labels``."""
-        tracks: dict[int, TrackState] = {}
-        for label, thing in self.things.items():
+        states: dict[int, TrackState] = {}
+        for label, track in self.tracks.items():
             if label in fixed:
-                tracks[label] = self._repainted(thing, view, fixed[label])
+                states[label] = self._repainted(track, view, fixed[label])
                 self.people.join(view, self.background, label)
             elif label in emerged:
-                tracks[label] = self._emerge(thing, view, emerged[label])
+                states[label] = self._emerge(track, view, emerged[label])
                 view.labels[label] = emerged[label]
             elif label in settled:
-                tracks[label], points = settled[label]
+                states[label], points = settled[label]
                 points = together(points, rules.anchors(label))
-                if len(points) and tracks[label].state != "lost":
+                if len(points) and states[label].state != "lost":
                     view.labels[label] = points
-                    tracks[label] = replace(tracks[label], points=len(points))
-        return tracks
+                    states[label] = replace(states[label], points=len(points))
+        return states
 
-    def _repainted(self, thing: Thing, view: View, points: I64) -> TrackState:
+    def _repainted(self, track: Track, view: View, points: I64) -> TrackState:
         """Learn from a person's points: more of the same thing, or all of it anew."""
-        self.swaps.forget(thing.label)
-        pose = None if thing.label in self.people else taught(thing, view, points)
+        self.swaps.forget(track.label)
+        pose = None if track.label in self.people else corrected(track, view, points)
         if pose is None:
-            return self._begin_anew(thing, view, points)
-        world = transform(pose, thing.model.xyz)
-        set_rivals_around(thing, view, world)
+            return self._begin_anew(track, view, points)
+        world = transform(pose, track.model.xyz)
+        set_other_movers_around(track, view, world)
         return _painted(len(points), pose)
 
-    def _begin_anew(self, thing: Thing, view: View, points: I64) -> TrackState:
+    def _begin_anew(self, track: Track, view: View, points: I64) -> TrackState:
         noise = self.scene.noise(view, points)
-        pose = begin_anew(self.things, view, thing.label, points, noise)
-        self.astray.pop(thing.label, None)
+        pose = begin_anew(self.tracks, view, track.label, points, noise)
+        self.astray.pop(track.label, None)
         return _painted(len(points), pose)
 
-    def _emerge(self, thing: Thing, view: View, points: I64) -> TrackState:
+    def _emerge(self, track: Track, view: View, points: I64) -> TrackState:
         """Learn a large thing anew from what came out of hiding; the rest may follow."""
         options = self.options.track
-        track = self._begin_anew(thing, view, points)
-        anew = self.things[thing.label]
-        anew.extent, anew.size, anew.trust, anew.worn = (
-            thing.span,
-            thing.size,
+        state = self._begin_anew(track, view, points)
+        anew = self.tracks[track.label]
+        anew.extent, anew.size, anew.confidence, anew.appearance = (
+            track.span,
+            track.size,
             options.emerged_confidence,
-            thing.worn,
+            track.appearance,
         )
-        return replace(track, confidence=options.emerged_confidence, state="tracked")
+        return replace(state, confidence=options.emerged_confidence, state="tracked")
 
 
-def _meets(some: F64, places: F64, margin: float) -> bool:
+def _meets(some: F64, fits: F64, margin: float) -> bool:
     """Return whether some of the points (N, 3) lie within ``margin`` metres of others."""
-    lo, hi = places.min(axis=0) - margin, places.max(axis=0) + margin
+    lo, hi = fits.min(axis=0) - margin, fits.max(axis=0) + margin
     some = some[within(some, lo, hi)]
     if not len(some):
         return False
-    away = ((some[:, None] - places) ** 2).sum(axis=2)
+    away = ((some[:, None] - fits) ** 2).sum(axis=2)
     return bool(away.min() <= margin**2)
 
 

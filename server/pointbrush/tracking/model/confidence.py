@@ -26,7 +26,7 @@ class Evidence:
     in reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over
     the most and over the last; ``grown`` share of points that the model does not explain;
     ``whole`` whether the thing moves alone; ``share`` of the moving points around;
-    ``worn`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
+    ``appearance`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
     ``usual`` what ``cost`` mostly was where the thing was alone in the air;
     ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
     a lidar; ``soft`` whether the thing bends; ``left`` and ``others`` points that move beside it
@@ -45,7 +45,7 @@ class Evidence:
     grown: float
     whole: bool
     share: float
-    worn: float
+    appearance: float
     usual: float
     points: int
     pixels: bool = True
@@ -81,7 +81,7 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
             evidence.grown,
             float(evidence.whole),
             evidence.share,
-            max(evidence.worn, options.min_log_clothes),
+            max(evidence.appearance, options.min_log_clothes),
         ]
     )
     if body:

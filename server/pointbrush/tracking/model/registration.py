@@ -10,7 +10,7 @@ from pointbrush.tracking.interface import F64, I64
 
 
 @dataclass(eq=False)
-class Place:
+class Registration:
     """Where a thing was found: ``pose`` (4, 4), and its model's points ``world`` (M, 3).
 
     Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may

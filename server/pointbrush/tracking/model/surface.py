@@ -194,7 +194,7 @@ def _towards(xyz: F64, eye: F64 | None) -> F64:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Glimpse:
+class CarvingView:
     """How deep the sensor saw around a thing in one frame.
 
     ``pose`` (4, 4) of the thing, ``T_world_lens`` (4, 4) or None; ``depth`` (H, W) the least
@@ -236,7 +236,7 @@ def _through(
     return result
 
 
-def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
+def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
     """What ``view`` shows around a thing whose surface is at ``world`` (M, 3)."""
     options = view.options.surface
     if view.lens is None:
@@ -258,28 +258,32 @@ def glimpse(view: View, pose: F64, world: F64) -> Glimpse | None:
     ]
     part = np.nan_to_num(part, nan=0.0)
     least = minimum_filter(part, 3, mode="constant")
-    return Glimpse(pose, view.T_world_lens, view.lens, (top, left), least)
+    return CarvingView(pose, view.T_world_lens, view.lens, (top, left), least)
 
 
-def remember(glimpses: list[Glimpse], view: View, pose: F64, world: F64) -> None:
+def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64) -> None:
     """Add a glimpse where it shows the thing from another side; the oldest leaves."""
     # The thing hardly leaves its place in front of the sensor: what turns is the thing.
     options = view.options.surface
-    turns = [float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in glimpses]
+    turns = [
+        float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in carving_views
+    ]
     if turns and max(turns) > np.cos(np.radians(options.carve_turn_deg)):
         return
-    new = glimpse(view, pose, world)
+    new = carving_view(view, pose, world)
     if new is not None:
-        glimpses.append(new)
-        del glimpses[: -options.carve_views]
+        carving_views.append(new)
+        del carving_views[: -options.carve_views]
 
 
-def carved(glimpses: list[Glimpse], view: View, pose: F64, points: I64, unit: float) -> Mask:
+def carved(
+    carving_views: list[CarvingView], view: View, pose: F64, points: I64, unit: float
+) -> Mask:
     """Which ``points`` (M,) lie where a thing at ``pose`` cannot be."""
     options = view.options
     votes = np.zeros(len(points), np.int64)
-    if len(glimpses) >= options.surface.carve_min_views and len(points):
+    if len(carving_views) >= options.surface.carve_min_views and len(points):
         own = transform(inverse(pose), view.xyz[points].astype(np.float64))
-        for earlier in glimpses:
+        for earlier in carving_views:
             votes += earlier.through(own, options.surface.carve_units * unit, options=options.lens)
     return np.asarray(votes >= options.surface.carve_min_views)

@@ -23,7 +23,7 @@ from pointbrush.tracking.model.painted import (
     colourless,
     texture,
 )
-from pointbrush.tracking.model.surface import Glimpse, Model
+from pointbrush.tracking.model.surface import CarvingView, Model
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.view import View
 
@@ -32,7 +32,7 @@ SIDES = np.vstack([np.eye(3), -np.eye(3)])
 
 
 @dataclass(eq=False)
-class Rivals:
+class OtherMovers:
     """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
 
     xyz: F64
@@ -43,16 +43,16 @@ class Rivals:
     """Corners (3,) of where they were looked for; None for anywhere."""
 
     @staticmethod
-    def none() -> Rivals:
+    def none() -> OtherMovers:
         """Nothing unlabelled is known."""
-        return Rivals(np.empty((0, 3)), np.empty((0, 3), np.float32))
+        return OtherMovers(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
     @cached_property
     def target(self) -> Target:
         """Where they were, for all questions about them."""
         return Target(self.xyz, self.colour, self.weight)
 
-    def along(self, before: F64, now: F64, within: float) -> Rivals:
+    def along(self, before: F64, now: F64, within: float) -> OtherMovers:
         """Where they would be, had they gone along with the surface beside them.
 
         That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
@@ -60,7 +60,7 @@ class Rivals:
         """
         _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, within)
         step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
-        return Rivals(self.xyz + step, self.colour, self.weight)
+        return OtherMovers(self.xyz + step, self.colour, self.weight)
 
     def asked(self, xyz: NDArray[np.floating]) -> Mask:
         """Which places (M, 3) they were looked for at: of the others nothing is known."""
@@ -110,7 +110,7 @@ class Bending:
 
 
 @dataclass(frozen=True, slots=True)
-class InTheAir:
+class SeenAlone:
     """What a thing showed of itself where it was alone in the air, all round.
 
     ``frames`` how many it was so in; ``cost`` mean distance of its points to the model there, in
@@ -138,7 +138,7 @@ class LastSight:
 
 
 @dataclass(eq=False)
-class Thing:
+class Track:
     """State of a label."""
 
     options: TrackerOptions
@@ -149,28 +149,28 @@ class Thing:
     """Metres per unit of colour; 0 where it has none that tell it."""
     unit: float
     """Metres of tolerance: spacing of its points or noise of the sensor."""
-    rivals: Rivals
+    other_movers: OtherMovers
     painted: Painted
     sampling: Sampling
-    worn: ColourHistogram
+    appearance: ColourHistogram
     """The colours that it was painted with."""
     last: LastSight
     size: float
     """The most points that it had."""
-    in_the_air: InTheAir
+    seen_alone: SeenAlone
     extent: float = 0.0
     """Metres, the greatest radius that it had."""
-    missing: int = 0
+    frames_unseen: int = 0
     """Frames since it was seen."""
-    stopped: bool = False
+    lost: bool = False
     """Whether it is not looked for any more."""
-    trust: float = 1.0
+    confidence: float = 1.0
     """The last confidence."""
-    strayed: bool = False
+    astray: bool = False
     """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
     alone."""
     bending: Bending = Bending()
-    glimpses: list[Glimpse] = field(default_factory=list)
+    carving_views: list[CarvingView] = field(default_factory=list)
     """What lay around it in some frames."""
 
     def state(self) -> dict[str, object]:
@@ -191,13 +191,13 @@ class Thing:
         """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start."""
         if not self.dyed:
             return np.zeros(len(colour), np.bool_)
-        return self.worn.only(colour)
+        return self.appearance.only(colour)
 
     def strange(self, colour: F32) -> Mask:
         """Which of the colours (M, 3) the thing did not show where it was painted."""
         if not self.dyed:
             return np.zeros(len(colour), np.bool_)
-        return self.worn.strange(colour)
+        return self.appearance.strange(colour)
 
     @property
     def bends(self) -> bool:
@@ -237,7 +237,7 @@ class Thing:
         return self.bending.strain > self.options.track.soft_strain and not self.large
 
     @property
-    def pliant(self) -> bool:
+    def surely_soft(self) -> bool:
         """Whether it is soft beyond doubt: what very many points show is seldom posed wrongly."""
         return self.soft and self.size > self.options.track.dense_points
 
@@ -259,7 +259,7 @@ class Thing:
         return self.sampling.imaged and self.large
 
     @property
-    def handy(self) -> bool:
+    def hand_sized(self) -> bool:
         """Whether it is small and before a sensor that sees depth images: it may be thrown."""
         return self.sampling.imaged and not self.large
 
@@ -279,7 +279,9 @@ class Thing:
 
         But for what stands before a lidar: it comes out where it was, from behind who goes away.
         """
-        hardly = self.missing > 0 or self.last.points < self.options.track.hardly_share * self.size
+        hardly = (
+            self.frames_unseen > 0 or self.last.points < self.options.track.hardly_share * self.size
+        )
         return self.large and hardly and not self.stands
 
     @property
@@ -293,30 +295,35 @@ class Thing:
         return max(self.unit, self.model.spacing)
 
 
-def begin(view: View, label: int, indices: I64, noise: float, rivals: Rivals) -> Thing:
+def begin(view: View, label: int, indices: I64, noise: float, other_movers: OtherMovers) -> Track:
     """A thing made of a person's points ``indices``; ``noise`` metres of the depth there.
 
     A small one before a depth camera without its flying pixels; among those of a large one they
     do not matter.
     """
-    thing = _made(view, label, indices, noise, rivals)
-    if thing.large:  # what hangs together with it is found as finely as it is seen
-        thing = _made(view, label, indices, noise, rivals, most=len(indices))
+    track = _made(view, label, indices, noise, other_movers)
+    if track.large:  # what hangs together with it is found as finely as it is seen
+        track = _made(view, label, indices, noise, other_movers, most=len(indices))
     if view.lens is None:
-        return thing
-    kept = solid(view.xyz[indices].astype(np.float64), thing.unit, options=view.options.link)
+        return track
+    kept = solid(view.xyz[indices].astype(np.float64), track.unit, options=view.options.link)
     if not kept.all():
-        without = _made(view, label, indices[kept], noise, rivals)
-        thing = thing if without.large else without
-    if thing.large and (thing.painted.broad or thing.painted.cut):
+        without = _made(view, label, indices[kept], noise, other_movers)
+        track = track if without.large else without
+    if track.large and (track.painted.broad or track.painted.cut):
         # It stays that, however little of it is seen.
-        thing.extent = max(thing.model.radius, view.options.track.tall_m)
-    return thing
+        track.extent = max(track.model.radius, view.options.track.tall_m)
+    return track
 
 
 def _made(
-    view: View, label: int, indices: I64, noise: float, rivals: Rivals, most: int | None = None
-) -> Thing:
+    view: View,
+    label: int,
+    indices: I64,
+    noise: float,
+    other_movers: OtherMovers,
+    most: int | None = None,
+) -> Track:
     options = view.options
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
@@ -335,18 +342,18 @@ def _made(
     model = Model.of(xyz, colour, view.eye, spacing, options=view.options)
     model.hits[:] = options.surface.sure_hits
     count = len(indices)
-    return Thing(
+    return Track(
         view.options,
         label,
         model,
         Motion(view.options, model.centre),
         weight,
         unit,
-        rivals,
+        other_movers,
         Painted.of(view, indices, xyz, model.radius),
         Sampling(view.lens is not None, view.scans, grain=unit),
         ColourHistogram.of(colour, options=view.options),
         LastSight(count),
         float(count),
-        InTheAir(0, options.confidence.usual_cost),
+        SeenAlone(0, options.confidence.usual_cost),
     )

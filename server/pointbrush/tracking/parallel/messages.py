@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from pointbrush.tracking.interface import F64, I64, Frames
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens
 from pointbrush.tracking.sensors.view import View
@@ -15,7 +15,7 @@ from pointbrush.tracking.sensors.view import View
 class Task(NamedTuple):
     """What is to be done with a thing: ``do(thing, view, *given)``."""
 
-    thing: Thing
+    track: Track
     given: tuple[object, ...]
 
 

@@ -49,7 +49,7 @@ class SecondProcess:
         self._process = _waiting() or _begun()
         self._line = Connection(*_pipes(self._process))
         self._asked: deque[int] = deque()
-        self._things: set[int] = set()
+        self._tracks: set[int] = set()
         self._glimpses: dict[int, int] = {}
         self._line.send(frames)
 
@@ -60,7 +60,7 @@ class SecondProcess:
 
     def show(self, view: View) -> None:
         """Let it read a frame, about which it will be asked."""
-        self._forget(self._things)
+        self._forget(self._tracks)
         self._line.names.add("view", view)
         self._line.send(
             Show(view.number, view.lens, view.options, view.T_world_frame, view.about, view.steady)
@@ -76,29 +76,29 @@ class SecondProcess:
         ``changes``: it changes the things, which else stay as they are until the next frame.
         """
         names = self._line.names
-        for thing, given in tasks:
-            if names.name(thing.worn) is None:
-                self.know(("worn", thing.label), thing.worn)
-            for glimpse in thing.glimpses:
-                if names.name(glimpse) is None:
-                    number = self._glimpses.get(thing.label, 0)
-                    self._glimpses[thing.label] = number + 1
-                    self.know(("glimpse", thing.label, number % KEPT), glimpse)
-            _name_parts(names, thing.label, given, OURS)
+        for track, given in tasks:
+            if names.name(track.appearance) is None:
+                self.know(("worn", track.label), track.appearance)
+            for carving_view in track.carving_views:
+                if names.name(carving_view) is None:
+                    number = self._glimpses.get(track.label, 0)
+                    self._glimpses[track.label] = number + 1
+                    self.know(("glimpse", track.label, number % KEPT), carving_view)
+            _name_parts(names, track.label, given, OURS)
         self._line.send(Work(do, list(tasks), changes))
-        for thing, given in tasks:
-            self._asked.append(thing.label)
-            _name_parts(names, thing.label, given, BOTH)
-            self._things.add(thing.label)
-            names.add(("thing", thing.label), thing)
+        for track, given in tasks:
+            self._asked.append(track.label)
+            _name_parts(names, track.label, given, BOTH)
+            self._tracks.add(track.label)
+            names.add(("thing", track.label), track)
         if changes:
-            self._forget({task.thing.label for task in tasks})
+            self._forget({task.track.label for task in tasks})
 
     def _forget(self, labels: set[int]) -> None:
         """Things are no more as they were when they were sent."""
         for label in labels:
             self._line.names.drop(("thing", label))
-        self._things = self._things - labels
+        self._tracks = self._tracks - labels
 
     def answer(self) -> Answer:
         """The next answer, in the order of the tasks."""
@@ -204,12 +204,12 @@ def _serve(line: Connection) -> None:
 
 
 def _do(line: Connection, view: View | None, work: Work) -> None:
-    for thing, given in work.tasks:
-        line.names.add(("thing", thing.label), thing)
-        _name_parts(line.names, thing.label, given, BOTH)
-    for thing, given in work.tasks:
+    for track, given in work.tasks:
+        line.names.add(("thing", track.label), track)
+        _name_parts(line.names, track.label, given, BOTH)
+    for track, given in work.tasks:
         start = time.perf_counter()
-        result = work.do(thing, view, *given)
+        result = work.do(track, view, *given)
         seconds = time.perf_counter() - start
-        line.send(Answer(result, thing.state() if work.changes else {}, seconds))
-        _name_parts(line.names, thing.label, [result], OURS + BOTH)
+        line.send(Answer(result, track.state() if work.changes else {}, seconds))
+        _name_parts(line.names, track.label, [result], OURS + BOTH)

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from typing import TypeVar, TypeVarTuple, cast
 
 from pointbrush.tracking.interface import F64, Frames
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.parallel.connection import GONE
 from pointbrush.tracking.parallel.messages import Answer, Task
 from pointbrush.tracking.parallel.second_process import BACKGROUND, SecondProcess
@@ -22,9 +22,9 @@ from pointbrush.tracking.sensors.view import View
 logger = logging.getLogger(__name__)
 Given = TypeVarTuple("Given")
 Result = TypeVar("Result")
-Do = Callable[[Thing, View, *Given], Result]
+Do = Callable[[Track, View, *Given], Result]
 """What is done with a thing in a frame, given what it needs beside them."""
-Give = Callable[[Thing], tuple[*Given]]
+Give = Callable[[Track], tuple[*Given]]
 """What is given for a thing."""
 PER_POINT, AT_LEAST = 5e-6, 0.005
 """Seconds that a thing takes of which nothing is known: for each of its points, and in all."""
@@ -75,93 +75,93 @@ class Workers(AbstractContextManager["Workers"]):
     def each(
         self,
         do: Do[*Given, Result],
-        things: Iterable[Thing],
+        tracks: Iterable[Track],
         given: Give[*Given],
         *,
         changes: bool = False,
         here: bool = False,
     ) -> dict[int, Result]:
         """Label → what came out, in the order of the things; ``here``: of this process alone."""
-        some = list(things)
+        some = list(tracks)
         theirs = [] if here else self._ask(do, self._share(some), given, changes=changes)
-        mine = [thing for thing in some if thing not in theirs]
-        done = {thing.label: self._do(do, thing, given) for thing in mine}
+        mine = [track for track in some if track not in theirs]
+        done = {track.label: self._do(do, track, given) for track in mine}
         done |= self._take(do, theirs, given)
-        return {thing.label: done[thing.label] for thing in some}
+        return {track.label: done[track.label] for track in some}
 
     def begin(
         self,
         do: Do[*Given, Result],
-        things: Iterable[Thing],
+        tracks: Iterable[Track],
         given: Give[*Given],
         *,
         changes: bool = False,
     ) -> Callable[[], dict[int, Result]]:
         """Let the second process do it all, if there is one; what is given back waits for it."""
-        some = list(things)
+        some = list(tracks)
         asked = self._ask(do, some, given, changes=changes)
-        mine = [thing for thing in some if thing not in asked]
+        mine = [track for track in some if track not in asked]
         return lambda: {
             **self._take(do, asked, given),
-            **{thing.label: self._do(do, thing, given) for thing in mine},
+            **{track.label: self._do(do, track, given) for track in mine},
         }
 
-    def _share(self, things: Sequence[Thing]) -> list[Thing]:
+    def _share(self, tracks: Sequence[Track]) -> list[Track]:
         """The things that the second process is to work on: the longest first, evenly."""
-        if self._second is None or len(things) < 2:
+        if self._second is None or len(tracks) < 2:
             return []
-        expected = {thing.label: self._expected(thing) for thing in things}
+        expected = {track.label: self._expected(track) for track in tracks}
         load, theirs = [SENDING, 0.0], []
-        for thing in sorted(things, key=lambda thing: -expected[thing.label]):
+        for track in sorted(tracks, key=lambda track: -expected[track.label]):
             other = load[1] < load[0]
-            load[other] += expected[thing.label]
+            load[other] += expected[track.label]
             if other:
-                theirs.append(thing)
+                theirs.append(track)
         return theirs
 
-    def _expected(self, thing: Thing) -> float:
+    def _expected(self, track: Track) -> float:
         """Seconds; of all that is done, so that the same process has a thing all the time."""
-        known = self._seconds.get(thing.label)
-        return sum(known.values()) if known else AT_LEAST + PER_POINT * thing.size
+        known = self._seconds.get(track.label)
+        return sum(known.values()) if known else AT_LEAST + PER_POINT * track.size
 
-    def _took(self, do: Callable[..., object], thing: Thing, seconds: float) -> None:
-        self._seconds.setdefault(thing.label, {})[do.__name__] = seconds
+    def _took(self, do: Callable[..., object], track: Track, seconds: float) -> None:
+        self._seconds.setdefault(track.label, {})[do.__name__] = seconds
 
-    def _do(self, do: Do[*Given, Result], thing: Thing, given: Give[*Given]) -> Result:
+    def _do(self, do: Do[*Given, Result], track: Track, given: Give[*Given]) -> Result:
         if self._view is None:
             raise RuntimeError("expected a frame to be shown before anything is done")
         start = time.perf_counter()
-        result = do(thing, self._view, *given(thing))
-        self._took(do, thing, time.perf_counter() - start)
+        result = do(track, self._view, *given(track))
+        self._took(do, track, time.perf_counter() - start)
         return result
 
     def _ask(
-        self, do: Do[*Given, object], things: list[Thing], given: Give[*Given], *, changes: bool
-    ) -> list[Thing]:
+        self, do: Do[*Given, object], tracks: list[Track], given: Give[*Given], *, changes: bool
+    ) -> list[Track]:
         """Those of the things that the second process will answer for."""
-        if self._second is None or not things:
+        if self._second is None or not tracks:
             return []
         try:
-            tasks = [Task(thing, given(thing)) for thing in things]
+            tasks = [Task(track, given(track)) for track in tracks]
             self._second.ask(do, tasks, changes=changes)
         except GONE:
             self._alone()
             return []
-        return things
+        return tracks
 
     def _take(
-        self, do: Do[*Given, Result], things: list[Thing], given: Give[*Given]
+        self, do: Do[*Given, Result], tracks: list[Track], given: Give[*Given]
     ) -> dict[int, Result]:
         """The second process's answers; what it does not answer is done here."""
         done = {}
-        for thing in things:
+        for track in tracks:
             answer = self._answer()
             if answer is None:
-                done[thing.label] = self._do(do, thing, given)
+                done[track.label] = self._do(do, track, given)
                 continue
-            thing.become(answer.state)
-            self._took(do, thing, answer.seconds)
-            done[thing.label] = cast(Result, answer.result)
+            track.become(answer.state)
+            self._took(do, track, answer.seconds)
+            done[track.label] = cast(Result, answer.result)
         return done
 
     def _answer(self) -> Answer | None:

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.graph import parts
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.people.group import beneath_heads
+from pointbrush.tracking.people.heads import beneath_heads
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.stature import ratio, top_of
@@ -124,7 +124,7 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
         sight.owner[sight.owner == label] = 0
         sight.owner[taken] = label
         person = next(f for f in gone if f.label == label)
-        person.missing = max(person.missing, 1)
+        person.frames_unseen = max(person.frames_unseen, 1)
         if other is not None and rest is not None:
             person.doubt(other)
     return gone_on
@@ -151,7 +151,7 @@ def _offers(
     offers: list[Offer] = [(np.flatnonzero(part == n), None, None) for n in large]
     for person in people:
         cells = np.flatnonzero(sight.owner == person.label)
-        if not person.named and not person.missing and len(cells):
+        if not person.named and not person.frames_unseen and len(cells):
             offers.append((cells, person, None))
     if sight.tints is not None:
         for person in (f for f in gone if f.well < now - options.missing_frames):
@@ -183,15 +183,17 @@ def _dressed_as(
 ) -> list[Offer]:
     """What others have and is dressed as somebody who is missing, rather than as they are."""
     options = sight.options.arrivals
-    if who.identity.worn is None:
+    if who.identity.appearance is None:
         return []
     found: list[Offer] = []
-    his = sight.unlike(who.identity.worn)
+    his = sight.unlike(who.identity.appearance)
     for other in people:
-        if other is who or not other.named or other.identity.worn is None:
+        if other is who or not other.named or other.identity.appearance is None:
             continue
         mask = (sight.owner == other.label) & sight.cells.solid
-        mask &= sight.smooth(sight.unlike(other.identity.worn) - his) > options.part_log_clothes
+        mask &= (
+            sight.smooth(sight.unlike(other.identity.appearance) - his) > options.part_log_clothes
+        )
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
         large = np.flatnonzero(
@@ -243,11 +245,11 @@ def mistakable(
     cells = sight.cells_of(person.label)
     if not len(cells):
         return []
-    rivals = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
-    some = sight.some(cells) if rivals else None
-    top = person.top(sight) if rivals else None
-    rivals = [f for f in rivals if not rules_out(some, top, person, f)]
-    return [f for f in rivals if far_from(sight, f, cells, now) < 1.0]
+    other_movers = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
+    some = sight.some(cells) if other_movers else None
+    top = person.top(sight) if other_movers else None
+    other_movers = [f for f in other_movers if not rules_out(some, top, person, f)]
+    return [f for f in other_movers if far_from(sight, f, cells, now) < 1.0]
 
 
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
@@ -282,11 +284,11 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
             if owner is None:
                 owner = lowest - 1 - len(fresh)
                 some = sight.some(cells)
-                worn = (
+                appearance = (
                     None if some is None else ColourHistogram.of(some, options=sight.view.options)
                 )
                 middle, colour = sight.cells.middle[cells], sight.cells.colour[cells]
-                fresh.append(Person.met(sight.view.options, owner, middle, colour, now, worn))
+                fresh.append(Person.met(sight.view.options, owner, middle, colour, now, appearance))
         sight.owner[cells] = owner or 0
     return fresh
 
@@ -339,7 +341,7 @@ def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
         if (
             person.named
             or now - person.since > options.recent_frames
-            or person.missing
+            or person.frames_unseen
             or not len(cells)
         ):
             continue

@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.grid import close_to, perhaps_near
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals, Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers, Track
 from pointbrush.tracking.options import ArrivalOptions, BackgroundOptions, BodyOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.sensors.view import View
@@ -20,15 +20,15 @@ from pointbrush.tracking.steps.claim import Claim, Findings
 from pointbrush.tracking.steps.context import step_of
 
 
-def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I64]:
-    """The points of large ``things`` that come out from behind others; none where none are alike.
+def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I64]:
+    """The points of large ``tracks`` that come out from behind others; none where none are alike.
 
     ``moving`` are points before the background that nothing else explains.  Each body that hangs
     together there goes to the thing whose clothes it wears, the surest first: one within reach
     of where it should be, that shows its colours, or of whose colours the thing showed some.
     """
     options = view.options
-    if len(moving) < options.body.min_claim_points or not things:
+    if len(moving) < options.body.min_claim_points or not tracks:
         return {}
     size = float(
         np.median(
@@ -37,22 +37,22 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
                     options.body.cell_units * t.unit,
                     options.body.cell_radius_share * t.span,
                 )
-                for t in things.values()
+                for t in tracks.values()
             ]
         )
     )
     foreground = Foreground.of(view, moving, size)
     bodies = foreground.bodies(2 * options.body.min_part_cells)
     offers = []
-    for label, thing in things.items():
+    for label, track in tracks.items():
         # Who left the picture may have turned there.
-        either = (thing.motion.predictions()[0], thing.motion.poses[-1])
-        guess = np.vstack([transform(T, thing.model.xyz) for T in either])
-        away, _ = cKDTree(guess).query(foreground.middle)
-        reach = thing.span * (
+        either = (track.motion.predictions()[0], track.motion.poses[-1])
+        hypothesis = np.vstack([transform(T, track.model.xyz) for T in either])
+        away, _ = cKDTree(hypothesis).query(foreground.middle)
+        reach = track.span * (
             options.arrivals.return_radii
             + options.arrivals.return_radii_per_frame
-            * min(thing.missing, options.body.clothes_max_frames)
+            * min(track.frames_unseen, options.body.clothes_max_frames)
         )
         for number, cells in enumerate(bodies):
             gap = float(np.asarray(away)[cells].min())
@@ -61,12 +61,15 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
             points = moving[np.isin(foreground.cell, cells)]
             if (
                 len(points)
-                < options.track.hardly_share * options.arrivals.return_scrap_share * thing.size
+                < options.track.hardly_share * options.arrivals.return_scrap_share * track.size
             ):
                 continue
             colour = view.colour(points[:: _step(len(points), options=options.arrivals)])
-            if thing.worn.share(colour) > options.arrivals.return_alike_share:
-                like = thing.worn.likeness(colour) - options.arrivals.return_edge_cost * gap / reach
+            if track.appearance.share(colour) > options.arrivals.return_alike_share:
+                like = (
+                    track.appearance.likeness(colour)
+                    - options.arrivals.return_edge_cost * gap / reach
+                )
                 offers.append((like, label, number, points))
     found: dict[int, I64] = {}
     gone: set[int] = set()
@@ -77,14 +80,14 @@ def reclaim(view: View, things: Mapping[int, Thing], moving: I64) -> dict[int, I
     return found
 
 
-def recognised(label: int, things: Mapping[int, Thing], view: View, points: I64) -> bool:
+def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
     """Whether ``points`` show the clothes of a thing, and not rather those of another."""
     options = view.options.arrivals
     colour = view.colour(points[:: _step(len(points), options=options)])
-    worn = things[label].worn
-    others = [t.worn.likeness(colour) for n, t in things.items() if n != label and t.large]
-    alike = worn.share(colour) > options.return_alike_share
-    return alike and worn.likeness(colour) > max(others, default=-np.inf) - options.return_log
+    appearance = tracks[label].appearance
+    others = [t.appearance.likeness(colour) for n, t in tracks.items() if n != label and t.large]
+    alike = appearance.share(colour) > options.return_alike_share
+    return alike and appearance.likeness(colour) > max(others, default=-np.inf) - options.return_log
 
 
 def _step(count: int, options: ArrivalOptions) -> int:
@@ -92,21 +95,21 @@ def _step(count: int, options: ArrivalOptions) -> int:
 
 
 def undisputed(
-    claims: Mapping[int, Claim], things: Mapping[int, Thing], options: BodyOptions
+    claims: Mapping[int, Claim], tracks: Mapping[int, Track], options: BodyOptions
 ) -> dict[int, Claim]:
     """The claims, where two large things want the same body given to the likelier one, whole.
 
     Point by point the two would share it: who is hidden would take part of who hides him.
     """
     result = dict(claims)
-    large = [n for n in claims if things[n].large]
+    large = [n for n in claims if tracks[n].large]
     for one, other in combinations(large, 2):
         a, b = result[one], result[other]
         _, i, j = np.intersect1d(a.indices, b.indices, assume_unique=True, return_indices=True)
         if len(i) <= options.disputed_share * min(len(a.indices), len(b.indices)):
             continue
-        cost = float(a.cost[i].mean()) / things[one].reach
-        against = float(b.cost[j].mean()) / things[other].reach
+        cost = float(a.cost[i].mean()) / tracks[one].reach
+        against = float(b.cost[j].mean()) / tracks[other].reach
         loser, disputed = (other, j) if cost <= against else (one, i)
         keep = np.ones(len(result[loser].indices), np.bool_)
         keep[disputed] = False
@@ -114,7 +117,7 @@ def undisputed(
     return result
 
 
-def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) -> dict[int, I64]:
+def hang_together(tracks: Mapping[int, Track], findings: Findings, taken: Mask) -> dict[int, I64]:
     """New surface of large things: what hangs together with their claims, which may lose points.
 
     ``taken`` (N,) are points that somebody has.  What stood still, and what is where something
@@ -124,8 +127,8 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     view, background = findings.view, findings.background
     cores = {
         n: findings.claims[n].indices
-        for n in findings.places
-        if things[n].large
+        for n in findings.fits
+        if tracks[n].large
         and len(findings.claims[n].indices) >= findings.view.options.body.min_claim_points
     }
     if not cores:
@@ -134,15 +137,15 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
         np.median(
             [
                 max(
-                    findings.view.options.body.cell_units * things[n].unit,
-                    findings.view.options.body.cell_radius_share * things[n].span,
+                    findings.view.options.body.cell_units * tracks[n].unit,
+                    findings.view.options.body.cell_radius_share * tracks[n].span,
                 )
                 for n in cores
             ]
         )
     )
     inside, ground = _before_and_behind(findings, cores, taken, size)
-    other = _others(things, findings, cores, np.flatnonzero(inside & ~taken), ground, size)
+    other = _others(tracks, findings, cores, np.flatnonzero(inside & ~taken), ground, size)
     either = inside.copy()
     either[ground] = True
     every = np.flatnonzero(either)
@@ -151,10 +154,10 @@ def hang_together(things: Mapping[int, Thing], findings: Findings, taken: Mask) 
     again = np.where(inside[every], background.again(view, every), 0)
     seeds = _seeds(len(view.xyz), cores, every, again, options=findings.view.options.background)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
-    far = {n: findings.view.options.body.way_radii * things[n].span for n in cores} | _by_clothes(
-        seeds, sure, foreground, things
+    far = {n: findings.view.options.body.way_radii * tracks[n].span for n in cores} | _by_clothes(
+        seeds, sure, foreground, tracks
     )
-    clothes = {n: t.worn for n, t in things.items() if t.large and not t.stopped}
+    clothes = {n: t.appearance for n, t in tracks.items() if t.large and not t.lost}
     outside = ~inside[every]
     found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
     _note_others(findings, cores, every[found == OTHER])
@@ -169,8 +172,8 @@ def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None
     for label, new in grown.items():
         had[findings.claims[label].indices] = had[new] = True
     for label in grown:
-        place = findings.places[label]
-        place.had = place.moving[had[place.moving]]
+        fit = findings.fits[label]
+        fit.had = fit.moving[had[fit.moving]]
 
 
 def _before_and_behind(
@@ -183,9 +186,9 @@ def _before_and_behind(
     view = findings.view
     inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
     for label in cores:
-        place = findings.places[label]
-        outside[place.around] = True
-        inside[place.moving] = True
+        fit = findings.fits[label]
+        outside[fit.around] = True
+        inside[fit.moving] = True
     inside[taken] = False
     for core in cores.values():
         inside[core] = True
@@ -194,7 +197,7 @@ def _before_and_behind(
 
 
 def _others(
-    things: Mapping[int, Thing],
+    tracks: Mapping[int, Track],
     findings: Findings,
     cores: Mapping[int, I64],
     rest: I64,
@@ -205,8 +208,10 @@ def _others(
     view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
     scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
     for label in cores:
-        moved = _movers(things[label].rivals, scene, findings.view.options.body.scene_cells * size)
-        other[rest[_was_there(things[label], moved, view, findings.places[label], rest)]] = True
+        moved = _movers(
+            tracks[label].other_movers, scene, findings.view.options.body.scene_cells * size
+        )
+        other[rest[_was_there(tracks[label], moved, view, findings.fits[label], rest)]] = True
     return other
 
 
@@ -232,8 +237,8 @@ def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> N
     mask = np.zeros(len(findings.view.xyz), np.bool_)
     mask[points] = True
     for label in cores:
-        place = findings.places[label]
-        place.beside = place.moving[mask[place.moving]]
+        fit = findings.fits[label]
+        fit.beside = fit.moving[mask[fit.moving]]
 
 
 def _taken_over(findings: Findings, label: int, points: I64) -> I64:
@@ -247,7 +252,7 @@ def _taken_over(findings: Findings, label: int, points: I64) -> I64:
 
 
 def _by_clothes(
-    seeds: dict[int, Mask], sure: Mask, foreground: Foreground, things: Mapping[int, Thing]
+    seeds: dict[int, Mask], sure: Mask, foreground: Foreground, tracks: Mapping[int, Track]
 ) -> dict[int, float]:
     """Let clothes speak: what is clearly another's, near where that one should be, is its.
 
@@ -255,24 +260,24 @@ def _by_clothes(
     others off; gives the longest ways of those, label → metres.
     """
     options = foreground.options.body
-    dressed = {n: t for n, t in things.items() if t.large and not t.stopped}
+    dressed = {n: t for n, t in tracks.items() if t.large and not t.lost}
     labels = list(dressed)
     if len(labels) < 2:
         return {}
-    like = np.stack([t.worn.each(foreground.colour) for t in dressed.values()])
+    like = np.stack([t.appearance.each(foreground.colour) for t in dressed.values()])
     first, second = np.sort(like, axis=0)[[-1, -2]]
     best = np.where(first - second > options.distinct_log, like.argmax(axis=0), -1)
     far: dict[int, float] = {}
     for at, label in enumerate(labels):
-        thing = dressed[label]
-        reach = thing.span * (
+        track = dressed[label]
+        reach = track.span * (
             options.clothes_radii
-            + options.clothes_radii_per_frame * min(thing.missing, options.clothes_max_frames)
+            + options.clothes_radii_per_frame * min(track.frames_unseen, options.clothes_max_frames)
         )
-        guess = transform(thing.motion.predictions()[0], thing.model.xyz)
+        hypothesis = transform(track.motion.predictions()[0], track.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
-        close[cells] = close_to(foreground.middle[cells], guess, reach)
+        close[cells] = close_to(foreground.middle[cells], hypothesis, reach)
         mine = close[foreground.cell] & sure
         if not mine.any():
             continue
@@ -281,7 +286,7 @@ def _by_clothes(
                 seed &= ~mine
         key = label if label in seeds else -label
         seeds[key] = seeds.get(key, np.zeros(len(sure), np.bool_)) | mine
-        far[key] = options.way_radii * thing.span
+        far[key] = options.way_radii * track.span
     return far
 
 
@@ -293,14 +298,16 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
     return still[perhaps_near(view.xyz[still], view.xyz[some], size)]
 
 
-def _movers(rivals: Rivals, scene: F32, apart: float) -> Rivals:
+def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
     """Those of the unlabelled points that are not part of the scene that stands still."""
-    away = ~close_to(rivals.xyz, scene, apart)
-    return Rivals(rivals.xyz[away], rivals.colour[away], rivals.weight)
+    away = ~close_to(other_movers.xyz, scene, apart)
+    return OtherMovers(other_movers.xyz[away], other_movers.colour[away], other_movers.weight)
 
 
-def _was_there(thing: Thing, rivals: Rivals, view: View, place: Place, rest: I64) -> Mask:
+def _was_there(
+    track: Track, other_movers: OtherMovers, view: View, fit: Registration, rest: I64
+) -> Mask:
     """Which points are where something unlabelled was, or where it went along with the thing."""
-    step = step_of(thing, place)
-    reach = np.full(len(rest), 3 * thing.unit)
-    return rivals.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)
+    step = step_of(track, fit)
+    reach = np.full(len(rest), 3 * track.unit)
+    return other_movers.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

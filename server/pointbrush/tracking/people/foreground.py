@@ -216,7 +216,7 @@ class Foreground:
         main = middle[claim.argmax(axis=1)]
         spans = figures.far / options.way_radii
         there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
-        like = np.stack([worn.each(self.colour[inside]) for worn in figures.clothes])
+        like = np.stack([appearance.each(self.colour[inside]) for appearance in figures.clothes])
         for who, body in np.argwhere(there).tolist():
             claimed = (part == body) & (votes[who] > 0)
             if np.count_nonzero(claimed) >= options.clothed_cells:

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.compiled import compiled
-from pointbrush.tracking.compute.graph import Paths, paths_into, root_of
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import (
     come_back,
@@ -23,66 +21,10 @@ from pointbrush.tracking.people.arrivals import (
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person, PersonEvidence
-from pointbrush.tracking.people.stature import across, ratio, top_of, upright
+from pointbrush.tracking.people.stature import across, ratio, upright
 from pointbrush.tracking.people.strides import Shares, shared_out, strides
 from pointbrush.tracking.scene.depth import Background, PictureBackground
 from pointbrush.tracking.sensors.view import View
-
-
-def beneath_heads(
-    sight: Observation, cells: I64, least: float, area: float
-) -> list[tuple[I64, I64]]:
-    """Of somebody's ``cells`` (C,) those of one and of the other of two people, either way round;
-    none where they are not two people's of ``least`` cells or more, each seen to end above;
-    ``area`` showed of him at most."""
-    options = sight.options.body
-    some = np.zeros(len(sight.owner), np.bool_)
-    some[cells] = True
-    links = paths_into(sight.cells.touching, np.ones(len(sight.cells.touching)), some)
-    height = sight.cells.middle @ sight.up
-    order = cells[np.argsort(-height[cells], kind="stable")]
-    head = _peaks(order, links, height, sight.ground, options.head_m)[cells]
-    heads, count = np.unique(head, return_counts=True)
-    largest = np.argsort(-count, kind="stable")[:2]
-    if len(largest) < 2 or count[largest[1]] < least:
-        return []
-    one, two = (cells[head == heads[n]] for n in largest)
-    top, other = (top_of(sight, each, area) for each in (one, two))
-    if top is None or other is None or abs(top - other) > options.head_lower_m:
-        return []
-    gap = np.median(sight.ground[one], axis=0) - np.median(sight.ground[two], axis=0)
-    return [(one, two), (two, one)] if np.linalg.norm(gap) > options.heads_apart_m else []
-
-
-@compiled
-def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> I64:
-    """(N,) the peak that each of the cells ``order`` (C,), highest first, is beneath, -1 for the
-    others; a peak that stands out by less than ``least`` metres is a part of the one it meets."""
-    peak, root = np.full(len(height), -1), np.arange(len(height))
-    for i in order:
-        highest = -1
-        for n in range(links.start[i], links.start[i + 1]):
-            if peak[links.end[n]] >= 0:
-                top = root_of(root, peak[links.end[n]])
-                if highest < 0 or height[top] > height[highest]:
-                    highest = top
-        if highest < 0:
-            peak[i] = i
-            continue
-        nearest, away = highest, np.sum((ground[i] - ground[highest]) ** 2)
-        for n in range(links.start[i], links.start[i + 1]):
-            if peak[links.end[n]] >= 0:
-                top = root_of(root, peak[links.end[n]])
-                if top != highest and height[top] - height[i] < least:
-                    root[top] = highest
-                elif top != highest:
-                    gap = np.sum((ground[i] - ground[top]) ** 2)
-                    if gap < away:
-                        nearest, away = top, gap
-        peak[i] = nearest
-    for i in order:
-        peak[i] = root_of(root, peak[i])
-    return peak
 
 
 @dataclass(eq=False)
@@ -100,17 +42,17 @@ class Group:
     now: int = 0
 
     @staticmethod
-    def of(view: View, things: Mapping[int, Thing], background: PictureBackground) -> Group:
-        """The painted people ``things`` of a first frame, and who else is there."""
-        sizes = [cell_size(view, thing, background) for thing in things.values()]
-        people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in things}
-        unit = float(np.median([thing.unit for thing in things.values()]))
+    def of(view: View, tracks: Mapping[int, Track], background: PictureBackground) -> Group:
+        """The painted people ``tracks`` of a first frame, and who else is there."""
+        sizes = [cell_size(view, track, background) for track in tracks.values()]
+        people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in tracks}
+        unit = float(np.median([track.unit for track in tracks.values()]))
         flat = across(view, people.values())
         up = upright(view, flat)
         group = Group(view.options, [], float(np.median(sizes)), unit, flat, up, 0.0)
         sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
-        for label, thing in things.items():
-            group.put(view, label, thing)
+        for label, track in tracks.items():
+            group.put(view, label, track)
             inside = np.isin(sight.cells.indices, view.labels[label])
             sight.owner[np.unique(sight.cells.cell[inside])] = label
         for person in group.people:
@@ -129,14 +71,16 @@ class Group:
     def _sight(self, view: View, background: PictureBackground, free: Mask) -> Observation:
         return Observation.of(view, background, free, self.size, self.unit, self.flat, self.up)
 
-    def put(self, view: View, label: int, thing: Thing) -> None:
+    def put(self, view: View, label: int, track: Track) -> None:
         """Somebody is where he was painted in a frame, whatever was thought of him."""
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        person = Person.met(self.options, label, cells.middle, cells.colour, self.now, thing.worn)
-        person.identity.with_flying = thing.painted.with_flying
-        person.went = thing.motion.poses[-1][:3, 3]
+        person = Person.met(
+            self.options, label, cells.middle, cells.colour, self.now, track.appearance
+        )
+        person.identity.with_flying = track.painted.with_flying
+        person.went = track.motion.poses[-1][:3, 3]
         if view.frame.rgb is not None:
             points = view.labels[label]
             person.identity.colours = view.colour(
@@ -179,7 +123,9 @@ class Group:
             if person.named:
                 found[person.label] = outcome(sight, person, looks)
         self.people = [
-            f for f in self.people if f.named or f.missing < self.options.body.forgotten_frames
+            f
+            for f in self.people
+            if f.named or f.frames_unseen < self.options.body.forgotten_frames
         ]
         return found
 
@@ -233,14 +179,14 @@ def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
         his.show(some, area)
 
 
-def cell_size(view: View, thing: Thing, background: PictureBackground) -> float:
+def cell_size(view: View, track: Track, background: PictureBackground) -> float:
     """Metres of a cell that is fine enough for somebody."""
     options = view.options.body
-    noise = float(np.median(background.waver(view.cells[1][view.labels[thing.label]])))
-    calm = min(options.cell_sigmas * noise, options.limb_share * thing.span)
+    noise = float(np.median(background.noise(view.cells[1][view.labels[track.label]])))
+    calm = min(options.cell_sigmas * noise, options.limb_share * track.span)
     return max(
-        options.cell_units * thing.unit,
-        options.cell_radius_share * thing.span,
+        options.cell_units * track.unit,
+        options.cell_radius_share * track.span,
         calm,
     )
 
@@ -264,7 +210,7 @@ def _looks(
         change=len(cells) / max(person.last, 1),
         shown=float(sight.shows(person.xyz + stride).mean()),
         like=person.likeness(sight.some(cells)),
-        back=person.missing > 0,
+        back=person.frames_unseen > 0,
         touching=sight.touching_others(cells, person.label),
         wider=max(0.0, sight.spread(cells) - max(sight.options.body.spread_m, person.spread)),
         astray=astray(sight, person.label, cells, expected),
@@ -293,30 +239,30 @@ def outcome(
     if his.with_flying:
         points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
-    if person.missing or looks is None:  # what shows of him is his, but too little to follow
-        his.trust = max(0.0, his.trust - options.confidence.regain)
-        lost = person.missing > options.update.lost_frames
+    if person.frames_unseen or looks is None:  # what shows of him is his, but too little to follow
+        his.confidence = max(0.0, his.confidence - options.confidence.regain)
+        lost = person.frames_unseen > options.update.lost_frames
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
-    his.trust = min(
-        looks.likelihood(options=sight.view.options), his.trust + options.confidence.regain
+    his.confidence = min(
+        looks.likelihood(options=sight.view.options), his.confidence + options.confidence.regain
     )
     if his.doubts:
-        his.trust = min(his.trust, options.body.doubted_confidence)
-    return TrackState(pose, 0.0, looks.shown, his.trust, len(points), "tracked"), points
+        his.confidence = min(his.confidence, options.body.doubted_confidence)
+    return TrackState(pose, 0.0, looks.shown, his.confidence, len(points), "tracked"), points
 
 
 class JointTracking:
-    """The people among the ``things`` of a run, before a depth camera at rest or a charted scene.
+    """The people among the ``tracks`` of a run, before a depth camera at rest or a charted scene.
 
     Nobody is followed so where they hold what is tracked too: it and their hands are told apart by
     one claim; nor where points too far apart to be limbs are a label.
     """
 
     def __init__(
-        self, things: Mapping[int, Thing], options: TrackerOptions, *, continue_lost: bool
+        self, tracks: Mapping[int, Track], options: TrackerOptions, *, continue_lost: bool
     ) -> None:
-        """``things`` are all of the run at any time; see ``TrackOptions.continue_lost``."""
-        self._things, self._continue_lost, self.options = things, continue_lost, options
+        """``tracks`` are all of the run at any time; see ``TrackOptions.continue_lost``."""
+        self._tracks, self._continue_lost, self.options = tracks, continue_lost, options
         self.group: Group | None = None
 
     def __contains__(self, label: int) -> bool:
@@ -325,9 +271,9 @@ class JointTracking:
 
     def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
         """Begin with those of the ``labels`` of a frame that are people, where they can be."""
-        bodies = {n: self._things[n] for n in labels if self._things[n].body}
+        bodies = {n: self._tracks[n] for n in labels if self._tracks[n].body}
         alone = all(
-            thing.body and thing.unit < self.options.body.limb_m for thing in self._things.values()
+            track.body and track.unit < self.options.body.limb_m for track in self._tracks.values()
         )
         if bodies and alone and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background)
@@ -336,8 +282,8 @@ class JointTracking:
         """Somebody who was painted in the middle of a run is followed among the others."""
         if self.group is None:
             self.gather(view, background, [label])
-        elif self._things[label].body:
-            self.group.put(view, label, self._things[label])
+        elif self._tracks[label].body:
+            self.group.put(view, label, self._tracks[label])
 
     def step(
         self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]
@@ -349,9 +295,9 @@ class JointTracking:
         if self.group is None or not isinstance(background, PictureBackground):
             return {}
         found = self.group.step(view, background, free)
-        for label, (track, _) in found.items():
-            thing = self._things[label]
-            thing.stopped = track.state == "lost" and not self._continue_lost
-            if thing.stopped:
+        for label, (state, _) in found.items():
+            track = self._tracks[label]
+            track.lost = state.state == "lost" and not self._continue_lost
+            if track.lost:
                 self.group.drop(label)
         return {label: each for label, each in found.items() if label not in painted}

@@ -116,14 +116,14 @@ class Observation:
         _, depth = self.view.project(self.cells.middle)
         return np.asarray(self.cells.count * depth**2)
 
-    def unlike(self, worn: ColourHistogram) -> F64:
+    def unlike(self, appearance: ColourHistogram) -> F64:
         """(N,) how much rarer the colours of each cell are than usual ones among those worn.
 
         0 where the recording has no colours.
         """
         if self.tints is None:
             return np.zeros(len(self.owner))
-        return self.mean(worn.usual - worn.each(self.tints))
+        return self.mean(appearance.usual - appearance.each(self.tints))
 
     def mean(self, each: F32 | F64) -> F64:
         """(N,) the mean over the points (M,) of each cell."""

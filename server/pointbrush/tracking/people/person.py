@@ -70,7 +70,7 @@ class Identity:
     """Who somebody is, wherever he is: what goes along with a ``label``, less than 0 for who has
     none, when two have changed places.
 
-    ``worn`` his clothes, None where they were not seen; ``first`` the cells he came with;
+    ``appearance`` his clothes, None where they were not seen; ``first`` the cells he came with;
     ``with_flying`` whether the flying pixels at his outline are his; ``stature`` how tall he is;
     ``trust`` his last confidence; ``doubts`` whom he may be as well, by label; ``sure`` the last
     frame in which he was surely himself; ``colours`` (M, 3) those by which his clothes are told,
@@ -79,12 +79,12 @@ class Identity:
 
     options: TrackerOptions
     label: int
-    worn: ColourHistogram | None
+    appearance: ColourHistogram | None
     first: float
     sure: int
     with_flying: bool = False
     stature: Stature = field(init=False)
-    trust: float = 1.0
+    confidence: float = 1.0
     doubts: set[int] = field(default_factory=set)
     colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
     shown: float = 0.0
@@ -96,7 +96,7 @@ class Identity:
     def show(self, colours: F32, area: float) -> None:
         """So much of him shows as never before: what he wears has also these ``colours`` (M, 3)."""
         self.colours, self.shown = np.vstack([self.colours, colours]), area
-        self.worn = ColourHistogram.of(self.colours, self.options)
+        self.appearance = ColourHistogram.of(self.colours, self.options)
 
 
 @dataclass(eq=False)
@@ -124,7 +124,7 @@ class Person:
     spread: float = 0.0
     last: int = field(init=False)
     age: int = 0
-    missing: int = 0
+    frames_unseen: int = 0
     well: int = field(init=False)
     known: F64 = field(init=False)
     back: int = -(2**20)
@@ -144,11 +144,11 @@ class Person:
         xyz: F64,
         colour: F32,
         now: int,
-        worn: ColourHistogram | None = None,
+        appearance: ColourHistogram | None = None,
     ) -> Person:
         """Somebody whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
         return Person(
-            options, Identity(options, label, worn, float(len(xyz)), now), xyz, colour, now
+            options, Identity(options, label, appearance, float(len(xyz)), now), xyz, colour, now
         )
 
     @property
@@ -170,10 +170,10 @@ class Person:
 
     def likeness(self, colour: F32 | None) -> float:
         """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
-        worn = self.identity.worn
-        if colour is None or worn is None or not len(colour):
+        appearance = self.identity.appearance
+        if colour is None or appearance is None or not len(colour):
             return 0.0
-        return worn.likeness(colour) - worn.usual
+        return appearance.likeness(colour) - appearance.usual
 
     def top(self, sight: Observation) -> float | None:
         """Metres up to the top of what he has, where that is seen."""
@@ -212,7 +212,7 @@ class Person:
         core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < options.memory_m]
         self.xyz = np.vstack([sight.cells.middle[core], (self.xyz + step)[hidden]])
         self.colour = np.vstack([sight.cells.colour[core], self.colour[hidden]])
-        if self.missing:
+        if self.frames_unseen:
             self.step, self.back = np.zeros(3), now
         else:
             self.step = (
@@ -229,7 +229,7 @@ class Person:
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
             self.well, self.known = now, self.xyz
-        self.missing, self.age = 0, self.age + 1
+        self.frames_unseen, self.age = 0, self.age + 1
         self.ways.append(self.went @ sight.flat)
 
     def gone(self) -> tuple[int, float] | None:
@@ -243,7 +243,7 @@ class Person:
 
     def _hide(self) -> None:
         """Go on unseen, ever slower."""
-        self.missing += 1
+        self.frames_unseen += 1
         self.last = 0
         self.ways.clear()
         self.xyz, self.went = self.xyz + self.step, self.went + self.step
@@ -252,7 +252,7 @@ class Person:
     def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
         """The cells of his surface that something hides now."""
         options = self.options.body
-        if self.missing:
+        if self.frames_unseen:
             return np.empty(0, np.int64)
         seen, there = sight.cells.middle[cells], self.xyz + step
         hides = sight.view.hides(there, options.memory_behind_m)

@@ -29,7 +29,7 @@ def strides(sight: Observation, people: Sequence[Person]) -> F64:
         tints[at[sight.cells.indices]] = sight.tints
     away = [float(np.median(sight.view.project(f.xyz).depth)) for f in people]
     found = np.zeros((len(people), 3))
-    for k in sorted(range(len(people)), key=lambda k: (people[k].missing > 0, away[k])):
+    for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, away[k])):
         found[k] = _stride(sight, people[k], moving & ~taken, tints)
         there = cKDTree(people[k].xyz + found[k])
         gap = there.query(
@@ -43,7 +43,7 @@ def strides(sight: Observation, people: Sequence[Person]) -> F64:
 def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
     options = sight.options.step
     varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
-    varies += options.stride_m_per_frame * min(person.missing, options.max_unseen_frames)
+    varies += options.stride_m_per_frame * min(person.frames_unseen, options.max_unseen_frames)
     right, ahead = (axis.ravel() for axis in np.meshgrid(GRID, GRID))
     tried = person.step + varies * (
         right[:, None] * sight.flat[:, 0] + ahead[:, None] * sight.flat[:, 1]
@@ -101,7 +101,7 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
     """Give the cells in ``sight`` owners, mending the strides (K, 3) by who has what."""
     options = sight.options.step
     clothes = _clothes(sight, people)
-    steps = [float(np.linalg.norm(f.step)) for f in people if not f.missing]
+    steps = [float(np.linalg.norm(f.step)) for f in people if not f.frames_unseen]
     swing = options.limbs_m + options.swing_share * min(
         max([options.slowest_m, *steps]), options.fastest_m
     )
@@ -143,11 +143,11 @@ def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
     options = sight.options.step
     cost = np.zeros((len(sight.owner), len(people)))
     for k, person in enumerate(people):
-        if sight.tints is not None and person.identity.worn is not None:
+        if sight.tints is not None and person.identity.appearance is not None:
             rare = (
-                person.identity.worn.usual
+                person.identity.appearance.usual
                 - options.clothes_rarer_log
-                - person.identity.worn.each(sight.tints)
+                - person.identity.appearance.each(sight.tints)
             )
             cost[:, k] = options.clothes_weight * sight.mean(
                 np.clip(rare, 0.0, options.clothes_max_log)
@@ -167,7 +167,9 @@ class _Surface:
     @staticmethod
     def of(person: Person, swing: float, *, coloured: bool) -> _Surface:
         options = person.options.step
-        within = swing + options.limbs_m_per_frame * min(person.missing, options.limbs_max_frames)
+        within = swing + options.limbs_m_per_frame * min(
+            person.frames_unseen, options.limbs_max_frames
+        )
         own = person.xyz / within
         if coloured:
             own = np.hstack([own, person.colour / options.shade])
@@ -192,7 +194,7 @@ def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64
         options.body_max_cost,
         0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
     )
-    cost += options.hidden_cost_owner * (person.missing > 0)
+    cost += options.hidden_cost_owner * (person.frames_unseen > 0)
     return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)
 
 

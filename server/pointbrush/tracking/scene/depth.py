@@ -92,7 +92,7 @@ class PictureBackground(Background, Protocol):
     """Of a depth camera, whose pictures show people before a scene; ``waver`` its noise."""
 
     options: TrackerOptions
-    waver: DepthNoise
+    noise: DepthNoise
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """Which of the points (M,) are no nearer than what stands before the scene for a while."""
@@ -107,7 +107,7 @@ class ImageBackground:
     """The farthest depth of every pixel, and the last; the sensor stands still."""
 
     options: TrackerOptions
-    waver: DepthNoise
+    noise: DepthNoise
     depth: F32
     last: F32
     scale: F32
@@ -150,7 +150,7 @@ class ImageBackground:
             indices,
             self.depth,
             self.last,
-            self.waver,
+            self.noise,
             self.options.background.near_sigmas,
         )
 
@@ -158,7 +158,7 @@ class ImageBackground:
         """See ``Background``."""
         options = self.options.background
         cell, depth = view.cells.pick(indices)
-        before = (self.depth[cell] - depth) / self.waver(depth)
+        before = (self.depth[cell] - depth) / self.noise(depth)
         return np.asarray((before > options.faint_sigmas) & (before <= options.near_sigmas))
 
     def stayed(self, view: View, indices: I64, frames: int) -> Mask:
@@ -166,14 +166,14 @@ class ImageBackground:
         cell, depth = view.cells.pick(indices)
         as_deep = np.abs(
             depth - self.anchor[cell]
-        ) < self.options.background.near_sigmas * self.waver(depth)
+        ) < self.options.background.near_sigmas * self.noise(depth)
         return np.asarray(as_deep & (self.age[cell] >= frames))
 
     def revealed(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
         return np.asarray(
-            depth > self.depth[cell] + self.options.background.near_sigmas * self.waver(depth)
+            depth > self.depth[cell] + self.options.background.near_sigmas * self.noise(depth)
         )
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
@@ -199,7 +199,7 @@ class ImageBackground:
         images = [start[:-1], *(view.depth[:-1] for view in others)]
         self.scale[:-1] = wavering(
             images,
-            self.waver(first.depth[:-1]),
+            self.noise(first.depth[:-1]),
             first.camera.shape,
             options=self.options.background,
         )
@@ -219,7 +219,7 @@ class ImageBackground:
         options = self.options.background
         scene, count = farthest(
             (view.depth[:-1] for view in [first, *others]),
-            self.waver,
+            self.noise,
             options=options,
         )
         scene[
@@ -237,7 +237,7 @@ class ImageBackground:
         for points in first.labels.values():
             cell, depth = first.cells.pick(points)
             apart = options.side_share * float(np.ptp(first.xyz[points], axis=0).max())
-            behind = scene[cell] > depth + options.near_sigmas * self.waver(depth)
+            behind = scene[cell] > depth + options.near_sigmas * self.noise(depth)
             behind &= scene[cell] > options.same_depth_share * self.hidden[cell]
             stays = count[cell] > options.often_share * (1 + len(others))
             stays &= joined[cell] & (scene[cell] > depth + apart)
@@ -254,14 +254,14 @@ class ImageBackground:
             indices,
             self._before(view),
             self.scale,
-            self.waver,
+            self.noise,
             self.options.background.near_sigmas,
         )
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """See ``PictureBackground``."""
         cell, depth = view.cells.pick(indices)
-        limit, stood = self.options.background.near_sigmas * self.waver(depth), self.depth[cell]
+        limit, stood = self.options.background.near_sigmas * self.noise(depth), self.depth[cell]
         return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
@@ -272,7 +272,7 @@ class ImageBackground:
         options = self.options.background
         labelled = np.flatnonzero(self.owner == label)
         stands = labelled[np.isnan(self.scene[labelled]) & (self.age[labelled] >= frames)]
-        limit = options.near_sigmas * self.waver(self.anchor[stands]) * self.scale[stands]
+        limit = options.near_sigmas * self.noise(self.anchor[stands]) * self.scale[stands]
         stands = stands[way > options.departed_sigmas * limit]
         if len(stands) > options.foot_share * len(labelled):
             self.depth[stands] = self.anchor[stands]
@@ -281,13 +281,13 @@ class ImageBackground:
     def _before(self, view: View) -> F32:
         """The depth that something has to come before in each cell to be no part of the scene."""
         if self.nearest is None:
-            self.nearest = least(self._known, view.camera.shape, self.waver)
+            self.nearest = least(self._known, view.camera.shape, self.noise)
         return self.nearest
 
     @property
     def _images(self) -> Images:
         return Images(
-            noise=self.waver,
+            noise=self.noise,
             scale=self.scale,
             scene=self.scene,
             depth=self.depth,
@@ -305,7 +305,7 @@ class ImageBackground:
         cell, depth = view.cells.pick(indices)
         return np.asarray(
             depth
-            > options.hidden_share * self.hidden[cell] - options.near_sigmas * self.waver(depth)
+            > options.hidden_share * self.hidden[cell] - options.near_sigmas * self.noise(depth)
         )
 
     def uncovered(self, view: View) -> tuple[I64, I64]:
@@ -322,7 +322,7 @@ class ImageBackground:
     def again(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
-        return self.held.again(cell, depth, self.options.background.near_sigmas * self.waver(depth))
+        return self.held.again(cell, depth, self.options.background.near_sigmas * self.noise(depth))
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""
@@ -336,7 +336,7 @@ class ImageBackground:
             self.owner[cell[points]] = label
         labelled = self.owner != 0
         # What shows behind a depth, and is a thing's, shows that something had only passed there.
-        limit = np.float32(options.near_sigmas) * self.waver(seen)
+        limit = np.float32(options.near_sigmas) * self.noise(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         if first:
             self.covered = labelled.copy()

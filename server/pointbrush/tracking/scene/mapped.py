@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import label as components_of
 
 from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.grid import close_to, least_around, widened
@@ -243,7 +244,7 @@ class MapBackground(PointBackground):
     ) -> None:
         """``reach``: see ``PointBackground``."""
         super().__init__(options, reach)
-        self.waver, self._chart = waver, chart
+        self.noise, self._chart = waver, chart
         self._drawn: tuple[int, F32, F32] | None = None
 
     def _scene(self, view: View) -> tuple[F32, F32]:
@@ -254,8 +255,8 @@ class MapBackground(PointBackground):
         options = self.options.background
         if self._drawn is None or self._drawn[0] != view.number:
             depth, shape = self._chart.drawn(view), view.camera.shape
-            limit = least(depth, shape, self.waver)
-            limit -= options.near_sigmas * self.waver(limit)
+            limit = least(depth, shape, self.noise)
+            limit -= options.near_sigmas * self.noise(limit)
             hole = _holes(np.isnan(depth[:-1]).reshape(shape)).ravel()
             if hole.any():
                 beyond = drawn_on(depth[:-1], shape, np.zeros_like(hole), options=options)
@@ -267,7 +268,7 @@ class MapBackground(PointBackground):
         """See ``Background``."""
         cell, depth = view.cells.pick(indices)
         scene = self._scene(view)[0][cell]
-        far = depth - scene > -self.options.background.near_sigmas * self.waver(depth)
+        far = depth - scene > -self.options.background.near_sigmas * self.noise(depth)
         rest = np.flatnonzero(~far & ~self.certain(view, indices))
         there = np.zeros(len(indices), np.bool_)
         there[rest] = super().static(view, indices[rest])[0]

@@ -65,7 +65,7 @@ class Scene:
         self._steady = False
         self.first = self._look(order[0])
         self._steady_it()
-        self._waver = default_noise(options.noise)
+        self._noise = default_noise(options.noise)
         self.background: Background = PointBackground(options, reach)
         if self.lens is not None and not self._moves:
             depth, lens = self._beside(painted), self.lens
@@ -76,10 +76,10 @@ class Scene:
                 if noise(far) < default_noise(options.noise)(far) or framed(
                     self.first.frame, lens, options=options
                 ):
-                    self._waver = noise
+                    self._noise = noise
             unknown = np.full_like(depth, np.nan)
             self.background = ImageBackground(
-                self.options, self._waver, unknown, unknown, np.ones_like(unknown)
+                self.options, self._noise, unknown, unknown, np.ones_like(unknown)
             )
         self._reach = reach
 
@@ -166,7 +166,7 @@ class Scene:
         """Median depth noise at some points, metres."""
         if self.lens is None or not len(indices):
             return 0.0
-        return float(np.median(self._waver(view.cells.depth[indices])))
+        return float(np.median(self._noise(view.cells.depth[indices])))
 
     def learn_first(self, *, survey: bool) -> None:
         """Take in the first frame, whose labels are a person's.
@@ -202,12 +202,12 @@ class Scene:
         views = [self.first, *self._survey()]
         if len(views) > 1:
             before = SurfaceMap.of(self.first, self.first.depth).drawn(views[1])
-            self._waver = measure_noise(before, views[1].depth, options=self.options.noise)
+            self._noise = measure_noise(before, views[1].depth, options=self.options.noise)
         return MapBackground(
             self.options,
             self._reach,
-            self._waver,
-            chart_of(views, self._waver, options=self.options),
+            self._noise,
+            chart_of(views, self._noise, options=self.options),
         )
 
     def _views(self, numbers: Sequence[int]) -> list[View]:

@@ -308,8 +308,8 @@ class CameraTrajectory(RegisteredTrajectory):
         self._last = _Key(here, np.asarray(pose))
         return self._last.pose
 
-    def _onto(self, here: list[Layer], key: _Key, guesses: list[F64]) -> Fit:
-        starts = [inverse(guess) @ key.pose for guess in guesses]
+    def _onto(self, here: list[Layer], key: _Key, hypotheses: list[F64]) -> Fit:
+        starts = [inverse(hypothesis) @ key.pose for hypothesis in hypotheses]
         return motion_between(key.picture, here, self._lens, starts, options=self.options)
 
     def _lost(self, fit: Fit) -> bool:

@@ -9,18 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking.interface import I64, Mask
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import cut_off
+from pointbrush.tracking.steps.connectivity import Limits, blob
 from pointbrush.tracking.steps.context import step_of, was_there
-from pointbrush.tracking.steps.grow import Limits, blob
 
 
-def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: Mask) -> I64 | None:
+def whole(
+    track: Track, view: View, fit: Registration, core: I64, taken: Mask, free: Mask
+) -> I64 | None:
     """The rest of a closed blob around the core, None where it is not one object."""
-    options = thing.options.growth
-    if thing.bends:
+    options = track.options.growth
+    if track.bends:
         return None
     other = free.copy()
     other[core] = False
@@ -28,46 +30,46 @@ def whole(thing: Thing, view: View, place: Place, core: I64, taken: Mask, free: 
     most = int(
         max(
             more * len(core) + options.new_points,
-            options.new_size_share * thing.size - len(core),
+            options.new_size_share * track.size - len(core),
         )
     )
-    around, (lo, hi) = place.around, place.box
-    if view.lens is not None and not thing.motion.slow(thing.unit):
+    around, (lo, hi) = fit.around, fit.box
+    if view.lens is not None and not track.motion.slow(track.unit):
         lo, hi = (
-            lo - options.longer_radii * thing.model.radius,
-            hi + options.longer_radii * thing.model.radius,
+            lo - options.longer_radii * track.model.radius,
+            hi + options.longer_radii * track.model.radius,
         )
         around = view.box(lo, hi)
     near = around[other[around]]
-    flies = view.lens is not None and not (thing.motion.fresh or thing.motion.slow(thing.unit))
+    flies = view.lens is not None and not (track.motion.fresh or track.motion.slow(track.unit))
     steps = (
         options.max_steps
-        if thing.in_the_air.frames >= options.known_frames
+        if track.seen_alone.frames >= options.known_frames
         else options.max_steps_unknown
     )
-    reach = options.step_units * thing.unit
+    reach = options.step_units * track.unit
     limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
     if new is None or not len(new):
         return new
-    step = step_of(thing, place)
+    step = step_of(track, fit)
     # What bends beyond doubt is held by somebody, who goes along with it.
-    before = was_there(thing, view, new, step if thing.pliant else None)
+    before = was_there(track, view, new, step if track.surely_soft else None)
     # Painted end on, it has many times the points that are known.
-    along = len(new) <= most or was_there(thing, view, new, step).mean() >= options.along_share
+    along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
     others = taken[new].any()
-    its = along and not (others or _may_be_a_hand(thing, view, place, core, new, before))
+    its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
     if not (its or others):
-        place.cut_short = _ends_all_round(thing, view, core, new, before)
-        its = place.cut_short and thing.last.cut_short
+        fit.cut_short = _ends_all_round(track, view, core, new, before)
+        its = fit.cut_short and track.last.cut_short
     if its:
         return new
     if along:
-        place.neutral = np.concatenate([place.neutral, new[~before]])
+        fit.neutral = np.concatenate([fit.neutral, new[~before]])
     return None
 
 
-def _ends_all_round(thing: Thing, view: View, core: I64, new: I64, before: Mask) -> bool:
+def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
     """Whether new surface that makes a thing on the move much longer ends all round, while the
     thing was not yet seen alone: then it may have been painted end on.
 
@@ -75,16 +77,16 @@ def _ends_all_round(thing: Thing, view: View, core: I64, new: I64, before: Mask)
     be taken for a hand from then on.  A hand was there for the most part, or goes on behind
     something else than the thing.
     """
-    options = thing.options.growth
-    known = thing.in_the_air.frames >= options.known_frames
-    if known or view.lens is None or thing.motion.slow(thing.unit):
+    options = track.options.growth
+    known = track.seen_alone.frames >= options.known_frames
+    if known or view.lens is None or track.motion.slow(track.unit):
         return False
-    if _share_there(thing, view, new, before) >= options.was_there_share_missed:
+    if _share_there(track, view, new, before) >= options.was_there_share_missed:
         return False
     own = np.concatenate([core, new])
     if _length(view, own) <= options.end_on_ratio * _length(view, core):
         return False
-    return not cut_off(view, new, thing.unit, ~view.marked(own))
+    return not cut_off(view, new, track.unit, ~view.marked(own))
 
 
 def _length(view: View, points: I64) -> float:
@@ -93,7 +95,7 @@ def _length(view: View, points: I64) -> float:
 
 
 def _may_be_a_hand(
-    thing: Thing, view: View, place: Place, core: I64, new: I64, before: Mask
+    track: Track, view: View, fit: Registration, core: I64, new: I64, before: Mask
 ) -> bool:
     """Whether new surface may be what throws or catches a thing: that was there, unlabelled, in the
     last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for; of
@@ -104,23 +106,25 @@ def _may_be_a_hand(
     What goes on behind something nearer, and has not the colours that the thing was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
-    options = thing.options.growth
+    options = track.options.growth
     if view.roams:
         return False
-    if not cut_off(view, new, thing.unit):
-        return _share_there(thing, view, new, before) >= options.was_there_share_open
+    if not cut_off(view, new, track.unit):
+        return _share_there(track, view, new, before) >= options.was_there_share_open
     colour = view.colour(new)
     if (
         len(new) > options.strange_size_share * len(core)
-        and thing.strange(colour).mean() > options.strange_colours_share
+        and track.strange(colour).mean() > options.strange_colours_share
     ):
         return True
-    if thing.worn.share(colour) < options.painted_colours_share or thing.worn.unlike(colour):
-        before = was_there(thing, view, new, step_of(thing, place))
-    return _share_there(thing, view, new, before) >= options.was_there_share_cut
+    if track.appearance.share(colour) < options.painted_colours_share or track.appearance.unlike(
+        colour
+    ):
+        before = was_there(track, view, new, step_of(track, fit))
+    return _share_there(track, view, new, before) >= options.was_there_share_cut
 
 
-def _share_there(thing: Thing, view: View, new: I64, before: Mask) -> float:
+def _share_there(track: Track, view: View, new: I64, before: Mask) -> float:
     """Share of points ``new`` (M,) that were there ``before`` (M,); 0 where nothing is known."""
-    asked = thing.rivals.asked(view.xyz[new]) | thing.dyed
+    asked = track.other_movers.asked(view.xyz[new]) | track.dyed
     return float(before[asked].mean()) if asked.any() else 0.0

@@ -12,7 +12,7 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.columns import NONE, columns, nearest_three
 from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.camera import I32
 from pointbrush.tracking.sensors.view import View
@@ -29,12 +29,12 @@ class Findings:
     view: View
     background: Background
     free: Mask
-    places: dict[int, Place] = field(default_factory=dict)
+    fits: dict[int, Registration] = field(default_factory=dict)
     claims: dict[int, Claim] = field(default_factory=dict)
 
-    def put(self, label: int, place: Place, claim: Claim) -> None:
+    def put(self, label: int, fit: Registration, claim: Claim) -> None:
         """A thing was found, or found elsewhere."""
-        self.places[label], self.claims[label] = place, claim
+        self.fits[label], self.claims[label] = fit, claim
 
     def unclaimed(self, but: Collection[int] = ()) -> Mask:
         """(N,) free points that nobody claims, ``but`` for some labels."""
@@ -189,19 +189,19 @@ class Claim:
         return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
 
 
-def claim(view: View, indices: I64, place: F64, colour: F32, weight: float, reach: float) -> Claim:
+def claim(view: View, indices: I64, fit: F64, colour: F32, weight: float, reach: float) -> Claim:
     """What a model at ``place`` (M, 3) of the world claims of the points ``indices``.
 
     A point's cost is the least, over its three nearest model points, of the distance in place and
     colour; ``reach`` metres away it is claimed no more.
     """
-    if len(indices) == 0 or len(place) == 0:
+    if len(indices) == 0 or len(fit) == 0:
         return Claim.nothing()
-    lo, hi = bounds(place)
+    lo, hi = bounds(fit)
     far = 1.001 * reach  # single precision must not decide what is at the border
     xyz = view.xyz.take(indices, axis=0)
     close = np.flatnonzero(within(xyz, lo - far, hi + far))
-    gap, near = nearest_three(columns(place, NONE, 0.0), xyz[close].astype(np.float64), reach)
+    gap, near = nearest_three(columns(fit, NONE, 0.0), xyz[close].astype(np.float64), reach)
     some = np.flatnonzero(near[:, 0] >= 0)
     indices, gap, near = indices[close[some]], gap[some], near[some]
     cost = _costs(gap, near, view.colour(indices), colour, weight)

@@ -10,81 +10,81 @@ from pointbrush.tracking.compute.grid import bounds
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Rivals, Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import OtherMovers, Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim
 
 
-def contested(view: View, found: Claim, thing: Thing, place: Place) -> Mask:
+def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask:
     """Which claimed points are more like something known to be unlabelled."""
     return _explained(
-        thing,
+        track,
         view,
-        place,
+        fit,
         found.indices,
         view.options.context.yield_ratio * found.cost.astype(np.float64),
     )
 
 
-def unexplained(thing: Thing, view: View, place: Place, points: I64) -> Mask:
+def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mask:
     """Which points nothing unlabelled explains, where it was or gone along with the thing."""
     return ~_explained(
-        thing,
+        track,
         view,
-        place,
+        fit,
         points,
-        np.full(len(points), thing.options.context.explained_units * thing.unit),
+        np.full(len(points), track.options.context.explained_units * track.unit),
     )
 
 
-def _explained(thing: Thing, view: View, place: Place, points: I64, reach: F64) -> Mask:
+def _explained(track: Track, view: View, fit: Registration, points: I64, reach: F64) -> Mask:
     if view.roams:  # What stands still is known, and nobody holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
     xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
-    explained = thing.rivals.explain(xyz, colour, reach, step_of(thing, place))
-    if thing.soft and len(thing.rivals.xyz):  # Each part of it has a motion of its own.
-        before = transform(thing.motion.poses[-1], thing.model.xyz)
-        bent = thing.rivals.along(
-            before, place.world, thing.options.context.along_units * thing.unit
+    explained = track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
+    if track.soft and len(track.other_movers.xyz):  # Each part of it has a motion of its own.
+        before = transform(track.motion.poses[-1], track.model.xyz)
+        bent = track.other_movers.along(
+            before, fit.world, track.options.context.along_units * track.unit
         )
         explained |= bent.explain(xyz, colour, reach)
     return explained
 
 
-def was_there(thing: Thing, view: View, points: I64, step: F64 | None = None) -> Mask:
+def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
     """Which points lie where something unlabelled was in the last frame, or has gone by ``step``
     since."""
     reach, xyz = (
-        np.full(len(points), thing.options.context.stayed_units * thing.unit),
+        np.full(len(points), track.options.context.stayed_units * track.unit),
         view.xyz[points].astype(np.float64),
     )
-    return thing.rivals.explain(xyz, view.colour(points), reach, step)
+    return track.other_movers.explain(xyz, view.colour(points), reach, step)
 
 
-def step_of(thing: Thing, place: Place) -> F64 | None:
+def step_of(track: Track, fit: Registration) -> F64 | None:
     """How a thing has moved (4, 4) since it was seen; None where that is next to nothing."""
-    last = thing.motion.poses[-1]
-    ends = thing.ends
+    last = track.motion.poses[-1]
+    ends = track.ends
     if (
-        np.abs(transform(place.pose, ends) - transform(last, ends)).max()
-        < thing.options.context.rest_units * thing.unit
+        np.abs(transform(fit.pose, ends) - transform(last, ends)).max()
+        < track.options.context.rest_units * track.unit
     ):
         return None
-    return place.pose @ inverse(last)
+    return fit.pose @ inverse(last)
 
 
-def set_rivals_around(thing: Thing, view: View, world: F64) -> None:
+def set_other_movers_around(track: Track, view: View, world: F64) -> None:
     """Let what is unlabelled beside a thing, whose surface is at ``world`` (M, 3), be known."""
-    box = _beside(thing, world)
-    set_rivals(thing, view, _unlabelled(view, box), box)
+    box = _beside(track, world)
+    set_rivals(track, view, _unlabelled(view, box), box)
 
 
-def _beside(thing: Thing, world: F64) -> tuple[F64, F64]:
-    options = thing.options.context
+def _beside(track: Track, world: F64) -> tuple[F64, F64]:
+    options = track.options.context
     return _box_around(
         world,
-        options.beside_radii * thing.model.radius + options.beside_units * thing.unit,
+        options.beside_radii * track.model.radius + options.beside_units * track.unit,
     )
 
 
@@ -98,44 +98,44 @@ def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
     return near[~view.labelled()[near]]
 
 
-def set_rivals(thing: Thing, view: View, indices: I64, box: tuple[F64, F64]) -> None:
+def set_rivals(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
     """Let the points (M,) be known as all that is unlabelled in a ``box`` about a thing; what it
     missed of itself is not.
 
     What has colours that it alone has, or that are far commoner in it than among them, is that.
     """
-    some = indices[:: max(1, -(-len(indices) // thing.options.context.max_points))]
+    some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
     colour = view.colour(some)
-    if thing.dyed and len(some):
-        others = ~(thing.worn.rather(colour) | thing.distinct(colour))
+    if track.dyed and len(some):
+        others = ~(track.appearance.rather(colour) | track.distinct(colour))
         some, colour = some[others], colour[others]
-    thing.rivals = Rivals(view.xyz[some].astype(np.float64), colour, thing.weight, box)
+    track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)
 
 
-def note_beside(things: Mapping[int, Thing], view: View, places: Mapping[int, Place]) -> None:
+def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Registration]) -> None:
     """Let what moves beside each thing that was found, and is nothing's, be its rivals."""
     taken = view.labelled()
-    for label, place in places.items():
-        before = taken[place.neutral]
-        taken[place.neutral] = True
-        beside = place.moving if place.beside is None else place.beside
-        set_rivals(things[label], view, beside[~taken[beside]], place.box)
-        taken[place.neutral] = before
+    for label, fit in fits.items():
+        before = taken[fit.neutral]
+        taken[fit.neutral] = True
+        beside = fit.moving if fit.beside is None else fit.beside
+        set_rivals(tracks[label], view, beside[~taken[beside]], fit.box)
+        taken[fit.neutral] = before
 
 
-def tell_apart(things: Mapping[int, Thing], view: View, labels: Iterable[int]) -> None:
-    """Find the colours that some things alone have, of all ``things`` and what is about them.
+def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:
+    """Find the colours that some things alone have, of all ``tracks`` and what is about them.
 
     Hands that may hold a thing later are within their reach of it, and are few of the points there.
     """
     for label in labels:
-        thing = things[label]
-        beside = view.colour(_unlabelled(view, _beside(thing, thing.model.xyz)))
-        others = [other.worn for other in things.values() if other is not thing]
+        track = tracks[label]
+        beside = view.colour(_unlabelled(view, _beside(track, track.model.xyz)))
+        others = [other.appearance for other in tracks.values() if other is not track]
         about = view.colour(
-            _unlabelled(view, _box_around(thing.model.xyz, view.options.context.reach_m))
+            _unlabelled(view, _box_around(track.model.xyz, view.options.context.reach_m))
         )
-        thing.worn = thing.worn.apart_from(
+        track.appearance = track.appearance.apart_from(
             [ColourHistogram.of(beside, options=view.options), *others]
         )
-        thing.worn = thing.worn.commoner_than(about, thing.size)
+        track.appearance = track.appearance.commoner_than(about, track.size)

@@ -14,8 +14,8 @@ from itertools import combinations
 import numpy as np
 
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import IdentityOptions, TrackerOptions
 
 Pair = tuple[int, int]
@@ -54,46 +54,46 @@ class Swaps:
         self.options = options
         self.meetings: dict[Pair, Meeting] = {}
 
-    def meet(self, things: Mapping[int, Thing], places: Mapping[int, Place]) -> None:
+    def meet(self, tracks: Mapping[int, Track], fits: Mapping[int, Registration]) -> None:
         """Take note of where things were found; ``places`` take in how far that can be trusted."""
-        at = {n: _middle(things[n], place) for n, place in places.items() if things[n].handy}
+        at = {n: _middle(tracks[n], fit) for n, fit in fits.items() if tracks[n].hand_sized}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
             if pair not in self.meetings and _may_be_changed(
-                things, at, pair, options=self.options.identity
+                tracks, at, pair, options=self.options.identity
             ):
                 for label in pair:
                     if label not in ahead:
-                        ahead[label] = _predicted(things[label])
-                self._compare(things, at, ahead, pair)
+                        ahead[label] = _predicted(tracks[label])
+                self._compare(tracks, at, ahead, pair)
         self._go_on(at)
         for pair, meeting in self.meetings.items():
             for label in pair:
-                if label in places:
-                    places[label].most = min(places[label].most, meeting.most)
+                if label in fits:
+                    fits[label].most = min(fits[label].most, meeting.most)
 
     def forget(self, label: int) -> None:
         """A person has said where a thing is."""
         self.meetings = {pair: of for pair, of in self.meetings.items() if label not in pair}
 
     def _compare(
-        self, things: Mapping[int, Thing], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
+        self, tracks: Mapping[int, Track], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
     ) -> None:
         """Begin a meeting where two may have changed places in this frame."""
         options = self.options.identity
         one, other = pair
-        rough = sum((options.prediction_units * things[n].unit) ** 2 for n in pair)
+        rough = sum((options.prediction_units * tracks[n].unit) ** 2 for n in pair)
         kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
         # Nothing stops just where another comes by.
         swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
-        if kept < options.uneven_ratio * swapped or not _look_alike(things[one], things[other]):
+        if kept < options.uneven_ratio * swapped or not _look_alike(tracks[one], tracks[other]):
             return
         most = (
             options.unsure_confidence
             if kept < options.even_ratio * swapped
             else options.doubted_confidence
         )
-        self.meetings[pair] = Meeting(self.options, most, _ways(things[one], things[other]))
+        self.meetings[pair] = Meeting(self.options, most, _ways(tracks[one], tracks[other]))
 
     def _go_on(self, at: Mapping[int, F64]) -> None:
         """Remember where those that met are; end the meetings of those told apart by it."""
@@ -105,29 +105,29 @@ class Swaps:
                     del self.meetings[one, other]
 
 
-def _middle(thing: Thing, place: Place) -> F64:
-    return np.asarray(place.pose[:3, :3] @ thing.motion.centre + place.pose[:3, 3])
+def _middle(track: Track, fit: Registration) -> F64:
+    return np.asarray(fit.pose[:3, :3] @ track.motion.centre + fit.pose[:3, 3])
 
 
-def _predicted(thing: Thing) -> F64:
+def _predicted(track: Track) -> F64:
     """(K, 3) where the middle of a thing may be, at rest in the end."""
-    poses = thing.motion.predictions()
+    poses = track.motion.predictions()
     poses = poses if len(poses) > 1 else np.repeat(poses, 2, axis=0)
-    return np.asarray(poses[:, :3, :3] @ thing.motion.centre + poses[:, :3, 3])
+    return np.asarray(poses[:, :3, :3] @ track.motion.centre + poses[:, :3, 3])
 
 
 def _may_be_changed(
-    things: Mapping[int, Thing], at: Mapping[int, F64], pair: Pair, options: IdentityOptions
+    tracks: Mapping[int, Track], at: Mapping[int, F64], pair: Pair, options: IdentityOptions
 ) -> bool:
     """Whether two are near, and not both clearly nearer to where they were going than to the other.
 
     Asked of all pairs in each frame, before all their predictions are made.
     """
-    one, other = (things[n] for n in pair)
+    one, other = (tracks[n] for n in pair)
     apart = float(np.linalg.norm(at[pair[0]] - at[pair[1]]))
-    if apart > sum(thing.model.radius + thing.motion.speed for thing in (one, other)):
+    if apart > sum(track.model.radius + track.motion.speed for track in (one, other)):
         return False
-    off = max(float(np.linalg.norm(things[n].motion.even - at[n])) for n in pair)
+    off = max(float(np.linalg.norm(tracks[n].motion.even - at[n])) for n in pair)
     return off > options.clear_share * apart or apart < options.meeting_units * max(
         one.unit, other.unit
     )
@@ -139,16 +139,16 @@ def _off(ahead: F64, at: F64) -> float:
     return float(np.einsum("ij,ij->i", away, away).min())
 
 
-def _look_alike(one: Thing, other: Thing) -> bool:
+def _look_alike(one: Track, other: Track) -> bool:
     options = one.options.identity
-    sizes = sorted(thing.model.radius for thing in (one, other))
+    sizes = sorted(track.model.radius for track in (one, other))
     if sizes[1] > options.alike_radius_ratio * sizes[0]:
         return False
-    shares = (a.worn.share(b.model.colour) for a, b in ((one, other), (other, one)))
+    shares = (a.appearance.share(b.model.colour) for a, b in ((one, other), (other, one)))
     return min(shares) > options.alike_share
 
 
-def _ways(one: Thing, other: Thing) -> F64:
+def _ways(one: Track, other: Track) -> F64:
     """(2, M, 3) where the middles of both were in the last frames; none where one was hidden."""
     motions = [one.motion, other.motion]
     count = min(len(motion.poses) if motion.gap == 1 else 0 for motion in motions)

@@ -11,46 +11,46 @@ from pointbrush.tracking.compute.graph import pieces
 from pointbrush.tracking.compute.grid import bounds, close_to, within
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import carved
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import cut_off, together
 
 
 def lost_pieces(
-    thing: Thing, view: View, place: Place, core: I64, taken: Mask, background: Background
+    track: Track, view: View, fit: Registration, core: I64, taken: Mask, background: Background
 ) -> I64:
-    """The points (M,), sorted, of the pieces of ``thing`` beside its points ``core``.
+    """The points (M,), sorted, of the pieces of ``track`` beside its points ``core``.
 
     ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
     what never moves, or no colour, and the thing is not ``pliant``.
     """
-    options = thing.options
-    asked = (view.number + thing.label) % options.pieces.slow_frames == 0 or not thing.motion.slow(
-        thing.unit
+    options = track.options
+    asked = (view.number + track.label) % options.pieces.slow_frames == 0 or not track.motion.slow(
+        track.unit
     )
-    tells = view.lens is not None and (thing.weight > 0.0 or thing.pliant)
-    if not (tells and asked) or thing.bends:
+    tells = view.lens is not None and (track.weight > 0.0 or track.surely_soft)
+    if not (tells and asked) or track.bends:
         return _NONE
-    rest, least = _apart(view, place.around[~taken[place.around]], background), _least(thing)
+    rest, least = _apart(view, fit.around[~taken[fit.around]], background), _least(track)
     if len(rest) < least:
         return _NONE
     xyz = view.xyz[rest].astype(np.float64)
-    piece = pieces(xyz, thing.unit, options=options.link)
+    piece = pieces(xyz, track.unit, options=options.link)
     size = np.bincount(piece)
     number = len(size)
-    lo, hi = place.box
-    edge = options.pieces.touching_units * thing.unit
+    lo, hi = fit.box
+    edge = options.pieces.touching_units * track.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
-    found, left = [_NONE], options.pieces.max_size_share * thing.size - len(core)
+    found, left = [_NONE], options.pieces.max_size_share * track.size - len(core)
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
         mine = piece == one
         points = rest[mine]
-        if len(points) > left or not _looks_like(thing, view, core, points, background):
+        if len(points) > left or not _looks_like(track, view, core, points, background):
             continue
-        if _is_its(thing, view, place, core, points, xyz[~mine]):
+        if _is_its(track, view, fit, core, points, xyz[~mine]):
             found.append(points)
             left -= len(points)
     return np.sort(np.concatenate(found))
@@ -61,19 +61,21 @@ def _apart(view: View, points: I64, background: Background) -> I64:
     return points[~(background.static(view, points)[0] | background.drawn_on(view, points))]
 
 
-def _least(thing: Thing) -> float:
+def _least(track: Track) -> float:
     """How many points a piece has at least."""
-    options = thing.options.pieces
-    return max(options.min_points, options.min_size_share * thing.size)
+    options = track.options.pieces
+    return max(options.min_points, options.min_size_share * track.size)
 
 
-def _looks_like(thing: Thing, view: View, core: I64, points: I64, background: Background) -> bool:
+def _looks_like(track: Track, view: View, core: I64, points: I64, background: Background) -> bool:
     """Whether a piece has the thing's colours, or is small and has come to rest with it."""
-    options = thing.options.pieces
+    options = track.options.pieces
     colour = view.colour(points)
-    if thing.worn.share(colour) >= options.alike_colours_share and not thing.worn.unlike(colour):
+    if track.appearance.share(
+        colour
+    ) >= options.alike_colours_share and not track.appearance.unlike(colour):
         return True
-    if not thing.motion.rests(thing.unit) or len(points) > options.other_colour_share * len(core):
+    if not track.motion.rests(track.unit) or len(points) > options.other_colour_share * len(core):
         return False
     return (
         float(background.stayed(view, points, options.rested_frames).mean())
@@ -81,29 +83,31 @@ def _looks_like(thing: Thing, view: View, core: I64, points: I64, background: Ba
     )
 
 
-def _is_its(thing: Thing, view: View, place: Place, core: I64, points: I64, others: F64) -> bool:
+def _is_its(
+    track: Track, view: View, fit: Registration, core: I64, points: I64, others: F64
+) -> bool:
     """Whether a piece touches the thing and no ``others`` (M, 3), and may be a part of it."""
-    options = thing.options
+    options = track.options
     xyz = view.xyz[points].astype(np.float64)
-    if not close_to(view.xyz[core], xyz, options.pieces.touching_units * thing.unit).any():
+    if not close_to(view.xyz[core], xyz, options.pieces.touching_units * track.unit).any():
         return False
     if np.count_nonzero(
-        close_to(others, xyz, options.pieces.lonely_units * thing.unit)
+        close_to(others, xyz, options.pieces.lonely_units * track.unit)
     ) > options.pieces.few_share * len(points):
         return False
-    if not thing.motion.rests(thing.unit):
-        away = xyz - transform(place.pose, thing.model.centre[None])
-        far = np.linalg.norm(away, axis=1).max() > options.pieces.end_radii * thing.model.radius
+    if not track.motion.rests(track.unit):
+        away = xyz - transform(fit.pose, track.model.centre[None])
+        far = np.linalg.norm(away, axis=1).max() > options.pieces.end_radii * track.model.radius
         if far and len(points) > options.pieces.end_share * len(core):
             return False
         # What goes on behind the thing itself is what holds it.
-        if cut_off(view, points, thing.unit, by=view.marked(core)):
+        if cut_off(view, points, track.unit, by=view.marked(core)):
             return False
-    if thing.soft or len(thing.glimpses) < options.surface.carve_min_views:
+    if track.soft or len(track.carving_views) < options.surface.carve_min_views:
         return True
     return (
-        place.cost < options.pieces.sharp_cost
-        and float(carved(thing.glimpses, view, place.pose, points, thing.unit).mean())
+        fit.cost < options.pieces.sharp_cost
+        and float(carved(track.carving_views, view, fit.pose, points, track.unit).mean())
         < options.pieces.few_share
     )
 
@@ -122,17 +126,17 @@ def painted_with_ground(view: View, indices: I64) -> bool:
 
 
 def with_ground(
-    view: View, things: Mapping[int, Thing], places: Mapping[int, Place], free: Mask
+    view: View, tracks: Mapping[int, Track], fits: Mapping[int, Registration], free: Mask
 ) -> dict[int, I64]:
     """The labels of a frame, and the ground under what was painted so: label → points (M,).
 
     ``free`` (N,) are those that a run may take.
     """
     found = dict(view.labels)
-    have = [n for n in found if n in places and things[n].painted.grounded]
+    have = [n for n in found if n in fits and tracks[n].painted.grounded]
     rest = free & ~view.labelled() if have else free
     for label in have:
-        ground = _within(view, places[label].world)
+        ground = _within(view, fits[label].world)
         ground = ground[rest[ground]]
         rest[ground] = False
         found[label] = together(found[label], ground)

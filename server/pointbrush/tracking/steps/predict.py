@@ -14,7 +14,7 @@ from pointbrush.tracking.compute.columns import Columns, nearest_one, spans, ton
 from pointbrush.tracking.compute.grid import bounds
 from pointbrush.tracking.compute.rigid import Target, transform, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import SearchOptions, TrackerOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
@@ -23,15 +23,15 @@ from pointbrush.tracking.steps.verdict import Look, costs_of, look
 
 @dataclass(eq=False)
 class Search:
-    """A thing's part of the frame: points ``around`` its ``guesses`` (K, 4, 4), inside a ``box``.
+    """A thing's part of the frame: points ``around`` its ``hypotheses`` (K, 4, 4), inside a ``box``.
 
     ``near`` are those that it may have, ``moving`` those before the background that were not
     there in the last frame either, ``faint`` those of ``near`` that are hardly before it.
     """
 
-    thing: Thing
+    track: Track
     view: View
-    guesses: F64
+    hypotheses: F64
     box: tuple[F64, F64]
     around: I64
     near: I64
@@ -54,21 +54,21 @@ class Search:
     def __post_init__(self) -> None:
         """Choose what is compared."""
         options = self.options.search
-        count = len(self.thing.model.xyz)
+        count = len(self.track.model.xyz)
         self.few = np.arange(0, count, max(1, count // options.coarse_points))
         self.many = np.arange(0, count, max(1, count // options.fine_points))
-        self.target = target_of(self.view, self.moving, self.thing.weight)
+        self.target = target_of(self.view, self.moving, self.track.weight)
 
     @cached_property
     def costs(self) -> F64:
         """(K,) what each of the guesses costs, by the target as it is."""
-        thing = self.thing
+        track = self.track
         return costs_of(
-            thing,
+            track,
             self.target,
             self.few,
             self.at,
-            self.options.search.judged_units * thing.unit,
+            self.options.search.judged_units * track.unit,
         )
 
     def aim(self, target: Target) -> None:
@@ -82,7 +82,7 @@ class Search:
     @cached_property
     def at(self) -> Look:
         """The few at each of the guesses."""
-        return look(self.thing, self.view, self.few, self.guesses, self.own)
+        return look(self.track, self.view, self.few, self.hypotheses, self.own)
 
     @cached_property
     def own(self) -> I64 | None:
@@ -95,31 +95,31 @@ class Search:
     @property
     def best(self) -> F64:
         """The likeliest prediction."""
-        return np.asarray(self.guesses[np.argmin(self.costs)])
+        return np.asarray(self.hypotheses[np.argmin(self.costs)])
 
 
 def crop(
-    thing: Thing, view: View, background: Background, free: Mask, guesses: F64 | None = None
+    track: Track, view: View, background: Background, free: Mask, hypotheses: F64 | None = None
 ) -> Search | None:
     """Cut out what may be the thing, without what stood still; None where nothing is.
 
-    ``guesses`` (K, 4, 4) where it may be, if not where it is predicted.
+    ``hypotheses`` (K, 4, 4) where it may be, if not where it is predicted.
     """
-    options = thing.options.search
-    if guesses is None:
-        guesses = _distinct(thing, thing.motion.predictions())
-    at = transform_each(guesses, thing.motion.centre[None])[:, 0]
+    options = track.options.search
+    if hypotheses is None:
+        hypotheses = _distinct(track, track.motion.predictions())
+    at = transform_each(hypotheses, track.motion.centre[None])[:, 0]
     radius, unit, gap = (
-        thing.span,
-        thing.unit,
-        min(thing.motion.gap, options.max_growing_frames),
+        track.span,
+        track.unit,
+        min(track.motion.gap, options.max_growing_frames),
     )
     margin = (
         options.radii * radius
         + options.units * unit
-        + (options.radii_unknown_motion * radius if thing.motion.fresh else 0.0)
+        + (options.radii_unknown_motion * radius if track.motion.fresh else 0.0)
     )
-    margin += (options.speed_share * thing.motion.speed + options.units_per_frame * unit) * gap
+    margin += (options.speed_share * track.motion.speed + options.units_per_frame * unit) * gap
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]
@@ -127,8 +127,8 @@ def crop(
     faint = around[:0]
     if len(around):
         far, still = background.static(view, around)
-        if thing.large:
-            speed = thing.motion.speed
+        if track.large:
+            speed = track.motion.speed
             stay = (
                 int(options.scenery_radii * radius / speed) + options.scenery_frames
                 if speed > unit
@@ -138,43 +138,43 @@ def crop(
             far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not
         # seen there before, and may be the thing.
-        slow = thing.motion.slow(unit)
+        slow = track.motion.slow(unit)
         own = ~far if slow else ~(far | still)
-        if slow and not thing.large:
+        if slow and not track.large:
             own = own | background.revealed(view, around)
         hardly = np.zeros(len(around), np.bool_)
-        if slow and not thing.large:
+        if slow and not track.large:
             hardly = far & background.faint(view, around)
         near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
-        if view.roams and not thing.painted.flat:
+        if view.roams and not track.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < options.min_moving_points:
         return None
-    search = Search(thing, view, guesses, (lo, hi), around, near, moving, faint)
+    search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
 
 
-def _distinct(thing: Thing, guesses: F64) -> F64:
+def _distinct(track: Track, hypotheses: F64) -> F64:
     """Those of the guesses (K, 4, 4) that are not as good as the same as one before them."""
-    ends = transform_each(guesses, thing.ends)
+    ends = transform_each(hypotheses, track.ends)
     apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
     kept: list[int] = []
-    for number in range(len(guesses)):
+    for number in range(len(hypotheses)):
         if (
             not kept
-            or apart[number, kept].min() > thing.options.search.same_pose_units * thing.unit
+            or apart[number, kept].min() > track.options.search.same_pose_units * track.unit
         ):
             kept.append(number)
-    return guesses[kept]
+    return hypotheses[kept]
 
 
-def search_among(thing: Thing, view: View, points: I64) -> Search:
+def search_among(track: Track, view: View, points: I64) -> Search:
     """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
-    guesses = thing.motion.predictions()
-    return Search(thing, view, guesses, box, points, points, points, points[:0])
+    hypotheses = track.motion.predictions()
+    return Search(track, view, hypotheses, box, points, points, points, points[:0])
 
 
 def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:
@@ -188,14 +188,14 @@ def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
     """Take out of each target what another thing's prediction explains clearly better."""
     searches = list(searches)
     ghosts = [_ghost(search) for search in searches]
-    sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.thing)]
+    sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.track)]
     new: list[tuple[Search, Target]] = []
     for search, ghost in zip(searches, ghosts, strict=True):
         left = search.target
         drop = np.zeros(len(left.xyz), np.bool_)
         for number in sure:
             if searches[number] is not search and ghosts[number].meets(ghost, options=options):
-                reach = options.explained_units * searches[number].thing.unit
+                reach = options.explained_units * searches[number].track.unit
                 own, theirs = ghost.surface, ghosts[number].surface
                 _drop_theirs(
                     drop,
@@ -212,12 +212,12 @@ def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
         search.aim(target)
 
 
-def _limit(thing: Thing) -> float:
+def _limit(track: Track) -> float:
     """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
-    options = thing.options.register
-    if thing.motion.fresh:
-        return options.clear_cost if thing.handy else 0.0
-    return options.doubt_body if thing.large else options.doubt
+    options = track.options.register
+    if track.motion.fresh:
+        return options.clear_cost if track.hand_sized else 0.0
+    return options.doubt_body if track.large else options.doubt
 
 
 class _Surface(NamedTuple):
@@ -243,10 +243,10 @@ class _Ghost:
 
 
 def _ghost(search: Search) -> _Ghost:
-    model, many, weight = search.thing.model, search.many, search.target.weight
+    model, many, weight = search.track.model, search.many, search.target.weight
     world = transform(search.best, model.xyz[many])
     columns = Target(world, model.colour[many], weight).columns
-    centre = transform(search.best, search.thing.motion.centre[None])[0]
+    centre = transform(search.best, search.track.motion.centre[None])[0]
     return _Ghost(_Surface(columns, *bounds(world)), centre, model.radius)
 
 

@@ -11,7 +11,7 @@ from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model.surface import Model
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import ProposalOptions
 
 AS_IT_WAS = np.eye(3)[None]
@@ -23,20 +23,20 @@ OPPOSITE, ALONG = -0.9999, 1e-3
 from one to the other is not told by their product."""
 
 
-def proposals(thing: Thing, target: Target, pose: F64) -> list[F64]:
+def proposals(track: Track, target: Target, pose: F64) -> list[F64]:
     """Poses (4, 4) to try for an object whose motion is not known.
 
     Where ``pose`` puts it, and on each of the target's likeliest clusters: as ``pose`` has
     turned it, turned by TURN about each axis either way, and with its longest direction along
     the cluster's, both ways round.
     """
-    options = thing.options.propose
-    model = thing.model
+    options = track.options.propose
+    model = track.model
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, length = _axis(world)
     result = [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg))]
-    for centre, points in _clusters(thing, target):
+    for centre, points in _clusters(track, target):
         turns = [AS_IT_WAS, _turns(model.options.propose.turn_deg)]
         along, other = _axis(points) if length > options.long_ratio else (axis, 1.0)
         if other > options.long_ratio:
@@ -102,16 +102,16 @@ def alike(model: Model, colour: F32) -> Mask:
     return close_to(colour, palette, options.alike_colour)
 
 
-def _clusters(thing: Thing, target: Target) -> list[tuple[F64, F64]]:
+def _clusters(track: Track, target: Target) -> list[tuple[F64, F64]]:
     """Middles (3,) and points (M, 3) of the target's likeliest clusters.
 
     Those that end all round, and then where most points are.
     """
-    options = thing.options.propose
-    model, points = thing.model, target.xyz
+    options = track.options.propose
+    model, points = track.model, target.xyz
     if target.weight > 0:
         points = points[alike(model, target.colour)]
-    found = _alone(model, points, thing.unit) if thing.handy else []
+    found = _alone(model, points, track.unit) if track.hand_sized else []
     radius = max(model.radius, options.min_radius_m)
     while len(points) >= options.min_cluster_points and len(found) < options.clusters:
         some = points[:: max(1, len(points) // options.seeds)]

@@ -19,21 +19,21 @@ from pointbrush.tracking.compute.rigid import (
     transform_each,
 )
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.model.registration import Place
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.steps.predict import Search
 from pointbrush.tracking.steps.propose import nudges, proposals, shifts
 from pointbrush.tracking.steps.verdict import costs_of, look
 
 
-def find(search: Search) -> Place:
+def find(search: Search) -> Registration:
     """Register a thing, and bend it where it bends."""
-    thing = search.thing
+    track = search.track
     pose, cost, tried, costs = register(search)
-    world = transform(pose, thing.model.xyz)
-    if thing.bends or thing.soft:
-        world = bent(thing, world, thing.model.colour, search.target)
-    place = Place(
+    world = transform(pose, track.model.xyz)
+    if track.bends or track.soft:
+        world = bent(track, world, track.model.colour, search.target)
+    fit = Registration(
         pose,
         world,
         search.box,
@@ -41,28 +41,28 @@ def find(search: Search) -> Place:
         search.near,
         search.moving,
         cost,
-        predicted=search.guesses,
+        predicted=search.hypotheses,
         tried=tried,
         costs=costs,
     )
-    place.vain = search.vain
-    place.faint = search.faint
+    fit.vain = search.vain
+    fit.faint = search.faint
     if search.view.roams:
-        place.beside = search.near
-    return place
+        fit.beside = search.near
+    return fit
 
 
-def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
+def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
     """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
-    options = thing.options
+    options = track.options
     apart = max(
-        thing.model.radius
+        track.model.radius
         / (
             options.register.nodes_per_radius_soft
-            if thing.soft
+            if track.soft
             else options.register.nodes_per_radius
         ),
-        options.register.node_units * thing.unit,
+        options.register.node_units * track.unit,
     )
     return np.asarray(
         world
@@ -71,7 +71,7 @@ def bent(thing: Thing, world: F64, colour: F32, target: Target) -> F64:
             colour,
             target,
             apart,
-            options.register.pull_units * thing.unit,
+            options.register.pull_units * track.unit,
             options=options.deform,
         )
     )
@@ -89,25 +89,29 @@ class Registered(NamedTuple):
 def register(search: Search) -> Registered:
     """Take the best of the robust fits from the likeliest guesses."""
     options = search.options.register
-    motion, model = search.thing.motion, search.thing.model
+    motion, model = search.track.motion, search.track.model
     poses, scores = _repeated(search)
-    doubt = options.doubt_body if search.thing.large or search.thing.bends else options.doubt
+    doubt = options.doubt_body if search.track.large or search.track.bends else options.doubt
     doubtful = min(scores) > doubt and _asked(search)
     unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)
     if unknown or doubtful:
         before = min(scores)
-        others = [*_elsewhere(search), *search.guesses]
+        others = [*_elsewhere(search), *search.hypotheses]
         tries = (
-            options.tries_unknown_motion if motion.fresh and search.thing.handy else options.tries
+            options.tries_unknown_motion
+            if motion.fresh and search.track.hand_sized
+            else options.tries
         )
         poses, scores = _try(search, others, tries, poses, scores)
         if motion.fresh or min(scores) > doubt:
             others = _nudged(search, poses, scores)
-            tries = options.tries if motion.fresh and search.thing.handy else options.tries // 2
+            tries = (
+                options.tries if motion.fresh and search.track.hand_sized else options.tries // 2
+            )
             poses, scores = _try(search, others, tries, poses, scores)
         search.vain = min(scores) > before - options.rest_cost
     elif min(scores) > doubt:
-        search.vain = search.thing.last.vain
+        search.vain = search.track.last.vain
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
@@ -117,7 +121,7 @@ def register(search: Search) -> Registered:
     world = transform(best, model.xyz)
     near = search.target.around(
         world,
-        options.target_scales * options.final_scales[0] * search.thing.unit,
+        options.target_scales * options.final_scales[0] * search.track.unit,
         options=search.view.options.register,
     )
     fit = _fits(search, search.many, best[None], options.final_scales, target=near)
@@ -126,30 +130,30 @@ def register(search: Search) -> Registered:
 
 def _elsewhere(search: Search) -> list[F64]:
     """Other poses than the predicted ones; what a lidar sees stands upright."""
-    model, guess = search.thing.model, search.guesses[0]
-    if search.thing.scanned:
+    model, hypothesis = search.track.model, search.hypotheses[0]
+    if search.track.scanned:
         return shifts(
             model.xyz[search.few],
             search.target.xyz,
-            guess,
-            search.thing.unit,
+            hypothesis,
+            search.track.unit,
             options=search.view.options.propose,
         )
-    return proposals(search.thing, search.target, guess)
+    return proposals(search.track, search.target, hypothesis)
 
 
 def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
     """Poses beside the best and, while the motion is unknown, beside the best at another place."""
-    thing, best = search.thing, int(np.argmin(scores))
-    others = nudges(thing.model, poses[best])
-    if thing.motion.fresh and thing.handy:
-        at = transform_each(poses, thing.model.centre[None])[:, 0]
+    track, best = search.track, int(np.argmin(scores))
+    others = nudges(track.model, poses[best])
+    if track.motion.fresh and track.hand_sized:
+        at = transform_each(poses, track.model.centre[None])[:, 0]
         away = (
             np.linalg.norm(at - at[best], axis=1)
-            > search.options.register.other_place_radii * thing.model.radius
+            > search.options.register.other_place_radii * track.model.radius
         )
         if away.any():
-            others += nudges(thing.model, poses[np.argmin(np.where(away, scores, np.inf))])
+            others += nudges(track.model, poses[np.argmin(np.where(away, scores, np.inf))])
     return others
 
 
@@ -159,30 +163,30 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     What half hides it would push it away bit by bit.
     """
     options = search.options.register
-    thing, last = search.thing, search.thing.motion.resting_pose
-    if thing.stands and search.view.shade is not None and _hidden(search, last):
+    track, last = search.track, search.track.motion.resting_pose
+    if track.stands and search.view.shade is not None and _hidden(search, last):
         return True  # what drives by before a parked car is not that car, however alike
-    if thing.bends:
+    if track.bends:
         return False
     if search.view.lens is None:
-        some = thing.model.xyz[search.few]
+        some = track.model.xyz[search.few]
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
-        slips = thing.scanned and thing.motion.fresh
+        slips = track.scanned and track.motion.fresh
         first = (
             options.rest_units_moving_scanner
             if search.view.roams
             else options.rest_units_first_scans
         )
         still = first if slips else options.rest_units
-        may = bool(moved <= still * thing.unit)
+        may = bool(moved <= still * track.unit)
     else:
-        may = thing.handy and thing.motion.rested is not None and _hidden(search, last)
+        may = track.hand_sized and track.motion.rested is not None and _hidden(search, last)
     return may and float(_scores(search, last[None])[0]) < score + options.rest_cost
 
 
 def _hidden(search: Search, pose: F64) -> bool:
     """Whether other things hide most of what faces the sensor at a pose (4, 4)."""
-    at = look(search.thing, search.view, search.few, pose[None])
+    at = look(search.track, search.view, search.few, pose[None])
     return float(at.seen.mean()) < search.options.register.open_share * float(at.facing[0])
 
 
@@ -192,23 +196,23 @@ def _asked(search: Search) -> bool:
     Seldom where a thing that hardly moves was found in none of them before; what moves may be
     anywhere in every frame.
     """
-    turn = (search.view.number + search.thing.label) % search.options.register.retry_frames == 0
-    thing = search.thing
-    return turn or not thing.last.vain or not thing.motion.slow(thing.unit)
+    turn = (search.view.number + search.track.label) % search.options.register.retry_frames == 0
+    track = search.track
+    return turn or not track.last.vain or not track.motion.slow(track.unit)
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:
     """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
     options = search.options.register
     poses, scores = np.empty((0, 4, 4)), np.empty(0)
-    for guess in _likeliest(search).tolist():
+    for hypothesis in _likeliest(search).tolist():
         # Without a depth image a wrong turn may fit as well.
         if not len(scores) or scores[0] > options.good_cost or search.view.lens is None:
-            seen = search.at.seen[guess : guess + 1]
+            seen = search.at.seen[hypothesis : hypothesis + 1]
             new = _fits(
                 search,
                 search.few,
-                search.guesses[guess][None],
+                search.hypotheses[hypothesis][None],
                 options.predicted_scales,
                 seen=seen,
             ).T
@@ -225,39 +229,41 @@ def _likeliest(search: Search) -> I64:
     likely = order[costs[order] < options.try_next_ratio * costs[order[0]] + 1e-9]
     away = search.at.world[likely] - search.at.world[order[0]]
     apart = np.sqrt(np.einsum("kmi,kmi->km", away, away).max(axis=1))
-    others = likely[apart > options.same_pose_units * search.thing.unit]
+    others = likely[apart > options.same_pose_units * search.track.unit]
     return np.array([order[0], *others[:1]])
 
 
-def _try(search: Search, guesses: list[F64], most: int, poses: F64, scores: F64) -> tuple[F64, F64]:
+def _try(
+    search: Search, hypotheses: list[F64], most: int, poses: F64, scores: F64
+) -> tuple[F64, F64]:
     """Fit the likeliest of the guesses, and add them with their scores.
 
     Half of them are chosen by what is seen alone, in turn over the places: what is thrown or
     knocked goes on elsewhere than any prediction, and the likeliest may all be at one wrong place.
     """
     options = search.options.register
-    thing, some, tried = search.thing, search.few, np.stack(guesses)
-    at = look(thing, search.view, some, tried, search.own)
-    seen = costs_of(thing, search.target, some, at, options.judged_units_unfitted * thing.unit)
+    track, some, tried = search.track, search.few, np.stack(hypotheses)
+    at = look(track, search.view, some, tried, search.own)
+    seen = costs_of(track, search.target, some, at, options.judged_units_unfitted * track.unit)
     order = np.argsort(seen + _surprise(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
     rest = rest[np.argsort(seen[rest], kind="stable")]
-    if thing.handy:
-        rest = _over_places(thing, tried, first, rest)
+    if track.hand_sized:
+        rest = _over_places(track, tried, first, rest)
     likely = tried[np.append(first, rest[: most // 2])]
     new = _fits(search, some, likely, options.anywhere_scales).T
     return np.concatenate([poses, new]), np.concatenate([scores, _scores(search, new)])
 
 
-def _over_places(thing: Thing, poses: F64, first: I64, rest: I64) -> I64:
+def _over_places(track: Track, poses: F64, first: I64, rest: I64) -> I64:
     """The ``rest`` (M,) of the poses (K, 4, 4), in turn over the places that the thing has there.
 
     The ``first`` (N,) have had their turns.
     """
-    at = transform_each(poses, thing.model.centre[None])[:, 0]
+    at = transform_each(poses, track.model.centre[None])[:, 0]
     turn = _turns(
         at[np.concatenate([first, rest])],
-        thing.options.register.other_place_radii * thing.model.radius,
+        track.options.register.other_place_radii * track.model.radius,
     )
     return rest[np.argsort(turn[len(first) :], kind="stable")]
 
@@ -269,18 +275,18 @@ def _turns(at: F64, apart: float) -> I64:
     A place is where the first was that was more than ``apart`` metres from all places before.
     """
     turn, turns = np.empty(len(at), np.int64), np.zeros(len(at), np.int64)
-    places, count = np.empty_like(at), 0
+    fits, count = np.empty_like(at), 0
     for i in range(len(at)):
         nearest, least = -1, apart
         for k in range(count):
             square = 0.0
             for a in range(3):
-                square += (places[k, a] - at[i, a]) ** 2
+                square += (fits[k, a] - at[i, a]) ** 2
             away = np.sqrt(square)
             if away < least or (nearest < 0 and away == apart):
                 nearest, least = k, away
         if nearest < 0:
-            places[count] = at[i]
+            fits[count] = at[i]
             nearest = count
             count += 1
         turn[i] = turns[nearest]
@@ -291,17 +297,17 @@ def _turns(at: F64, apart: float) -> I64:
 def _scores(search: Search, poses: F64) -> F64:
     """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
     options = search.options.register
-    thing = search.thing
-    at = look(thing, search.view, search.few, poses, search.own)
+    track = search.track
+    at = look(track, search.view, search.few, poses, search.own)
     beside = [
-        excess(world, search.target, thing.unit, options=search.view.options.register)
+        excess(world, search.target, track.unit, options=search.view.options.register)
         for world in at.world
     ]
     away = search.at.facing[0] - at.facing
     if search.view.lens is None:
         away = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
-        costs_of(thing, search.target, search.few, at, options.judged_units * thing.unit)
+        costs_of(track, search.target, search.few, at, options.judged_units * track.unit)
         + _surprise(search, poses)
         + beside
         + options.averted_cost * np.maximum(0.0, away)
@@ -322,14 +328,14 @@ def _fits(
     ``seen`` (K, M): which of the sample that is, where it is known; ``target`` in place of the
     search's.
     """
-    model = search.thing.model
+    model = search.track.model
     if seen is None:
-        seen = look(search.thing, search.view, sample, poses, search.own).seen
+        seen = look(search.track, search.view, sample, poses, search.own).seen
     seen = (
         seen
         | (np.count_nonzero(seen, axis=1) < search.options.register.min_visible_points)[:, None]
     )
-    steps = [s * search.thing.unit for s in scales]
+    steps = [s * search.track.unit for s in scales]
     source = Source(model.xyz[sample], model.colour[sample])
     return robust_fits(
         source, seen, target or search.target, poses, steps, options=search.view.options.register
@@ -339,20 +345,20 @@ def _fits(
 def _surprise(search: Search, poses: F64) -> F64:
     """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
     options = search.options.register
-    motion, model, guesses = search.thing.motion, search.thing.model, search.guesses
-    at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, guesses))
-    reach = options.surprise_radii * max(model.radius, search.thing.unit) * motion.gap
+    motion, model, hypotheses = search.track.motion, search.track.model, search.hypotheses
+    at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, hypotheses))
+    reach = options.surprise_radii * max(model.radius, search.track.unit) * motion.gap
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
     cost = options.surprise_cost * np.minimum(1.0, off)
-    if search.thing.scanned:
+    if search.track.scanned:
         size = (options.limit_radii_unknown if motion.fresh else options.limit_radii) * model.radius
-        change = options.limit_radii * motion.speed + options.limit_units * search.thing.unit
+        change = options.limit_radii * motion.speed + options.limit_units * search.track.unit
         far = options.beyond_cost * (off * reach > size + change * motion.gap)
     else:
         far = np.zeros(len(off))
     if motion.fresh:
         return np.asarray(0.5 * cost + far)
-    turns = poses[:, :3, :3].reshape(-1, 9) @ guesses[:, :3, :3].reshape(-1, 9).T
+    turns = poses[:, :3, :3].reshape(-1, 9) @ hypotheses[:, :3, :3].reshape(-1, 9).T
     # The trace of a rotation is 3 for none, and -1 for half a turn.
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
     return np.asarray(cost + options.turn_cost * turned + far)

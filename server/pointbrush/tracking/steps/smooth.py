@@ -16,7 +16,7 @@ import numpy as np
 
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
@@ -50,17 +50,17 @@ class Held:
         """Whether a thing is in doubt that was not looked at once more."""
         return label in self.result.tracks and label not in self.done and not self.sure(label)
 
-    def improve(self, label: int, track: TrackState, points: I64) -> None:
+    def improve(self, label: int, state: TrackState, points: I64) -> None:
         """Take another state of a thing, and its points (M,), where they are surer."""
         self.done.add(label)
-        if _confidence(track) <= _confidence(self.result.tracks.get(label)):
+        if _confidence(state) <= _confidence(self.result.tracks.get(label)):
             return
         before = self.result.assignments.get(label, points[:0])
         points = together(points, before[~self.free[before]])  # what a person has painted of it
         self.result = replace(
             self.result,
             assignments={**self.result.assignments, label: points},
-            tracks={**self.result.tracks, label: replace(track, points=len(points))},
+            tracks={**self.result.tracks, label: replace(state, points=len(points))},
         )
 
 
@@ -72,13 +72,13 @@ class Smoother:
         self._asked, self.options = asked, options
 
     def take(
-        self, new: Held, things: Mapping[int, Thing], background: Background
+        self, new: Held, tracks: Mapping[int, Track], background: Background
     ) -> Iterator[FrameResult]:
         """Take in the next frame, and give the results that stay as they are."""
-        small = {n: thing for n, thing in things.items() if _stiff(thing)}
-        for label, thing in small.items():
+        small = {n: track for n, track in tracks.items() if _stiff(track)}
+        for label, track in small.items():
             if new.sure(label) and any(held.open(label) for held in self._held):
-                self._go_back(thing, new, background)
+                self._go_back(track, new, background)
         self._held.append(new)
         while self._held and (
             len(self._held) > self.options.smoothing.lag_frames
@@ -92,14 +92,14 @@ class Smoother:
             yield held.result
         self._held = []
 
-    def _go_back(self, thing: Thing, new: Held, background: Background) -> None:
+    def _go_back(self, track: Track, new: Held, background: Background) -> None:
         """Follow a copy of a thing from a ``new`` frame back through all that is in doubt."""
-        label = thing.label
+        label = track.label
         again = replace(
-            thing,
-            model=deepcopy(thing.model),
-            motion=Motion(thing.options, thing.motion.centre, [thing.motion.poses[-1]]),
-            glimpses=list(thing.glimpses),
+            track,
+            model=deepcopy(track.model),
+            motion=Motion(track.options, track.motion.centre, [track.motion.poses[-1]]),
+            carving_views=list(track.carving_views),
         )
         astray: dict[int, int] = {}
         first = next(i for i, held in enumerate(self._held) if held.open(label))
@@ -109,12 +109,12 @@ class Smoother:
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
             most = new.most.get(label, 1.0)
-            track, points = _found_again(again, astray, held, background, most, self._asked)
-            held.improve(label, track, points)
+            state, points = _found_again(again, astray, held, background, most, self._asked)
+            held.improve(label, state, points)
 
 
 def _found_again(
-    thing: Thing,
+    track: Track,
     astray: dict[int, int],
     held: Held,
     background: Background,
@@ -125,34 +125,34 @@ def _found_again(
 
     ``astray``: see ``find_astray``.
     """
-    view, label = held.view, thing.label
+    view, label = held.view, track.label
     free = held.free.copy()
     for other, points in held.result.assignments.items():
         if other != label:
             free[points] = False
     findings = Findings(view, background, free)
-    search = crop(thing, view, background, free)
+    search = crop(track, view, background, free)
     if search is not None:
-        findings.put(label, *placed(thing, view, search))
-    find_astray([thing], astray, findings)
-    grown, taken = grow({label: thing}, findings)
-    place, claim = findings.places.get(label), findings.claims.get(label)
-    if place is not None:
-        place.most = min(place.most, most)
-    track, points = settle(thing, view, place, claim, grown.get(label, _NONE), asked)
-    if place is not None:
-        taken[place.neutral] = True
-        set_rivals(thing, view, place.moving[~taken[place.moving]], place.box)
-    return track, points
+        findings.put(label, *placed(track, view, search))
+    find_astray([track], astray, findings)
+    grown, taken = grow({label: track}, findings)
+    fit, claim = findings.fits.get(label), findings.claims.get(label)
+    if fit is not None:
+        fit.most = min(fit.most, most)
+    state, points = settle(track, view, fit, claim, grown.get(label, _NONE), asked)
+    if fit is not None:
+        taken[fit.neutral] = True
+        set_rivals(track, view, fit.moving[~taken[fit.moving]], fit.box)
+    return state, points
 
 
-def _stiff(thing: Thing) -> bool:
+def _stiff(track: Track) -> bool:
     """Whether what was learnt of a small thing's shape later held before, too."""
-    return thing.handy and not (thing.bends or thing.soft)
+    return track.hand_sized and not (track.bends or track.soft)
 
 
-def _confidence(track: TrackState | None) -> float:
-    return 0.0 if track is None else track.confidence
+def _confidence(state: TrackState | None) -> float:
+    return 0.0 if state is None else state.confidence
 
 
 _NONE: I64 = np.empty(0, np.int64)

@@ -11,9 +11,9 @@ from pointbrush.tracking.compute.columns import NONE, columns, nearest
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.model.registration import Place
+from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import Model
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim, claim
 from pointbrush.tracking.steps.predict import target_of
@@ -30,7 +30,7 @@ class Sighting:
     """
 
     view: View
-    place: Place
+    fit: Registration
     found: Claim
     grown: I64
     verdict: Verdict
@@ -41,110 +41,110 @@ class Sighting:
         return np.concatenate([self.found.indices, self.grown])
 
 
-def withheld(things: Mapping[int, Thing], places: Mapping[int, Place], view: View) -> F64:
+def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View) -> F64:
     """(M, 3) where a thing is known to be, even if it claimed nothing there."""
-    slow = {n: t for n, t in things.items() if t.motion.slow(t.unit)}
-    there = [places[n].world for n in places if n in view.labels and n in slow]
+    slow = {n: t for n, t in tracks.items() if t.motion.slow(t.unit)}
+    there = [fits[n].world for n in fits if n in view.labels and n in slow]
     if view.lens is None:
         # What is hidden cannot be told from what is gone: it may be where it was.
-        hidden = [t for n, t in slow.items() if n not in view.labels and not t.stopped]
+        hidden = [t for n, t in slow.items() if n not in view.labels and not t.lost]
         there += [transform(t.motion.poses[-1], t.model.xyz) for t in hidden]
     else:
-        there += [_hidden_at_rest(t, view) for t in things.values()]
+        there += [_hidden_at_rest(t, view) for t in tracks.values()]
     return np.concatenate([np.empty((0, 3)), *there])
 
 
-def _hidden_at_rest(thing: Thing, view: View) -> F64:
+def _hidden_at_rest(track: Track, view: View) -> F64:
     """(M, 3) where a thing that rested may be behind what is seen: it is not seen past there."""
-    if thing.motion.rested is None:
+    if track.motion.rested is None:
         return np.empty((0, 3))
-    world = transform(thing.motion.rested, thing.model.xyz)
-    return np.asarray(world[view.hides(world, -thing.options.verdict.hidden_units * thing.unit)])
+    world = transform(track.motion.rested, track.model.xyz)
+    return np.asarray(world[view.hides(world, -track.options.verdict.hidden_units * track.unit)])
 
 
-def learn(thing: Thing, sighting: Sighting) -> None:
+def learn(track: Track, sighting: Sighting) -> None:
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
     found, grown = sighting.found, sighting.grown
-    if sighting.verdict.confidence > thing.options.update.size_matched_share:
-        thing.size = max(thing.size, float(len(found.indices) + len(grown)))
-    was_rigid = not thing.bends
-    note_looseness(thing, sighting)
-    if thing.bends:
-        _make_anew(thing, sighting)
+    if sighting.verdict.confidence > track.options.update.size_matched_share:
+        track.size = max(track.size, float(len(found.indices) + len(grown)))
+    was_rigid = not track.bends
+    note_looseness(track, sighting)
+    if track.bends:
+        _make_anew(track, sighting)
     else:
-        _gather(thing, sighting, was_rigid)
+        _gather(track, sighting, was_rigid)
 
 
-def _make_anew(thing: Thing, sighting: Sighting) -> None:
+def _make_anew(track: Track, sighting: Sighting) -> None:
     """Replace a model that bends by what was found, and what of the old one was not in sight."""
-    options = thing.options
-    view, place, points = sighting.view, sighting.place, sighting.points
-    back = inverse(place.pose)
+    options = track.options
+    view, fit, points = sighting.view, sighting.fit, sighting.points
+    back = inverse(fit.pose)
     xyz = transform(back, view.xyz[points].astype(np.float64))
     unseen = sighting.verdict.hidden
-    if thing.scanned:  # what hides it from a lidar is known too coarsely
+    if track.scanned:  # what hides it from a lidar is known too coarsely
         unseen = unseen | ~close_to(
-            place.world, view.xyz[points], options.verdict.surface_units * thing.unit
+            fit.world, view.xyz[points], options.verdict.surface_units * track.unit
         )
-    old = np.flatnonzero(unseen & (thing.model.misses < options.update.forgotten_frames))
-    before = thing.model
+    old = np.flatnonzero(unseen & (track.model.misses < options.update.forgotten_frames))
+    before = track.model
     new = Model.of(
         xyz,
         view.colour(points),
         _eye_of(back, view),
         before.spacing,
-        thing.options,
+        track.options,
         options.surface.max_points_bent,
     )
-    new.xyz = np.vstack([new.xyz, transform(back, place.world[old])])
+    new.xyz = np.vstack([new.xyz, transform(back, fit.world[old])])
     new.colour = np.vstack([new.colour, before.colour[old]])
     new.seen = np.vstack([new.seen, before.seen[old]])
     new.hits = np.append(new.hits, before.hits[old]).astype(np.float32)
     new.misses = np.append(new.misses, before.misses[old] + 1).astype(np.float32)
-    thing.model = new
+    track.model = new
 
 
-def _gather(thing: Thing, sighting: Sighting, was_rigid: bool) -> None:
+def _gather(track: Track, sighting: Sighting, was_rigid: bool) -> None:
     """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
-    view, place = sighting.view, sighting.place
-    back = inverse(place.pose)
-    if thing.soft:
-        thing.model.xyz = transform(back, _settled_on(place.world, view, sighting.found))
-    number = thing.model.miss(sighting.verdict.through)
+    view, fit = sighting.view, sighting.fit
+    back = inverse(fit.pose)
+    if track.soft:
+        track.model.xyz = transform(back, _settled_on(fit.world, view, sighting.found))
+    number = track.model.miss(sighting.verdict.through)
     if not was_rigid:  # the claim was made by the model as it was bent
         number[:] = -1
-    again = _claimed_again(thing, sighting, number)
-    if not place.whole:
-        again = again.pick(again.cost < 2 * thing.reach)
-    if not thing.painted.flat:  # Ground beside what is known is no new surface.
+    again = _claimed_again(track, sighting, number)
+    if not fit.whole:
+        again = again.pick(again.cost < 2 * track.reach)
+    if not track.painted.flat:  # Ground beside what is known is no new surface.
         again = again.pick(
             ~view.low[again.indices]
-            | (again.gap < thing.options.surface.new_spacings * thing.model.spacing)
+            | (again.gap < track.options.surface.new_spacings * track.model.spacing)
         )
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
     # Nobody holds what a lidar on the move sees ever new sides of.
-    sure = thing.distinct(colour) | (place.whole or view.roams)
+    sure = track.distinct(colour) | (fit.whole or view.roams)
     own_eye = _eye_of(back, view)
-    thing.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
-    _take_in_uncovered(thing, view, place.uncovered, back, own_eye)
+    track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
+    _take_in_uncovered(track, view, fit.uncovered, back, own_eye)
 
 
-def _claimed_again(thing: Thing, sighting: Sighting, number: I64) -> Claim:
+def _claimed_again(track: Track, sighting: Sighting, number: I64) -> Claim:
     """What the model claims now of its points: as before, unless the model point has gone.
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
-    options = thing.options.update
-    view, place, found = sighting.view, sighting.place, sighting.found
+    options = track.options.update
+    view, fit, found = sighting.view, sighting.fit, sighting.found
     reach = (
-        options.teach_units_alone if place.whole or thing.scanned else options.teach_units
-    ) * thing.unit
+        options.teach_units_alone if fit.whole or track.scanned else options.teach_units
+    ) * track.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
     rest = np.concatenate([found.indices[~kept], sighting.grown])
-    world = transform(place.pose, thing.model.xyz)
-    new = claim(view, rest, world, thing.model.colour, thing.weight, reach)
+    world = transform(fit.pose, track.model.xyz)
+    new = claim(view, rest, world, track.model.colour, track.weight, reach)
     return Claim(
         np.concatenate([found.indices[kept], new.indices]),
         np.concatenate([found.cost[kept], new.cost]),
@@ -164,7 +164,7 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
     )
 
 
-def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F64 | None) -> None:
+def _take_in_uncovered(track: Track, view: View, points: I64, back: F64, eye: F64 | None) -> None:
     """What another object hid until now of a thing at rest is as sure as what a person painted.
 
     Beside what is on the move it may be the hand.
@@ -172,9 +172,9 @@ def _take_in_uncovered(thing: Thing, view: View, points: I64, back: F64, eye: F6
     if not len(points):
         return
     xyz = transform(back, view.xyz[points].astype(np.float64))
-    gap, number = nearest(columns(thing.model.xyz, NONE, 0.0), xyz, NONE, np.inf)
-    sure = thing.motion.slow(thing.unit)
-    thing.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)
+    gap, number = nearest(columns(track.model.xyz, NONE, 0.0), xyz, NONE, np.inf)
+    sure = track.motion.slow(track.unit)
+    track.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)
 
 
 def _eye_of(back: F64, view: View) -> F64 | None:
@@ -182,74 +182,74 @@ def _eye_of(back: F64, view: View) -> F64 | None:
     return None if view.eye is None else transform(back, view.eye[None])[0]
 
 
-def note_looseness(thing: Thing, sighting: Sighting) -> None:
+def note_looseness(track: Track, sighting: Sighting) -> None:
     """Take note of how much of what was found a rigid model does not explain."""
-    options = thing.options.strain
-    place, found, grown = sighting.place, sighting.found, sighting.grown
+    options = track.options.strain
+    fit, found, grown = sighting.fit, sighting.found, sighting.grown
     verdict = sighting.verdict
     total = len(found.indices) + len(grown)
-    unlike = 0 if place.whole else len(grown) - len(place.uncovered)
-    loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * thing.unit)) / max(
+    unlike = 0 if fit.whole else len(grown) - len(fit.uncovered)
+    loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
     # What is mostly hidden says little about the rest of it.
-    says = options.share_rate * (verdict.visible if thing.handy else 1.0)
-    share = thing.bending.share
+    says = options.share_rate * (verdict.visible if track.hand_sized else 1.0)
+    share = track.bending.share
     share += says * (max(loose, 1 - verdict.inliers) - share)
-    thing.bending = replace(thing.bending, share=share)
+    track.bending = replace(track.bending, share=share)
 
 
-def note_strain(thing: Thing, sighting: Sighting) -> None:
+def note_strain(track: Track, sighting: Sighting) -> None:
     """Take note of how much of a small thing bending alone explains."""
-    options = thing.options
-    stiff = not (thing.bends or thing.soft or thing.large or thing.scanned)
-    if stiff and _asked(thing, sighting):
+    options = track.options
+    stiff = not (track.bends or track.soft or track.large or track.scanned)
+    if stiff and _asked(track, sighting):
         most = (
             np.inf
-            if thing.size > options.track.dense_points
+            if track.size > options.track.dense_points
             else options.strain.max_frame_ratio * options.track.soft_strain
         )
-        now = min(strained(thing, sighting), most)
-        strain = thing.bending.strain
+        now = min(strained(track, sighting), most)
+        strain = track.bending.strain
         strain += options.strain.strain_rate * (now - strain)
-        thing.bending = replace(thing.bending, strain=strain)
+        track.bending = replace(track.bending, strain=strain)
 
 
-def strained(thing: Thing, sighting: Sighting) -> float:
+def strained(track: Track, sighting: Sighting) -> float:
     """Share of the known surface that is not where one motion puts it, but where bending does."""
-    options = thing.options
-    model, view, place = thing.model, sighting.view, sighting.place
-    facing = model.facing(place.pose[None], view.eye)[0]
+    options = track.options
+    model, view, fit = track.model, sighting.view, sighting.fit
+    facing = model.facing(fit.pose[None], view.eye)[0]
     known = np.flatnonzero(
         facing & ~sighting.verdict.hidden & (model.hits >= options.surface.sure_hits)
     )
     if len(known) < options.strain.min_known_points:
         return 0.0
     some = known[:: -(-len(known) // options.strain.bent_points)]
-    world, colour = place.world[some], model.colour[some]
-    target = target_of(view, place.near, thing.weight, options.strain.target_points)
-    far = options.strain.far_units * thing.unit
-    off = target.nearest(world, colour, far)[0] > options.strain.off_units * thing.unit
-    if thing.motion.slow(thing.unit):
+    world, colour = fit.world[some], model.colour[some]
+    target = target_of(view, fit.near, track.weight, options.strain.target_points)
+    far = options.strain.far_units * track.unit
+    off = target.nearest(world, colour, far)[0] > options.strain.off_units * track.unit
+    if track.motion.slow(track.unit):
         off[off] = ~_beside_another(view, world[off], sighting.points, far)
     if off.mean() < options.strain.min_off_share:
         return 0.0
-    moved = bent(thing, world, colour, target)[off]
+    moved = bent(track, world, colour, target)[off]
     again = target.nearest(moved, colour[off], far)[0]
-    return float(np.count_nonzero(again < options.strain.on_units * thing.unit) / len(off))
+    return float(np.count_nonzero(again < options.strain.on_units * track.unit) / len(off))
 
 
-def _asked(thing: Thing, sighting: Sighting) -> bool:
+def _asked(track: Track, sighting: Sighting) -> bool:
     """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it.
 
     What is seen by very many points fits well while it is stiff.
     """
-    options = thing.options
-    speaks = thing.bending.strain > options.strain.hint_share * options.track.soft_strain
+    options = track.options
+    speaks = track.bending.strain > options.strain.hint_share * options.track.soft_strain
     speaks = speaks or (
-        sighting.place.cost > options.strain.loose_cost and thing.size > options.track.dense_points
+        sighting.fit.cost > options.strain.loose_cost and track.size > options.track.dense_points
     )
-    return speaks or (sighting.view.number + thing.label) % options.strain.stiff_frames == 0
+    return speaks or (sighting.view.number + track.label) % options.strain.stiff_frames == 0
 
 
 def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:

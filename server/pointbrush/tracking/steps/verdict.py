@@ -12,7 +12,7 @@ from pointbrush.tracking.compute.columns import Columns, nearest_one, spans, ton
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import Target, carried, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.model.track import Thing
+from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.camera import Pixels, pixel
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim
@@ -32,15 +32,15 @@ class Look(NamedTuple):
     facing: F64
 
 
-def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
+def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
     """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
 
     ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
     which does not hide it.
     """
-    options = thing.options
-    world = transform_each(poses, thing.model.xyz[sample])
-    facing = thing.model.facing(poses, view.eye, sample)
+    options = track.options
+    world = transform_each(poses, track.model.xyz[sample])
+    facing = track.model.facing(poses, view.eye, sample)
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
         seen, through = _held_against(
@@ -49,26 +49,26 @@ def look(thing: Thing, view: View, sample: I64, poses: F64, own: I64 | None = No
             view.depth,
             world,
             facing,
-            options.register.occlusion_units * thing.unit,
+            options.register.occlusion_units * track.unit,
             options.lens.nearest_m,
         )
     elif view.shade is not None:
-        size = options.register.nearer_radii * thing.model.radius
+        size = options.register.nearer_radii * track.model.radius
         hidden = view.shade.hides(
-            world.reshape(-1, 3), options.register.occlusion_units * thing.unit, own, size
+            world.reshape(-1, 3), options.register.occlusion_units * track.unit, own, size
         )
         seen = facing & ~hidden.reshape(facing.shape)
     share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
     return Look(world, seen, through, share)
 
 
-def costs_of(thing: Thing, target: Target, sample: I64, at: Look, scale: float) -> F64:
+def costs_of(track: Track, target: Target, sample: I64, at: Look, scale: float) -> F64:
     """(K,) 0..1: mean squared distance, in place and colour, of what should be seen at each pose.
 
     A side that was never seen must at least not stand before what was measured.
     """
-    options = thing.options.register
-    colour = thing.model.colour[sample]
+    options = track.options.register
+    colour = track.model.colour[sample]
     total, count = _distances(at, colour, target.columns, options.cap_scales * scale)
     lean = options.unseen_weight * len(sample)
     return np.asarray((total + lean * options.unseen_cost) / (count + lean))
@@ -110,8 +110,8 @@ def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, 
     for k in range(len(world)):
         for i in range(world.shape[1]):
             if seen[k, i]:
-                place = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
-                square, near = nearest_one(grid, place, toned(grid, colour, i), most, room)
+                fit = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
+                square, near = nearest_one(grid, fit, toned(grid, colour, i), most, room)
                 total[k] += square / (most * most) if near >= 0 else 1.0
                 count[k] += 1.0
             elif through[k, i]:
@@ -137,40 +137,40 @@ class Verdict:
 
 
 def judge(
-    thing: Thing, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
+    track: Track, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
 ) -> Verdict:
     """Compare the model at ``pose`` (4, 4), its points at ``world`` (M, 3), with what it claims.
 
     Nothing is found where one of them is None.
     """
-    options = thing.options.verdict
-    n = len(thing.model.xyz)
+    options = track.options.verdict
+    n = len(track.model.xyz)
     nothing = np.zeros(n, np.bool_)
     if pose is None or world is None or found is None:
         return Verdict(False, 0.0, 0.0, nothing, nothing, 0.0)
-    facing = thing.model.facing(pose[None], view.eye)[0]
+    facing = track.model.facing(pose[None], view.eye)[0]
     matched = nothing.copy()
     if len(found.indices):
-        reach = options.surface_units * thing.unit
+        reach = options.surface_units * track.unit
         matched[found.nearest[found.gap < reach]] = True
         rest = np.flatnonzero(~matched)
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
-        hidden = view.hides(world, options.hidden_units * thing.unit) & ~matched
+        hidden = view.hides(world, options.hidden_units * track.unit) & ~matched
         through = (
-            view.sees_through(world, options.seen_through_units * thing.unit) & ~matched & facing
+            view.sees_through(world, options.seen_through_units * track.unit) & ~matched & facing
         )
     elif view.shade is not None:
-        hidden = view.shade.hides(world, options.hidden_units * thing.unit) & ~matched
+        hidden = view.shade.hides(world, options.hidden_units * track.unit) & ~matched
     expected = facing & ~hidden
     if expected.sum() < options.min_facing_points:
         expected = ~hidden
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
-    enough = len(found.indices) >= max(options.min_points, options.min_size_share * thing.size)
+    enough = len(found.indices) >= max(options.min_points, options.min_size_share * track.size)
     # What hides it from a lidar is known too coarsely to tell all that should be seen.
-    much = thing.scanned and len(found.indices) > options.remaining_share * thing.last.points
+    much = track.scanned and len(found.indices) > options.remaining_share * track.last.points
     good = enough and (inliers > options.present_share or much)
     confidence = float(np.clip(inliers * min(1.0, options.min_trust_share + visible), 0, 1))
     return Verdict(good, inliers, confidence, hidden, through, visible)

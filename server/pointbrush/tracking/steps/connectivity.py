@@ -1,0 +1,121 @@
+"""What hangs together with a thing: points that steps of some length lead to."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.columns import NONE, any_near, columns
+from pointbrush.tracking.compute.grid import bounds, close_to, within
+from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.sensors.view import View
+
+
+class Limits(NamedTuple):
+    """Where what hangs together with a thing has to end, to be all of it.
+
+    After ``steps`` of ``reach`` metres and with ``most`` points at most, all of them from ``low``
+    (3,) to ``high`` (3,).
+    """
+
+    reach: float
+    steps: int
+    most: int
+    low: F64
+    high: F64
+
+
+def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
+    """Which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach`` metres."""
+    joined = np.zeros(len(rest), np.bool_)
+    front = core
+    for _ in range(rounds):
+        open_ = np.flatnonzero(~joined)
+        if not len(open_) or not len(front):
+            break
+        new = open_[close_to(rest[open_], front, reach)]
+        joined[new] = True
+        front = rest[new]
+    return joined
+
+
+def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
+    """All of ``rest`` that hangs together with ``core``; None where that does not end within the
+    ``limits``.
+
+    What moves alone in the air is the object, new surface and all; what does not end within a
+    few steps hangs together with something larger (a hand, a body).
+    """
+    front = view.xyz[core].astype(np.float64)
+    lo, hi = bounds(front)
+    far = limits.steps * limits.reach
+    rest = rest[within(view.xyz.take(rest, axis=0), lo - far, hi + far)]
+    joined, ends = flood(front, view.xyz[rest].astype(np.float64), limits)
+    return rest[joined] if ends else None
+
+
+@compiled
+def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
+    """Which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
+
+    And whether they end within the ``limits``; else they are not all.
+    """
+    reach, low, high = limits.reach, limits.low, limits.high
+    joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
+    count = _beside(core, rest, reach, joined, order)
+    if count == 0:
+        return joined, True
+    first, grid = 0, columns(rest, NONE, 0.0)
+    steps = int(reach / grid.size) + 1
+    # Of each column those that have not joined, so that none is asked again.
+    left, ends = np.arange(len(rest)), grid.start[1:].copy()
+    for _ in range(limits.steps):
+        last = count
+        if first == last:
+            return joined, True
+        for k in range(first, last):
+            for a in range(3):
+                if not low[a] <= rest[order[k], a] <= high[a]:
+                    return joined, False
+        if count > limits.most:
+            return joined, False
+        for k in range(first, last):
+            at = rest[order[k]]
+            row = int((at[grid.axes[0]] - grid.low[0]) / grid.size)
+            column = int((at[grid.axes[1]] - grid.low[1]) / grid.size)
+            low_, high_ = max(column - steps, 0), min(column + steps, grid.across - 1)
+            for other in range(max(row - steps, 0), min(row + steps, grid.along - 1) + 1):
+                for here in range(other * grid.across + low_, other * grid.across + high_ + 1):
+                    i = grid.start[here]
+                    while i < ends[here]:
+                        point, square = grid.order[left[i]], 0.0
+                        for a in range(3):
+                            square += (rest[point, a] - at[a]) ** 2
+                        if not joined[point] and square >= reach * reach:
+                            i += 1
+                            continue
+                        if not joined[point]:
+                            joined[point] = True
+                            order[count] = point
+                            count += 1
+                        ends[here] -= 1
+                        left[i] = left[ends[here]]
+        first = last
+    return joined, first == count
+
+
+@compiled
+def _beside(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int:
+    """Mark which of ``rest`` are near the core; how many, whose numbers now begin ``order``."""
+    lo, hi = bounds(core)
+    grid, count = columns(core, NONE, 0.0), 0
+    for i in range(len(rest)):
+        x, y, z = rest[i, 0], rest[i, 1], rest[i, 2]
+        away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+        if away < reach and any_near(grid, (x, y, z), (0.0, 0.0, 0.0), reach):
+            joined[i] = True
+            order[count] = i
+            count += 1
+    return count
