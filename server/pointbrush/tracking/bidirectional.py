@@ -31,7 +31,7 @@ Found = tuple[I64 | None, TrackState | None]
 
 @dataclass(frozen=True)
 class _Task:
-    """What a run is asked to go through."""
+    """One part of a run between painted frames: what it is asked to go through."""
 
     frames: Frames
     order: Sequence[int]
@@ -44,7 +44,8 @@ class _Task:
         return FrameRules(len(self.frames(number).xyz), self.known(number), self.options)
 
     def known_with(self, at: int, found: Mapping[int, Found]) -> Known:
-        """What is known, and in the frame at a position also what the run ``found`` there."""
+        """Return what is known, and in the frame at a position also what the run ``found``
+        there."""
         number = self.order[at]
 
         def known(asked: int) -> FrameKnowledge | None:

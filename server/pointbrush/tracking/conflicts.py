@@ -18,7 +18,7 @@ from pointbrush.tracking.steps.verdict import judge
 
 
 def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
-    """Let claims share no point; a thing that lost most of its is looked for in what is left."""
+    """Let claims share no point; an object that lost most of its is looked for in what is left."""
     view, fits = findings.view, findings.fits
     before, claims = (
         findings.claims,
@@ -39,7 +39,7 @@ def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
         again = {**claims, label: claim}
         better = decide(len(view.xyz), again)
         had, has = len(decided[label].indices), len(better[label].indices)
-        # Where nearly all is another's, the other is, and not the thing.
+        # Where nearly all is another's, the other is, and not the object.
         anothers = (
             had < findings.view.options.relocate.others_share * len(before[label].indices)
             and fit.cost < fits[label].cost
@@ -62,7 +62,7 @@ def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
 def look_for(
     absent: Iterable[Track], tracks: Mapping[int, Track], findings: Findings
 ) -> dict[int, I64]:
-    """Find large things that were hidden in what the claims of the others leave.
+    """Find large objects that were hidden in what the claims of the others leave.
 
     ``findings`` take in those that were found; given are the points where the others may be.
     """
@@ -88,7 +88,7 @@ def look_for(
 def _surely(
     label: int, tracks: Mapping[int, Track], background: Background, view: View, points: I64
 ) -> bool:
-    """Whether a large thing that was hidden is there: it shows where and as it was last seen, or
+    """Whether a large object that was hidden is there: it shows where and as it was last seen, or
     before a known scene, in its own clothes."""
     options = view.options.relocate
     if float((background.again(view, points) == label).mean()) > options.shown_share:
@@ -103,7 +103,7 @@ def bodies_left(
     findings: Findings,
     grown: Mapping[int, I64],
 ) -> dict[int, I64]:
-    """The bodies nobody has of things so changed that they have to be learnt anew.
+    """The bodies no one has of objects so changed that they have to be learnt anew.
 
     ``loose``: the points where each of them may be.
     """

@@ -114,7 +114,7 @@ class DistinctFrames:
 
 @dataclass(frozen=True, eq=False)
 class DistinctRun:
-    """What a method is asked, in distinct points, and its results in all points."""
+    """A call of a method in distinct points, with its results in all points."""
 
     frames: DistinctFrames
     whole: Known

@@ -1,4 +1,4 @@
-"""What a tracking method takes and gives.
+"""Interface of a tracking method: what it takes and gives.
 
 Points are in stored order and local coordinates throughout; transforms name their direction.
 Everything a method yields pickles, so that it can run in another process.
@@ -75,7 +75,7 @@ class Seed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameKnowledge:
-    """What is already written on a frame: (N,) arrays in stored order."""
+    """Labels already written on a frame: (N,) arrays in stored order."""
 
     label: NDArray[np.uint16]
     provenance: NDArray[np.uint8]
@@ -88,10 +88,10 @@ Known = Callable[[int], FrameKnowledge | None]
 
 @dataclass(frozen=True, slots=True)
 class TrackOptions:
-    """How a run treats what is already there, and when it stops.
+    """Options of a run: what it may overwrite, and when it stops.
 
     ``overwrite``      which labelled points a run may take: "never" any, "tracked" those that
-                       nobody painted, "all".
+                       no one painted, "all".
     ``locked``         labels whose points are never taken.
     ``continue_lost``  go on looking after the first lost frame of a label.
     ``until_painted``  a label's run ends at the next frame where it is painted, so that a
@@ -112,7 +112,7 @@ class TrackOptions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackState:
-    """How a label fared in one frame.
+    """Outcome of a label in one frame.
 
     ``pose`` (4, 4) float64 ``T_frame_start``; ``rmse`` metres over the inliers of the fit;
     ``inliers`` share 0..1 of the visible model that was found; ``confidence`` 0..1;
@@ -129,7 +129,7 @@ class TrackState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameResult:
-    """What a run found in frame ``frame``.
+    """Result of a run in frame ``frame``.
 
     ``assignments``  label → sorted stored indices (int64); labels share no point.  The start
                      frame, and a label that is not found, have none.

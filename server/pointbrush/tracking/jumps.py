@@ -113,8 +113,8 @@ def _jump_between(
 
 
 def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | None:
-    """Where the surfaces of a frame lie in another (4, 4); None where they are where they were, or
-    are not found."""
+    """Return where the surfaces of a frame lie in another (4, 4); None where they are where they
+    were, or are not found."""
     before = in_place(one, other.tree, np.eye(4), options=options.scan_odometry)
     best, share = np.eye(4), before
     for shift in _likely(one, other, options.jumps):
@@ -262,7 +262,8 @@ class AcrossJumps:
         known: Known,
         options: TrackOptions,
     ) -> FrameResult:
-        """What was found last, in the frame behind a jump; labels that are not found are absent."""
+        """Return what was found last, in the frame behind a jump; labels that are not found are
+        absent."""
         before, after = order[jump.at - 1], order[jump.at]
 
         def moved(number: int) -> TrackFrame:

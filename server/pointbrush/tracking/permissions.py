@@ -39,7 +39,7 @@ class FrameRules:
         return know is None or not (know.label.any() or know.provenance.any() or know.deleted.any())
 
     def free(self, labels: Iterable[int]) -> Mask:
-        """(N,) points that a run of ``labels`` may take and nobody else has taken."""
+        """(N,) points that a run of ``labels`` may take and no one else has taken."""
         know = self._knowledge
         free = ~self._taken
         if know is None or self._empty:
@@ -102,7 +102,7 @@ def keyframes(
 
 
 class Companions:
-    """Who goes along with the labels that are asked for."""
+    """Labels that go along with those that are asked for."""
 
     def __init__(
         self, seeds: Sequence[Seed], rules: FrameRules, xyz: F32, options: CompanionOptions

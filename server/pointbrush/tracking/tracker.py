@@ -127,7 +127,7 @@ class Run:
 
     @property
     def background(self) -> Background:
-        """What is known of the scene that stands still."""
+        """Return what is known of the scene that stands still."""
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
@@ -242,9 +242,9 @@ class Run:
         return fits, margin + near.near_steps * track.motion.speed * track.motion.gap
 
     def _find(self, tracks: list[Track], view: View, free: Mask) -> Findings:
-        """Where things are that were seen the last time, and what each would have there."""
+        """Return where objects are that were seen the last time, and what each would have there."""
         there = [track for track in tracks if not track.lost]
-        predicted = None  # where things are looked for
+        predicted = None  # where objects are looked for
         known, here = (self.background, free, predicted), not self.workers.learns
         cut = self.workers.each(crop, there, lambda _: known, here=here)
         searches = {label: search for label, search in cut.items() if search is not None}
@@ -259,10 +259,10 @@ class Run:
     def _settle(
         self, sought: list[Track], findings: Findings, loose: Mapping[int, I64]
     ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
-        """Let things grow, judge and learn them: how they fared, and the points that each has.
+        """Let objects grow, judge and learn them: how they fared, and the points that each has.
 
-        And the points of large things that came out of hiding so changed that they are learnt anew.
-        What is small is judged while it is found out what hangs together with large things.
+        And the points of large objects that came out of hiding so changed that they are learnt
+        anew.  What is small is judged while it is found out what hangs together with large objects.
         """
         tracks = self.tracks
         grown, taken = grow(tracks, findings)
@@ -290,7 +290,7 @@ class Run:
         emerged: Mapping[int, I64],
         settled: Mapping[int, tuple[TrackState, I64]],
     ) -> dict[int, TrackState]:
-        """How each thing fared; its points go to ``view.labels``."""
+        """Return how each object fared; its points go to ``view.labels``."""
         states: dict[int, TrackState] = {}
         for label, track in self.tracks.items():
             if label in fixed:
@@ -308,7 +308,7 @@ class Run:
         return states
 
     def _repainted(self, track: Track, view: View, points: I64) -> TrackState:
-        """Learn from a person's points: more of the same thing, or all of it anew."""
+        """Learn from a person's points: more of the same object, or all of it anew."""
         self.swaps.forget(track.label)
         pose = None if track.label in self.people else corrected(track, view, points)
         if pose is None:
@@ -324,7 +324,7 @@ class Run:
         return _painted(len(points), pose)
 
     def _emerge(self, track: Track, view: View, points: I64) -> TrackState:
-        """Learn a large thing anew from what came out of hiding; the rest may follow."""
+        """Learn a large object anew from what came out of hiding; the rest may follow."""
         options = self.options.track
         state = self._begin_anew(track, view, points)
         anew = self.tracks[track.label]

@@ -48,7 +48,7 @@ class Columns(NamedTuple):
 
 @innermost
 def _slot(at: float, count: int) -> int:
-    """Which of ``count`` slots holds ``at``; the first or the last for what lies outside.
+    """Return which of ``count`` slots holds ``at``; the first or the last for what lies outside.
 
     Compiled loops do not check what they index with: what is no number goes to the first.
     """
@@ -242,7 +242,8 @@ def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
 
 @compiled
 def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
-    """Which of the points (M, 3) have one less than ``most`` metres away; see ``nearest``."""
+    """Return which of the points (M, 3) have one less than ``most`` metres away; see
+    ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
@@ -252,7 +253,8 @@ def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
 
 @compiled
 def nearer_than(grid: Columns, xyz: F64, colour: F32, most: F64) -> Mask:
-    """Which of the points (M, 3) have one less than ``most`` (M,) metres away; see ``nearest``."""
+    """Return which of the points (M, 3) have one less than ``most`` (M,) metres away; see
+    ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
@@ -329,8 +331,8 @@ def pairs(xyz: F64, most: float) -> I64:
 
 @innermost
 def _pairs_of(grid: Columns, one: int, others: tuple[int, int], most: float, free: I64) -> int:
-    """Write to ``free`` (F, 2) the pairs of a point and those of a stretch of sorted ones; how many
-    there are."""
+    """Write to ``free`` (F, 2) the pairs of a point and those of a stretch of sorted ones; how
+    many there are."""
     count = 0
     x, y, z = grid.xyz[one, 0], grid.xyz[one, 1], grid.xyz[one, 2]
     for other in range(*others):

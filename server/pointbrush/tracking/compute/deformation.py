@@ -1,4 +1,4 @@
-"""People and other things that bend: a graph of nodes that move together but not alike."""
+"""People and other objects that bend: a graph of nodes that move together but not alike."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def parts(links: I64, some: Mask) -> I64:
 
 @innermost
 def root_of(root: I64, at: int) -> int:
-    """Where the way ``root`` (N,) of unions ends from ``at``; made shorter on the way."""
+    """Return where the way ``root`` (N,) of unions ends from ``at``; made shorter on the way."""
     while root[at] != at:
         root[at] = root[root[at]]
         at = root[at]
@@ -132,9 +132,9 @@ def root_of(root: I64, at: int) -> int:
 
 
 def solid(xyz: F64, unit: float, options: ComponentOptions) -> Mask:
-    """Which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
+    """Return which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
 
-    A person who paints a thing paints the flying pixels of its outline too, which lie anywhere
+    A person who paints an object paints the flying pixels of its outline too, which lie anywhere
     between it and the wall, and would make a pin as large as the way there.
     """
     if not len(xyz):

@@ -81,7 +81,8 @@ def means_of(values: NDArray[np.floating], cell: I64) -> F64:
 
 
 def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
-    """Which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do are."""
+    """Return which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do
+    are."""
     lo, hi = bounds(some)
     # Coarse enough for a grid that is kept whole; single precision must not decide at the border.
     size = max(1.001 * reach + 1e-6, float(np.cbrt(np.prod(hi - lo + 2 * reach) / MOST_NEAR)))
@@ -91,7 +92,8 @@ def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
 
 @compiled
 def _in_marked(xyz: F32, some: F32, size: float, low: F64, extent: I64) -> Mask:
-    """Which points (N, 3) lie in a cell of ``size`` metres beside one that holds some (M, 3)."""
+    """Return which points (N, 3) lie in a cell of ``size`` metres beside one that holds some (M,
+    3)."""
     marked = np.zeros((extent[0], extent[1], extent[2]), np.bool_)
     for i in range(len(some)):
         x = int((some[i, 0] - low[0]) / size)
@@ -129,7 +131,8 @@ def middle(points: NDArray[np.floating]) -> F64:
 
 
 def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> Mask:
-    """Which of ``wanted`` (M, 3) are less than ``most`` metres from one of ``points`` (N, 3).
+    """Return which of ``wanted`` (M, 3) are less than ``most`` metres from one of ``points`` (N,
+    3).
 
     Or (M, 6) and (N, 6), with weighted colours.
     """
@@ -149,7 +152,7 @@ def _tints(points: NDArray[np.floating]) -> F32:
 
 @compiled
 def within(xyz: NDArray[np.floating], lo: F64, hi: F64) -> Mask:
-    """Which points (N, 3) lie in a box."""
+    """Return which points (N, 3) lie in a box."""
     inside = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         aside = (lo[0] <= xyz[i, 0]) & (xyz[i, 0] <= hi[0])

@@ -133,8 +133,8 @@ class Target:
     weight: float
 
     def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
-        """What of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside; all of it
-        where that is most."""
+        """Return what of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside;
+        all of it where that is most."""
         lo, hi = bounds(xyz)
         part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
         if len(part) > options.uncut_share * len(self.xyz) or not len(part):
@@ -286,7 +286,7 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
 
 
 def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> float:
-    """How much of the target lies just beside the ``moved`` source, 0 to EXCESS.
+    """Return how much of the target lies just beside the ``moved`` source, 0 to EXCESS.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """

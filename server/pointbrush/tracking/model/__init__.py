@@ -1,1 +1,1 @@
-"""What is known of a track."""
+"""Parts of a track: surface, motion, appearance, confidence."""

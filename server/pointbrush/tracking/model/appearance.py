@@ -1,4 +1,4 @@
-"""What a thing wears: the colours it showed where it was painted, by which it is known again."""
+"""Appearance of an object: a histogram of the colours it showed where it was painted."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColourHistogram:
-    """``common`` (bins,): the share of a thing's points of about that colour.
+    """``common`` (bins,): the share of an object's points of about that colour.
 
     ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
     says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
@@ -36,7 +36,7 @@ class ColourHistogram:
 
     @staticmethod
     def of(colour: F32, options: TrackerOptions) -> ColourHistogram:
-        """Of the colours (M, 3) of a thing's points, as ``View.colour`` gives them."""
+        """Of the colours (M, 3) of an object's points, as ``View.colour`` gives them."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
         common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
@@ -57,8 +57,8 @@ class ColourHistogram:
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
-        """The same, with no colour its alone that is not more points' of a thing of ``size`` points
-        than of those that have the colours (M, 3)."""
+        """The same, with no colour its alone that is not more points' of an object of ``size``
+        points than of those that have the colours (M, 3)."""
         other = ColourHistogram.of(colour, self.options)
         return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
 
@@ -77,7 +77,8 @@ class ColourHistogram:
         return self.likeness(colour) < self.usual - self.options.appearance.rarer_log
 
     def rather(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are far commoner among those worn than among themselves."""
+        """Return which of the colours (M, 3) are far commoner among those worn than among
+        themselves."""
         options = self.options.appearance
         at = _at(colour)
         place = _flat(at // options.coarse_bins)
@@ -88,11 +89,11 @@ class ColourHistogram:
         )
 
     def only(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are its alone."""
+        """Return which of the colours (M, 3) are its alone."""
         return np.asarray(self.alone[_bins(colour)])
 
     def strange(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) have no like here, be they brighter or darker."""
+        """Return which of the colours (M, 3) have no like here, be they brighter or darker."""
         return np.asarray(
             self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.absent_share
         )

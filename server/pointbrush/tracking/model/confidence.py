@@ -1,4 +1,4 @@
-"""How far to trust a fit: the probability of a good label, learnt on generated recordings.
+"""Confidence: probability of a good label, learnt on generated recordings.
 
 A logistic regression on what a fit says about itself, on table-top, juggling, walking and lidar
 recordings: whether IoU is above 0.8.  The scale is then stretched so that above 0.9 nearly all
@@ -19,20 +19,20 @@ RATIO_LEAST = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What a fit says about itself.
+    """Features of a registered track, from which its confidence is computed.
 
     ``inliers`` share of the visible model matched; ``sure`` share of points on well confirmed
-    surface; ``gap`` and ``cost`` mean distances to the model in place, and in place and colour,
-    in reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over
-    the most and over the last; ``grown`` share of points that the model does not explain;
-    ``whole`` whether the thing moves alone; ``share`` of the moving points around;
-    ``appearance`` how much less like what it wore a large thing looks, a mean logarithm, 0 or less;
-    ``usual`` what ``cost`` mostly was where the thing was alone in the air;
-    ``points`` their number; ``pixels`` whether the sensor has a pixel grid; ``scans`` whether it is
-    a lidar; ``soft`` whether the thing bends; ``left`` and ``others`` points that move beside it
-    and are nobody's, and another's, over its own; ``tall`` its height over its model's; ``bend``
-    share that one motion does not explain; ``coarse`` its unit, over its radius; ``border`` share
-    of its points that touch moving ones that are nobody's.
+    surface; ``gap`` and ``cost`` mean distances to the model in place, and in place and colour, in
+    reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over the
+    most and over the last; ``grown`` share of points that the model does not explain; ``whole``
+    whether the object moves alone; ``share`` of the moving points around; ``appearance`` how much
+    less like what it wore a large object looks, a mean logarithm, 0 or less; ``usual`` what
+    ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
+    whether the sensor has a pixel grid; ``scans`` whether it is a lidar; ``soft`` whether the
+    object bends; ``left`` and ``others`` points that move beside it and are no track's, and
+    another's, over its own; ``tall`` its height over its model's; ``bend`` share that one motion
+    does not explain; ``coarse`` its unit, over its radius; ``border`` share of its points that
+    touch moving ones that are no track's.
     """
 
     inliers: float
@@ -60,7 +60,7 @@ class Evidence:
 
 
 def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOptions) -> float:
-    """0..1, of this frame by itself; ``body``: of a large thing before a known scene."""
+    """0..1, of this frame by itself; ``body``: of a large object before a known scene."""
     if evidence.coarse >= options.pointlike_ratio:
         return 0.0
     if evidence.scans:

@@ -1,4 +1,4 @@
-"""Where an object will be: its last motion repeated, with the variations worth trying."""
+"""Motion of an object: predicted poses from its last ones, with variations worth trying."""
 
 from __future__ import annotations
 

@@ -87,10 +87,10 @@ def colourless(view: View, indices: I64) -> bool:
 
 @dataclass(frozen=True)
 class Painted:
-    """How a thing was painted.
+    """Properties of an object that show in how it was painted.
 
     ``flat`` lying on the ground; ``sheet`` flat in itself, as a door is; ``broad`` as part of
-    somebody is; ``cut`` off by the edge of the picture; ``grounded`` with the ground under it;
+    a person is; ``cut`` off by the edge of the picture; ``grounded`` with the ground under it;
     ``with_flying`` with the flying pixels at its outline.
     """
 

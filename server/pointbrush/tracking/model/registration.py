@@ -1,4 +1,4 @@
-"""Where a thing was found in a frame."""
+"""Registration of a track in a frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pointbrush.tracking.interface import F64, I64
 
 @dataclass(eq=False)
 class Registration:
-    """Where a thing was found: ``pose`` (4, 4), and its model's points ``world`` (M, 3).
+    """Registered ``pose`` (4, 4) of a track, and its model's points ``world`` (M, 3).
 
     Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
     have; ``moving``, before the background.  ``cost`` of the fit, 0 to 1.
@@ -31,7 +31,7 @@ class Registration:
     costs: F64 = field(default_factory=lambda: np.empty(0))
     """(H,) what each of them cost."""
     whole: bool = False
-    """The moving points that hang together there are the thing and nothing else."""
+    """The moving points that hang together there are the object and nothing else."""
     cut_short: bool = False
     """What makes it much longer ends all round with it, and may be what holds it."""
     vain: bool = False
@@ -41,18 +41,18 @@ class Registration:
     faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Those of ``near`` that are hardly before the background."""
     undisputed: float = 1.0
-    """Share of what it claimed there that no other thing has."""
+    """Share of what it claimed there that no other object has."""
     most: float = 1.0
     """Confidence at most, since it may have changed places with another."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Points near the model that nothing unlabelled explains: rivals of nothing."""
+    """Points near the model that nothing unlabelled explains: other movers of nothing."""
     uncovered: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points that another label hid a moment ago."""
     border: float = 0.0
-    """Share of its points that touch moving points that are nobody's; of what has no colours."""
+    """Share of its points that touch moving points that are no track's; of what has no colours."""
     beside: I64 | None = None
-    """Points of other moving things beside a large one; None where that is not known."""
+    """Points of other moving objects beside a large one; None where that is not known."""
     had: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Those of ``moving`` that some thing has, this or another; of large things."""
+    """Those of ``moving`` that some object has, this or another; of large objects."""
     rim: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points in this frame of which it learns nothing."""

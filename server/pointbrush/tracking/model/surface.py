@@ -195,9 +195,9 @@ def _towards(xyz: F64, eye: F64 | None) -> F64:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarvingView:
-    """How deep the sensor saw around a thing in one frame.
+    """Depth image around an object in one frame, for space carving.
 
-    ``pose`` (4, 4) of the thing, ``T_world_lens`` (4, 4) or None; ``depth`` (H, W) the least
+    ``pose`` (4, 4) of the object, ``T_world_lens`` (4, 4) or None; ``depth`` (H, W) the least
     of each pixel and its neighbours, 0 where one measured nothing; ``corner`` its first row
     and column in the image of ``lens``.
     """
@@ -209,7 +209,7 @@ class CarvingView:
     depth: F32
 
     def through(self, xyz: F64, beyond: float, options: LensOptions) -> Mask:
-        """Whether points (M, 3) of the thing's own coordinates were looked through."""
+        """Whether points (M, 3) of the object's own coordinates were looked through."""
         T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
         return _through(
             self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.nearest_m
@@ -237,7 +237,7 @@ def _through(
 
 
 def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
-    """What ``view`` shows around a thing whose surface is at ``world`` (M, 3)."""
+    """Return what ``view`` shows around an object whose surface is at ``world`` (M, 3)."""
     options = view.options.surface
     if view.lens is None:
         return None
@@ -262,8 +262,8 @@ def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
 
 
 def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64) -> None:
-    """Add a glimpse where it shows the thing from another side; the oldest leaves."""
-    # The thing hardly leaves its place in front of the sensor: what turns is the thing.
+    """Add a carving view where it shows the object from another side; the oldest leaves."""
+    # The object hardly leaves its place in front of the sensor: what turns is the object.
     options = view.options.surface
     turns = [
         float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in carving_views
@@ -279,7 +279,7 @@ def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64
 def carved(
     carving_views: list[CarvingView], view: View, pose: F64, points: I64, unit: float
 ) -> Mask:
-    """Which ``points`` (M,) lie where a thing at ``pose`` cannot be."""
+    """Return which ``points`` (M,) lie where an object at ``pose`` cannot be."""
     options = view.options
     votes = np.zeros(len(points), np.int64)
     if len(carving_views) >= options.surface.carve_min_views and len(points):

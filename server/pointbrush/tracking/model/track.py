@@ -49,11 +49,11 @@ class OtherMovers:
 
     @cached_property
     def target(self) -> Target:
-        """Where they were, for all questions about them."""
+        """Return where they were, for all questions about them."""
         return Target(self.xyz, self.colour, self.weight)
 
     def along(self, before: F64, now: F64, within: float) -> OtherMovers:
-        """Where they would be, had they gone along with the surface beside them.
+        """Return where they would be, had they gone along with the surface beside them.
 
         That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
         metres from it stays.
@@ -63,11 +63,12 @@ class OtherMovers:
         return OtherMovers(self.xyz + step, self.colour, self.weight)
 
     def asked(self, xyz: NDArray[np.floating]) -> Mask:
-        """Which places (M, 3) they were looked for at: of the others nothing is known."""
+        """Return which places (M, 3) they were looked for at: of the others nothing is known."""
         return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
-        """Which points (M,) lie less than ``within`` (M,) metres from one, in place and colour.
+        """Return which points (M,) lie less than ``within`` (M,) metres from one, in place and
+        colour.
 
         Where they were, or, with a ``step``, gone along with the object's.
         """
@@ -85,10 +86,10 @@ class OtherMovers:
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
-    """How a sensor samples a thing.
+    """Sampling of an object by its sensor.
 
     ``imaged`` it sees depth images; ``scanned`` it is a lidar, then ``grain`` metres lie between
-    the points of the thing, as it is seen from ``away`` metres, 0 while that is not known.
+    the points of the object, as it is seen from ``away`` metres, 0 while that is not known.
     """
 
     imaged: bool
@@ -99,7 +100,7 @@ class Sampling:
 
 @dataclass(frozen=True, slots=True)
 class Bending:
-    """How much a thing bends, as running means.
+    """Bending of an object, as running means.
 
     ``share`` 0..1 of it that one rigid motion does not explain; ``strain`` share of its known
     surface that bending alone explains.
@@ -111,7 +112,7 @@ class Bending:
 
 @dataclass(frozen=True, slots=True)
 class SeenAlone:
-    """What a thing showed of itself where it was alone in the air, all round.
+    """Statistics of an object where it was alone in the air, all round.
 
     ``frames`` how many it was so in; ``cost`` mean distance of its points to the model there, in
     place and colour, in reaches.
@@ -123,7 +124,7 @@ class SeenAlone:
 
 @dataclass(frozen=True, slots=True)
 class LastSight:
-    """How a thing was found in the last frame that showed it.
+    """Outcome of an object in the last frame that showed it.
 
     ``points`` number of them; ``vain`` whether it was looked for elsewhere too, its fit being in
     doubt, and that was no better; ``cut_short`` whether it ended all round with what makes it much
@@ -167,8 +168,8 @@ class Track:
     confidence: float = 1.0
     """The last confidence."""
     astray: bool = False
-    """Whether it may be another since it was found, in doubt, where no motion led, until it is seen
-    alone."""
+    """Whether it may be another since it was found, in doubt, where no motion led, until it is
+    seen alone."""
     bending: Bending = Bending()
     carving_views: list[CarvingView] = field(default_factory=list)
     """What lay around it in some frames."""
@@ -184,24 +185,25 @@ class Track:
 
     @property
     def dyed(self) -> bool:
-        """Whether it is known by its colours; large things and what a lidar sees are otherwise."""
+        """Whether it is known by its colours; large objects and what a lidar sees are otherwise."""
         return self.weight > 0.0 and not self.large
 
     def distinct(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) are the thing's alone, as far as was seen at the start."""
+        """Return which of the colours (M, 3) are the object's alone, as far as was seen at the
+        start."""
         if not self.dyed:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.only(colour)
 
     def strange(self, colour: F32) -> Mask:
-        """Which of the colours (M, 3) the thing did not show where it was painted."""
+        """Return which of the colours (M, 3) the object did not show where it was painted."""
         if not self.dyed:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.strange(colour)
 
     @property
     def bends(self) -> bool:
-        """Whether one rigid motion is not enough; a small thing has to show it more clearly."""
+        """Whether one rigid motion is not enough; a small object has to show it more clearly."""
         options = self.options.track
         return self.bending.share > (
             options.bent_share_large if self.large and not self.scanned else options.bent_share
@@ -233,7 +235,7 @@ class Track:
 
     @property
     def soft(self) -> bool:
-        """Whether it is a small thing whose surface moves within itself, as a toy's does."""
+        """Whether it is a small object whose surface moves within itself, as a toy's does."""
         return self.bending.strain > self.options.track.soft_strain and not self.large
 
     @property
@@ -243,7 +245,7 @@ class Track:
 
     @property
     def large(self) -> bool:
-        """Whether it is many points across, as people are, or seen by a lidar: nobody holds it."""
+        """Whether it is many points across, as people are, or seen by a lidar: no one holds it."""
         options = self.options.track
         if self.scanned:
             return True
@@ -296,7 +298,7 @@ class Track:
 
 
 def begin(view: View, label: int, indices: I64, noise: float, other_movers: OtherMovers) -> Track:
-    """A thing made of a person's points ``indices``; ``noise`` metres of the depth there.
+    """An object made of a person's points ``indices``; ``noise`` metres of the depth there.
 
     A small one before a depth camera without its flying pixels; among those of a large one they
     do not matter.
@@ -329,7 +331,7 @@ def _made(
     colour = view.colour(indices)
     most = most or options.track.dense_points
     spacing, speckle = texture(xyz, colour, options=options.track)
-    if not view.scans:  # nothing that is asked of a thing asks more points than these
+    if not view.scans:  # nothing that is asked of an object asks more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
     unit = max(
         spacing,

@@ -117,7 +117,7 @@ class StrideOptions(Options):
     met_swings: float = 2.5  # swings of limbs within which cells meet a person's surface
     fitting_cap_share: float = 0.8  # share of the cap that fits
     fitting_cells_share: float = 0.2  # share of its cells that must fit for a body to be anybody's
-    # Probability from which an outline far from everybody is somebody's.
+    # Probability from which an outline far from everybody is a person's.
     sure_probability: float = 0.9
     apart_m: float = 0.35  # metres of nothing between a part and the rest of a person
     apart_share: float = 0.5  # share of the rest that such a part has at most
@@ -131,14 +131,14 @@ class StrideOptions(Options):
 class ArrivalOptions(Options):
     """People who come, come back or were exchanged."""
 
-    min_cells: int = 12  # cells from which a body may be somebody new
+    min_cells: int = 12  # cells from which a body may be a new person
     min_share: float = 0.12  # share of the usual number of cells likewise
-    back_min_cells: int = 6  # cells from which a body may be somebody missing
+    back_min_cells: int = 6  # cells from which a body may be a missing person
     back_min_share: float = 0.05  # share of the usual number of cells likewise
     missing_frames: int = 3  # frames missing from which a part of another may be theirs
     part_share: float = 0.2  # share of the usual number of cells that such a part has
     part_log_clothes: float = 0.7  # mean log ratio by which the part is more like their clothes
-    unclaimed_share: float = 0.7  # share of a connected body that must be nobody's
+    unclaimed_share: float = 0.7  # share of a connected body that must be no track's
     back_m: float = 0.3  # metres from where a missing person should be
     back_m_per_frame: float = 0.2  # metres more for each frame missing
     back_max_frames: int = 10  # frames missing for which that adds up

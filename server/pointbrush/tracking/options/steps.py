@@ -368,7 +368,7 @@ class ConfidenceOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class UpdateOptions(Options):
-    """What a track learns from a frame."""
+    """Update of a track from a frame."""
 
     correction_min_points: int = 20  # painted points from which a pose is found among them
     correction_max_cost: float = 0.3  # cost up to which a model is what a person painted

@@ -10,7 +10,7 @@ from pointbrush.tracking.options.base import Options
 
 @dataclass(frozen=True, slots=True)
 class CompanionOptions(Options):
-    """Which labels go along with those that a run is asked for, and how near they are followed."""
+    """Labels that go along with those that a run is asked for, and how near they are followed."""
 
     most: int = 12
     """Labels that go along, the nearest: a correction among a hundred cars costs no more."""
@@ -29,7 +29,7 @@ class CompanionOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class JumpOptions(Options):
-    """When a sensor at rest has jumped, and how its jump is found."""
+    """Jumps of a sensor at rest: when one is assumed, and how it is found."""
 
     stride_frames: int = 8
     """Frames between two that are compared; where they differ, those between are."""
@@ -124,7 +124,7 @@ class AppearanceOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class ObjectOptions(Options):
-    """What kind of object a label is, and its tolerance."""
+    """Kind of object that a label is, and its tolerance."""
 
     # Confidence of a label begun anew from what came out from behind another.
     emerged_confidence: float = 0.3

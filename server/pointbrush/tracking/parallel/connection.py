@@ -1,4 +1,4 @@
-"""How two processes of a run talk: objects by pickle, those that both have already by name."""
+"""Connection of a run's two processes: objects by pickle, shared ones by name."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ class Names:
         return None if found is None else found[0]
 
     def value(self, name: object) -> object:
-        """What has the name; something that stands for it where only the other process has it."""
+        """Return what has the name; something that stands for it where only the other process
+        has it."""
         if name not in self._named:
             self.add(name, _Elsewhere())
         return self._named[name]

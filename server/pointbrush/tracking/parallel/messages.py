@@ -1,4 +1,4 @@
-"""What the two processes of a run say to each other."""
+"""Messages between the two processes of a run."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from pointbrush.tracking.sensors.view import View
 
 
 class Task(NamedTuple):
-    """What is to be done with a thing: ``do(thing, view, *given)``."""
+    """A task for an object: ``do(object, view, *given)``."""
 
     track: Track
     given: tuple[object, ...]
 
 
 class Answer(NamedTuple):
-    """Message: the ``result`` of a task, the ``state`` of a thing that it changed, ``seconds``."""
+    """Message: the ``result`` of a task, the ``state`` of an object that it changed,
+    ``seconds``."""
 
     result: object
     state: Mapping[str, object]

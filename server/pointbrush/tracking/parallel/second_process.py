@@ -1,7 +1,7 @@
-"""A second process that works on things of a frame: both ends of it.
+"""A second process that works on objects of a frame: both ends of it.
 
 Python's threads hardly help each other over many short NumPy calls.  The second process opens the
-frames by itself and gets things, and what else a function is called with, by pickle; what it has
+frames by itself and gets objects, and what else a function is called with, by pickle; what it has
 of this frame already is only named (``connection.py``).
 """
 
@@ -38,7 +38,8 @@ OURS, BOTH = ("around",), ("near", "moving")
 BACKGROUND = "background"
 """Name of the background that both processes keep."""
 KEPT = 11
-"""Glimpses of a thing that have a name: the oldest has left by the time that its name is given."""
+"""Glimpses of an object that have a name: the oldest has left by the time that its name is
+given."""
 
 
 class SecondProcess:
@@ -73,7 +74,7 @@ class SecondProcess:
     def ask(self, do: Callable[..., object], tasks: Sequence[Task], *, changes: bool) -> None:
         """Have ``do``, the function of a module, done; each answer is to be taken before the next.
 
-        ``changes``: it changes the things, which else stay as they are until the next frame.
+        ``changes``: it changes the objects, which else stay as they are until the next frame.
         """
         names = self._line.names
         for track, given in tasks:
@@ -95,7 +96,7 @@ class SecondProcess:
             self._forget({task.track.label for task in tasks})
 
     def _forget(self, labels: set[int]) -> None:
-        """Things are no more as they were when they were sent."""
+        """Objects are no more as they were when they were sent."""
         for label in labels:
             self._line.names.drop(("thing", label))
         self._tracks = self._tracks - labels
@@ -144,7 +145,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def _pipes(process: subprocess.Popen[bytes]) -> tuple[IO[bytes], IO[bytes]]:
-    """What comes from a process that was ``_begun``, and what goes to it."""
+    """Return what comes from a process that was ``_begun``, and what goes to it."""
     return cast(IO[bytes], process.stdout), cast(IO[bytes], process.stdin)
 
 

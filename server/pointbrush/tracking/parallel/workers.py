@@ -1,4 +1,4 @@
-"""Work on several things at once, in two processes, where the frames can be had in both.
+"""Work on several objects at once, in two processes, where the frames can be had in both.
 
 Who does what is decided by how long it took before, and makes no difference to what comes out.
 """
@@ -23,11 +23,11 @@ logger = logging.getLogger(__name__)
 Given = TypeVarTuple("Given")
 Result = TypeVar("Result")
 Do = Callable[[Track, View, *Given], Result]
-"""What is done with a thing in a frame, given what it needs beside them."""
+"""What is done with an object in a frame, given what it needs beside them."""
 Give = Callable[[Track], tuple[*Given]]
-"""What is given for a thing."""
+"""What is given for an object."""
 PER_POINT, AT_LEAST = 5e-6, 0.005
-"""Seconds that a thing takes of which nothing is known: for each of its points, and in all."""
+"""Seconds that an object takes of which nothing is known: for each of its points, and in all."""
 SENDING = 0.01
 """Seconds a frame that this process takes to ask and to take answers."""
 
@@ -35,8 +35,8 @@ SENDING = 0.01
 class Workers(AbstractContextManager["Workers"]):
     """This process and, given ``frames`` that pickle, a second one.
 
-    What is done, ``do(thing, view, *given(thing))``, is the function of a module and touches
-    nothing that another thing's touches; with ``changes`` it changes the thing.  ``show`` a frame
+    What is done, ``do(object, view, *given(object))``, is the function of a module and touches
+    nothing that another object's touches; with ``changes`` it changes the object.  ``show`` a frame
     before anything is done.
     """
 
@@ -81,7 +81,7 @@ class Workers(AbstractContextManager["Workers"]):
         changes: bool = False,
         here: bool = False,
     ) -> dict[int, Result]:
-        """Label → what came out, in the order of the things; ``here``: of this process alone."""
+        """Label → what came out, in the order of the objects; ``here``: of this process alone."""
         some = list(tracks)
         theirs = [] if here else self._ask(do, self._share(some), given, changes=changes)
         mine = [track for track in some if track not in theirs]
@@ -107,7 +107,7 @@ class Workers(AbstractContextManager["Workers"]):
         }
 
     def _share(self, tracks: Sequence[Track]) -> list[Track]:
-        """The things that the second process is to work on: the longest first, evenly."""
+        """The objects that the second process is to work on: the longest first, evenly."""
         if self._second is None or len(tracks) < 2:
             return []
         expected = {track.label: self._expected(track) for track in tracks}
@@ -120,7 +120,7 @@ class Workers(AbstractContextManager["Workers"]):
         return theirs
 
     def _expected(self, track: Track) -> float:
-        """Seconds; of all that is done, so that the same process has a thing all the time."""
+        """Seconds; of all that is done, so that the same process has an object all the time."""
         known = self._seconds.get(track.label)
         return sum(known.values()) if known else AT_LEAST + PER_POINT * track.size
 
@@ -138,7 +138,7 @@ class Workers(AbstractContextManager["Workers"]):
     def _ask(
         self, do: Do[*Given, object], tracks: list[Track], given: Give[*Given], *, changes: bool
     ) -> list[Track]:
-        """Those of the things that the second process will answer for."""
+        """Return those of the objects that the second process will answer for."""
         if self._second is None or not tracks:
             return []
         try:

@@ -1,1 +1,1 @@
-"""People and other large things that bend."""
+"""People and other large objects that bend."""

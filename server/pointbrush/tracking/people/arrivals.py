@@ -54,7 +54,7 @@ def exchanged(
 
 
 def _may_have_taken(person: Person, stranger: Person) -> bool:
-    """Whether somebody may have the place of a stranger, who has his."""
+    """Whether a person may have the place of a stranger, who has theirs."""
     return bool(person.identity.doubts) and stranger.since > person.identity.sure
 
 
@@ -77,11 +77,12 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
 
 
 Offer = tuple[I64, Person | None, I64 | None]
-"""Cells that may be somebody's, whose they were, and the rest of his if that is another's head."""
+"""Cells that may be a person's, whose they were, and the rest of their if that is another's
+head."""
 
 
 def come_back(sight: Observation, people: Sequence[Person], usual: float, now: int) -> set[int]:
-    """Give bodies that nobody labelled had before to those who are missing, the likeliest first.
+    """Give bodies that no one labelled had before to those who are missing, the likeliest first.
 
     Gives the numbers of those without a label who were one of them.
     """
@@ -131,8 +132,8 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
 
 
 def _may_be(person: Person, other: Person | None) -> bool:
-    """Whether what is nobody's, or an ``other``'s, may be somebody's who is missing: who has no
-    label and was there while he was in sight is not he."""
+    """Whether what is no track's, or an ``other``'s, may be a person's who is missing: who has no
+    label and was there while they were in sight is not they."""
     if other is None or other.named:
         return other is not person
     return other.since > person.well
@@ -141,7 +142,7 @@ def _may_be(person: Person, other: Person | None) -> bool:
 def _offers(
     sight: Observation, people: Sequence[Person], gone: Sequence[Person], usual: float, now: int
 ) -> list[Offer]:
-    """What may be somebody's who is ``gone``."""
+    """Return what may be a person's who is ``gone``."""
     options = sight.options.arrivals
     part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
     count = np.bincount(part[part >= 0])
@@ -164,7 +165,8 @@ def _offers(
 
 
 def _rather(sight: Observation, person: Person, cells: I64, rest: I64) -> float:
-    """How much rather one part of what somebody has is his than the rest is, in the costs here."""
+    """Return how much rather one part of what a person has is theirs than the rest is, in the
+    costs here."""
     middle = np.median((person.xyz + person.step) @ sight.flat, axis=0)
 
     def cost(own: I64) -> float:
@@ -181,18 +183,19 @@ def _rather(sight: Observation, person: Person, cells: I64, rest: I64) -> float:
 def _dressed_as(
     sight: Observation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
-    """What others have and is dressed as somebody who is missing, rather than as they are."""
+    """Return what others have and is dressed as a person who is missing, rather than as they
+    are."""
     options = sight.options.arrivals
     if who.identity.appearance is None:
         return []
     found: list[Offer] = []
-    his = sight.unlike(who.identity.appearance)
+    own = sight.unlike(who.identity.appearance)
     for other in people:
         if other is who or not other.named or other.identity.appearance is None:
             continue
         mask = (sight.owner == other.label) & sight.cells.solid
         mask &= (
-            sight.smooth(sight.unlike(other.identity.appearance) - his) > options.part_log_clothes
+            sight.smooth(sight.unlike(other.identity.appearance) - own) > options.part_log_clothes
         )
         part = parts(sight.cells.touching, mask)
         count = np.bincount(part[part >= 0])
@@ -206,7 +209,7 @@ def _dressed_as(
 def _cost(
     sight: Observation, person: Person, cells: I64, other: Person | None, now: int
 ) -> float | None:
-    """How unlikely a body is somebody missing; None where it cannot be he."""
+    """Return how unlikely a body is a missing person; None where it cannot be them."""
     options = sight.options
     away = far_from(sight, person, cells, now)
     like = person.likeness(sight.some(cells))
@@ -219,7 +222,7 @@ def _cost(
 
 
 def _tall(sight: Observation, person: Person, cells: I64) -> float:
-    """What is gained by how likely somebody is as tall as some cells."""
+    """Return what is gained by how likely a person is as tall as some cells."""
     top = top_of(sight, cells, person.area) if person.identity.stature.known else None
     return (
         0.0
@@ -229,7 +232,7 @@ def _tall(sight: Observation, person: Person, cells: I64) -> float:
 
 
 def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
-    """Share of the way that somebody missing may have gone at which a body is."""
+    """Share of the way that a missing person may have gone at which a body is."""
     options = sight.options.arrivals
     there = np.vstack([person.xyz + person.step, person.known])
     reach = options.back_m + options.back_m_per_frame * min(
@@ -241,7 +244,7 @@ def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
 def mistakable(
     sight: Observation, people: Sequence[Person], person: Person, now: int
 ) -> list[Person]:
-    """Those who are missing near what somebody has, and whose it may as well be."""
+    """Return those who are missing near what a person has, and whose it may as well be."""
     cells = sight.cells_of(person.label)
     if not len(cells):
         return []
@@ -253,7 +256,7 @@ def mistakable(
 
 
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
-    """Whether what somebody has is certainly not another's, by colours (S, 3) of it or by its top,
+    """Whether what a person has is certainly not another's, by colours (S, 3) of it or by its top,
     where the other of both does not speak against it."""
     options = person.options
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
@@ -264,7 +267,7 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
 
 
 def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:
-    """Who else has come; what comes into sight around somebody is his."""
+    """Return who else has come; what comes into sight around a person is theirs."""
     options = sight.options
     free = (sight.owner == 0) & sight.cells.solid
     bodies = sight.bodies
@@ -294,7 +297,7 @@ def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: i
 
 
 def _middles(sight: Observation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
-    """Where on the ground (2,) those with a label are who are in sight."""
+    """Return where on the ground (2,) those with a label are who are in sight."""
     found = []
     for person in people:
         own = sight.owner == person.label
@@ -332,7 +335,7 @@ def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | N
 
 
 def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
-    """The numbers of those who have just come, and are parts of somebody just come back."""
+    """The numbers of those who have just come, and are parts of a person just come back."""
     options = sight.options.arrivals
     gone: set[int] = set()
     returned = [f for f in people if f.named and f.age and now - f.back <= options.recent_frames]

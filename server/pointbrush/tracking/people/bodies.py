@@ -24,8 +24,8 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
     """The points of large ``tracks`` that come out from behind others; none where none are alike.
 
     ``moving`` are points before the background that nothing else explains.  Each body that hangs
-    together there goes to the thing whose clothes it wears, the surest first: one within reach
-    of where it should be, that shows its colours, or of whose colours the thing showed some.
+    together there goes to the object whose clothes it wears, the surest first: one within reach
+    of where it should be, that shows its colours, or of whose colours the object showed some.
     """
     options = view.options
     if len(moving) < options.body.min_claim_points or not tracks:
@@ -81,7 +81,7 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
 
 
 def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
-    """Whether ``points`` show the clothes of a thing, and not rather those of another."""
+    """Whether ``points`` show the clothes of an object, and not rather those of another."""
     options = view.options.arrivals
     colour = view.colour(points[:: _step(len(points), options=options)])
     appearance = tracks[label].appearance
@@ -97,9 +97,9 @@ def _step(count: int, options: ArrivalOptions) -> int:
 def undisputed(
     claims: Mapping[int, Claim], tracks: Mapping[int, Track], options: BodyOptions
 ) -> dict[int, Claim]:
-    """The claims, where two large things want the same body given to the likelier one, whole.
+    """The claims, where two large objects want the same body given to the likelier one, whole.
 
-    Point by point the two would share it: who is hidden would take part of who hides him.
+    Point by point the two would share it: who is hidden would take part of who hides them.
     """
     result = dict(claims)
     large = [n for n in claims if tracks[n].large]
@@ -118,9 +118,9 @@ def undisputed(
 
 
 def hang_together(tracks: Mapping[int, Track], findings: Findings, taken: Mask) -> dict[int, I64]:
-    """New surface of large things: what hangs together with their claims, which may lose points.
+    """New surface of large objects: what hangs together with their claims, which may lose points.
 
-    ``taken`` (N,) are points that somebody has.  What stood still, and what is where something
+    ``taken`` (N,) are points that a person has.  What stood still, and what is where something
     unlabelled was, is the outside and spreads too: floor that a foot has just uncovered hangs
     together with the floor around it.
     """
@@ -167,7 +167,7 @@ def hang_together(tracks: Mapping[int, Track], findings: Findings, taken: Mask) 
 
 
 def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None:
-    """Take note of what some thing has, by its claim or ``grown``, or ``taken`` (N,) before."""
+    """Take note of what some object has, by its claim or ``grown``, or ``taken`` (N,) before."""
     had = taken.copy()
     for label, new in grown.items():
         had[findings.claims[label].indices] = had[new] = True
@@ -179,7 +179,8 @@ def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None
 def _before_and_behind(
     findings: Findings, cores: Mapping[int, I64], taken: Mask, size: float
 ) -> tuple[Mask, I64]:
-    """What moves around large things (N,), and the points (M,) of what stands still beside it.
+    """Return what moves around large objects (N,), and the points (M,) of what stands still beside
+    it.
 
     Of what others have ``taken`` only the claims ``cores`` count, within ``size`` metres.
     """
@@ -204,7 +205,7 @@ def _others(
     ground: I64,
     size: float,
 ) -> Mask:
-    """(N,) those of the ``rest`` (M,) of what moves that are unlabelled things'."""
+    """(N,) those of the ``rest`` (M,) of what moves that are unlabelled objects'."""
     view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
     scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
     for label in cores:
@@ -233,7 +234,7 @@ def _seeds(
 
 
 def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> None:
-    """Of ``points`` (M,) of other moving things, those beside a large thing are noted there."""
+    """Of ``points`` (M,) of other moving objects, those beside a large object are noted there."""
     mask = np.zeros(len(findings.view.xyz), np.bool_)
     mask[points] = True
     for label in cores:
@@ -242,7 +243,7 @@ def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> N
 
 
 def _taken_over(findings: Findings, label: int, points: I64) -> I64:
-    """New surface of a thing that has ``points`` (M,); its claim loses what it has not."""
+    """New surface of an object that has ``points`` (M,); its claim loses what it has not."""
     own = np.zeros(len(findings.view.xyz), np.bool_)
     own[points] = True
     claim = findings.claims[label]
@@ -291,7 +292,8 @@ def _by_clothes(
 
 
 def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
-    """Those of the points ``still`` that touch the moving ones, by cells of ``size`` metres."""
+    """Return those of the points ``still`` that touch the moving ones, by cells of ``size``
+    metres."""
     some = moving[:: max(1, len(moving) // view.options.body.sampled_points)]
     if not len(some) or not len(still):
         return still[:0]
@@ -299,7 +301,7 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
 
 
 def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
-    """Those of the unlabelled points that are not part of the scene that stands still."""
+    """Return those of the unlabelled points that are not part of the scene that stands still."""
     away = ~close_to(other_movers.xyz, scene, apart)
     return OtherMovers(other_movers.xyz[away], other_movers.colour[away], other_movers.weight)
 
@@ -307,7 +309,8 @@ def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
 def _was_there(
     track: Track, other_movers: OtherMovers, view: View, fit: Registration, rest: I64
 ) -> Mask:
-    """Which points are where something unlabelled was, or where it went along with the thing."""
+    """Return which points are where something unlabelled was, or where it went along with the
+    object."""
     step = step_of(track, fit)
     reach = np.full(len(rest), 3 * track.unit)
     return other_movers.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

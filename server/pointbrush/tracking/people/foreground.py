@@ -1,7 +1,7 @@
 """The foreground of a frame as a graph of small cells, and how it is shared out.
 
 Cells that a model claims are where each figure certainly is.  A body that hangs together, surely
-before the scene, goes whole to who has his claims on it; where several have, and where the scene
+before the scene, goes whole to who has theirs claims on it; where several have, and where the scene
 behind is not known, to the figure from which the way through the foreground is shortest, and a
 change of colour makes a way longer.
 """
@@ -24,7 +24,7 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.view import View
 
 OTHER = -(2**20)
-"""What other moving things have, for a label."""
+"""What other moving objects have, for a label."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,13 +42,13 @@ class _Figures:
 
     @property
     def limit(self) -> F64:
-        """(K + 1,) metres of the longest way of nobody, and of each figure."""
+        """(K + 1,) metres of the longest way of no one, and of each figure."""
         return np.concatenate([[0.0], self.far])
 
     def nearest(self, ways: Paths, bare: Mask, away: F64) -> tuple[I64, F64]:
         """(cells,) number, from 1 on, of the figure with the shortest way to each, and the way.
 
-        0 where that is too long, or ``away`` (cells,), to what is nobody's, is shorter.  No way
+        0 where that is too long, or ``away`` (cells,), to what is no track's, is shorter.  No way
         leads over ``bare`` cells.
         """
         way, origin = reach(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
@@ -121,11 +121,11 @@ class Foreground:
         far: Mapping[int, float],
         clothes: Mapping[int, ColourHistogram],
     ) -> I64:
-        """(M,) label of each point, 0 for none, OTHER for other moving things.
+        """(M,) label of each point, 0 for none, OTHER for other moving objects.
 
         ``cores`` label → (M,) points that are certainly its; ``outside`` (M,) points that are
-        certainly nobody's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
-        points of other moving things, which spread anywhere; ``far`` label → metres of the longest
+        certainly no track's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
+        points of other moving objects, which spread anywhere; ``far`` label → metres of the longest
         way; ``clothes`` label → what it wears, of all there are.
         """
         solid, ways = self.solid, self._ways()
@@ -161,7 +161,8 @@ class Foreground:
         far: Mapping[int, float],
         clothes: Mapping[int, ColourHistogram],
     ) -> _Figures:
-        """Those with claims; see ``spread``.  Nobody's are on the ``bare`` cells (cells,)."""
+        """Return those with claims; see ``spread``.  No one's are on the ``bare`` cells
+        (cells,)."""
         total = len(self.count)
         votes = np.stack(
             [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
@@ -177,7 +178,7 @@ class Foreground:
         return close_to(self.middle, self.middle[own], self.options.body.touching_cells * self.size)
 
     def _whole_bodies(self, owner: I64, figures: _Figures, ways: Paths, sure: Mask) -> None:
-        """Give what hangs together, surely before the scene, to who has his claims there.
+        """Give what hangs together, surely before the scene, to who has theirs claims there.
 
         All of it where that is one figure, else to the claim with the shorter way.
         """
@@ -198,9 +199,9 @@ class Foreground:
     def _rights(self, figures: _Figures, inside: I64, part: I64) -> Mask:
         """(K, bodies) which figures have a right to which bodies.
 
-        ``part`` (C,) is the body of each cell ``inside`` (C,).  Who has most of his claims on
-        another body has a right to this one only by most of the claims on it; nobody has one that
-        is too far from where he is, or in another's clothes.
+        ``part`` (C,) is the body of each cell ``inside`` (C,).  Who has most of their claims on
+        another body has a right to this one only by most of the claims on it; no one has one that
+        is too far from where they are, or in another's clothes.
         """
         options = self.options.body
         votes = figures.votes[:, inside]
@@ -260,6 +261,6 @@ class Foreground:
 
 
 def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
-    """How far some rows ``a`` of (N, 3) are from others ``b``."""
+    """Return how far some rows ``a`` of (N, 3) are from others ``b``."""
     gap = values[a] - values[b]
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)

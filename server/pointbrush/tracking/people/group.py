@@ -72,7 +72,7 @@ class Group:
         return Observation.of(view, background, free, self.size, self.unit, self.flat, self.up)
 
     def put(self, view: View, label: int, track: Track) -> None:
-        """Somebody is where he was painted in a frame, whatever was thought of him."""
+        """A person is where they were painted in a frame, whatever was thought of them."""
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
@@ -91,7 +91,7 @@ class Group:
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
 
     def drop(self, label: int) -> None:
-        """Look for somebody no more; nobody else is taken to be him either."""
+        """Look for a person no more; no one else is taken to be them either."""
         self.people = [f for f in self.people if f.label != label]
         for person in self.people:
             person.identity.doubts.discard(label)
@@ -99,7 +99,7 @@ class Group:
     def step(
         self, view: View, background: PictureBackground, free: Mask
     ) -> dict[int, tuple[TrackState, I64]]:
-        """Who has which of the ``free`` points (N,) of the next frame."""
+        """Return who has which of the ``free`` points (N,) of the next frame."""
         self.now += 1
         self.leave_behind(background)
         sight = self._sight(view, background, free)
@@ -130,7 +130,7 @@ class Group:
         return found
 
     def leave_behind(self, background: PictureBackground) -> None:
-        """What stands still while who has its label goes on is none of him."""
+        """Return what stands still while who has its label goes on is none of them."""
         for person in (f for f in self.people if f.named):
             gone = person.gone()
             if gone is not None:
@@ -138,49 +138,52 @@ class Group:
 
     def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
         """Doubt who is found again, or much larger, where another may be, and that other, until
-        clothes or stature tell; and who is as tall as another, while he is."""
+        clothes or stature tell; and who is as tall as another, while they are."""
         options = self.options
-        his = person.identity
+        identity = person.identity
         others = mistakable(sight, self.people, person, self.now)
-        most = options.body.crowded_ratio * max(his.first, self.usual)
+        most = options.body.crowded_ratio * max(identity.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
                 person.doubt(other)
         top = person.top(sight)
-        here = [f for f in self.people if f.label in his.doubts and f not in others]
+        here = [f for f in self.people if f.label in identity.doubts and f not in others]
         here = here if looks.like > -options.body.own_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [
             f
             for f in as_tall
-            if ratio(top, f.identity.stature, his.stature) >= options.stature.decisive_log_odds
+            if ratio(top, f.identity.stature, identity.stature) >= options.stature.decisive_log_odds
         ]
         some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
-        his.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
-        his.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
-        if not his.doubts and looks.likelihood(options=self.options) > options.body.sure_likelihood:
-            his.sure = self.now
+        identity.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
+        identity.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
+        if (
+            not identity.doubts
+            and looks.likelihood(options=self.options) > options.body.sure_likelihood
+        ):
+            identity.sure = self.now
             person.measure(top)
             dress(sight, person, looks)
 
 
 def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
-    """Tell somebody's clothes anew where he shows much that was hidden when they were told last, as
-    who was painted behind another does, and nobody is there whose it may be."""
+    """Tell a person's clothes anew where they show much that was hidden when they were told
+    last, as who was painted behind another does, and no one is there whose it may be."""
     options = sight.options.body
     cells = sight.cells_of(person.label)
     some, area = sight.some(cells), sight.area(cells)
-    his = person.identity
+    identity = person.identity
     if (
         some is not None
         and looks.touching < options.touching_share
-        and area > options.better_ratio * his.shown > 0.0
+        and area > options.better_ratio * identity.shown > 0.0
     ):
-        his.show(some, area)
+        identity.show(some, area)
 
 
 def cell_size(view: View, track: Track, background: PictureBackground) -> float:
-    """Metres of a cell that is fine enough for somebody."""
+    """Metres of a cell that is fine enough for a person."""
     options = view.options.body
     noise = float(np.median(background.noise(view.cells[1][view.labels[track.label]])))
     calm = min(options.cell_sigmas * noise, options.limb_share * track.span)
@@ -199,7 +202,7 @@ def _looks(
     stride: F64,
     expected: Mapping[int, F64],
 ) -> PersonEvidence | None:
-    """What somebody's share of a frame says about itself; None where there is none."""
+    """Return what a person's share of a frame says about itself; None where there is none."""
     cells = np.flatnonzero((sight.owner == person.label) & sight.cells.solid)
     if shares is None or not len(cells):
         return None
@@ -218,8 +221,8 @@ def _looks(
 
 
 def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F64]) -> float:
-    """How much farther somebody's ``cells`` (C,) are from where he was ``expected`` (2,) on the
-    ground than from where anybody else was, a logarithm."""
+    """Return how much farther a person's ``cells`` (C,) are from where they were ``expected``
+    (2,) on the ground than from where anybody else was, a logarithm."""
     options = sight.options.body
     middle = np.median(sight.ground[cells], axis=0)
     away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
@@ -231,30 +234,32 @@ def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F6
 def outcome(
     sight: Observation, person: Person, looks: PersonEvidence | None
 ) -> tuple[TrackState, I64]:
-    """How somebody fared, and his points."""
+    """Return how a person fared, and their points."""
     options = sight.options
-    his, pose = person.identity, np.eye(4)
+    identity, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
     points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
-    if his.with_flying:
+    if identity.with_flying:
         points = np.concatenate([points, sight.take_flying(points)])
     points = np.sort(points)
-    if person.frames_unseen or looks is None:  # what shows of him is his, but too little to follow
-        his.confidence = max(0.0, his.confidence - options.confidence.regain)
+    if person.frames_unseen or looks is None:
+        # What shows of them is theirs, but too little to follow.
+        identity.confidence = max(0.0, identity.confidence - options.confidence.regain)
         lost = person.frames_unseen > options.update.lost_frames
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
-    his.confidence = min(
-        looks.likelihood(options=sight.view.options), his.confidence + options.confidence.regain
+    identity.confidence = min(
+        looks.likelihood(options=sight.view.options),
+        identity.confidence + options.confidence.regain,
     )
-    if his.doubts:
-        his.confidence = min(his.confidence, options.body.doubted_confidence)
-    return TrackState(pose, 0.0, looks.shown, his.confidence, len(points), "tracked"), points
+    if identity.doubts:
+        identity.confidence = min(identity.confidence, options.body.doubted_confidence)
+    return TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked"), points
 
 
 class JointTracking:
     """The people among the ``tracks`` of a run, before a depth camera at rest or a charted scene.
 
-    Nobody is followed so where they hold what is tracked too: it and their hands are told apart by
+    No one is followed so where they hold what is tracked too: it and their hands are told apart by
     one claim; nor where points too far apart to be limbs are a label.
     """
 
@@ -279,7 +284,7 @@ class JointTracking:
             self.group = Group.of(view, bodies, background)
 
     def join(self, view: View, background: Background, label: int) -> None:
-        """Somebody who was painted in the middle of a run is followed among the others."""
+        """A person who was painted in the middle of a run is followed among the others."""
         if self.group is None:
             self.gather(view, background, [label])
         elif self._tracks[label].body:

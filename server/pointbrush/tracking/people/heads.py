@@ -14,9 +14,9 @@ from pointbrush.tracking.people.stature import top_of
 def beneath_heads(
     sight: Observation, cells: I64, least: float, area: float
 ) -> list[tuple[I64, I64]]:
-    """Of somebody's ``cells`` (C,) those of one and of the other of two people, either way round;
+    """Of a person's ``cells`` (C,) those of one and of the other of two people, either way round;
     none where they are not two people's of ``least`` cells or more, each seen to end above;
-    ``area`` showed of him at most."""
+    ``area`` showed of them at most."""
     options = sight.options.body
     some = np.zeros(len(sight.owner), np.bool_)
     some[cells] = True

@@ -1,4 +1,4 @@
-"""What moves before a scene that is known, in cells, and what people are told apart by there."""
+"""Moving cells before a known scene, with what tells people apart there."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from pointbrush.tracking.steps.claim import flying
 @dataclass(eq=False)
 class Observation:
     """The ``cells`` of a frame, ``flat`` (3, 2) and ``up`` (3,) the ways along and off the ground,
-    each cell with an ``owner`` (N,): a label, less than 0 for who has none, 0 for nobody;
-    ``flying`` pixels (F,) that nobody took are in none."""
+    each cell with an ``owner`` (N,): a label, less than 0 for who has none, 0 for no one;
+    ``flying`` pixels (F,) that no one took are in none."""
 
     view: View
     cells: Foreground
@@ -36,7 +36,7 @@ class Observation:
         return self.view.options
 
     def __post_init__(self) -> None:
-        """At first all are nobody's."""
+        """At first all are no track's."""
         self.owner = np.zeros(len(self.cells.count), np.int64)
 
     @staticmethod
@@ -49,7 +49,7 @@ class Observation:
         flat: F64,
         up: F64,
     ) -> Observation:
-        """What is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
+        """Return what is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
         moving = ~background.scenery(view, some, view.options.search.never_frames) | (
@@ -60,7 +60,7 @@ class Observation:
         return Observation(view, Foreground.of(view, some[~loose], size), flat, up, some[loose])
 
     def take_flying(self, points: I64) -> I64:
-        """The flying pixels (B,) at the outline of the ``points`` (M,): nobody else's."""
+        """The flying pixels (B,) at the outline of the ``points`` (M,): no one else's."""
         beside = self.view.around(points)[self.view.cells.cell[self.flying]]
         taken, self.flying = self.flying[beside], self.flying[~beside]
         return taken
@@ -107,7 +107,7 @@ class Observation:
         return float(np.linalg.norm(np.std(self.ground[cells], axis=0)))
 
     def area(self, cells: I64) -> float:
-        """How much surface the ``cells`` (C,) show, in pixels a metre away."""
+        """Return how much surface the ``cells`` (C,) show, in pixels a metre away."""
         return float(self.areas[cells].sum())
 
     @cached_property
@@ -131,7 +131,7 @@ class Observation:
         return np.asarray(sums / self.cells.count)
 
     def shows(self, world: F64) -> Mask:
-        """Which of the places (M, 3) are in the picture, and hidden by nothing."""
+        """Return which of the places (M, 3) are in the picture, and hidden by nothing."""
         at, depth = self.view.project(world)
         return np.asarray((self.view.depth[at] > depth - self.options.body.before_m) & (at >= 0))
 

@@ -24,7 +24,7 @@ class PersonEvidence:
     whether nothing was seen in the frame before; ``touching`` share of the cells that touch
     another's, since a border through a body may be anywhere; ``wider`` metres by which they are
     spread along the ground more than one person is, since they may be those of two; ``astray`` how
-    much farther they are from where he was expected than from where another was, a logarithm.
+    much farther they are from where they were expected than from where another was, a logarithm.
     """
 
     fit: float
@@ -39,7 +39,7 @@ class PersonEvidence:
     astray: float
 
     def features(self, options: PersonConfidenceOptions) -> list[float]:
-        """What the odds are made of."""
+        """Return what the odds are made of."""
         return [
             self.fit,
             self.disputed,
@@ -67,14 +67,14 @@ class PersonEvidence:
 
 @dataclass(eq=False)
 class Identity:
-    """Who somebody is, wherever he is: what goes along with a ``label``, less than 0 for who has
-    none, when two have changed places.
+    """Identity of a person, wherever they are: it goes along with a ``label``, less than 0 for who
+    has none, when two have changed places.
 
-    ``appearance`` his clothes, None where they were not seen; ``first`` the cells he came with;
-    ``with_flying`` whether the flying pixels at his outline are his; ``stature`` how tall he is;
-    ``trust`` his last confidence; ``doubts`` whom he may be as well, by label; ``sure`` the last
-    frame in which he was surely himself; ``colours`` (M, 3) those by which his clothes are told,
-    and ``shown`` how much of him they are of, as ``Observation.area`` says it.
+    ``appearance`` their clothes, None where they were not seen; ``first`` the cells they came with;
+    ``with_flying`` whether the flying pixels at their outline are theirs; ``stature`` how tall they
+    are; ``trust`` their last confidence; ``doubts`` whom they may be as well, by label; ``sure``
+    the last frame in which they were surely themselves; ``colours`` (M, 3) those by which their
+    clothes are told, and ``shown`` how much of them they are of, as ``Observation.area`` says it.
     """
 
     options: TrackerOptions
@@ -94,22 +94,23 @@ class Identity:
         self.stature = Stature(self.options)
 
     def show(self, colours: F32, area: float) -> None:
-        """So much of him shows as never before: what he wears has also these ``colours`` (M, 3)."""
+        """So much of them shows as never before: what they wear has also these ``colours`` (M,
+        3)."""
         self.colours, self.shown = np.vstack([self.colours, colours]), area
         self.appearance = ColourHistogram.of(self.colours, self.options)
 
 
 @dataclass(eq=False)
 class Person:
-    """An ``identity``; ``xyz`` (S, 3) and ``colour`` of his surface.
+    """An ``identity``; ``xyz`` (S, 3) and ``colour`` of their surface.
 
-    ``since`` the frame he came in, ``back`` the one he came back in; ``step`` (3,) metres in the
-    last frame, ``went`` (3,) since the start; ``size`` the most cells he had, ``last`` in the last
-    frame; ``area`` the most that showed of him; ``spread`` how far along the ground he was where he
-    was painted; ``missing`` frames since he was seen; ``well`` the last in which more than scraps
-    of him were, ``known`` (S, 3) his surface then; ``mistaken`` frames in which he and another were
-    dressed as each other; ``ways`` (2,) along the ground up to each of the last frames, all of
-    which show him.
+    ``since`` the frame they came in, ``back`` the one they came back in; ``step`` (3,) metres in
+    the last frame, ``went`` (3,) since the start; ``size`` the most cells they had, ``last`` in the
+    last frame; ``area`` the most that showed of them; ``spread`` how far along the ground they were
+    where they was painted; ``missing`` frames since they were seen; ``well`` the last in which more
+    than scraps of them were, ``known`` (S, 3) their surface then; ``mistaken`` frames in which they
+    and another were dressed as each other; ``ways`` (2,) along the ground up to each of the last
+    frames, all of which show them.
     """
 
     options: TrackerOptions
@@ -132,7 +133,7 @@ class Person:
     ways: deque[F64] = field(init=False)
 
     def __post_init__(self) -> None:
-        """What he starts with is the most so far."""
+        """Return what they start with is the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
         self.well, self.known = self.since, self.xyz
         self.ways = deque(maxlen=self.options.body.way_frames)
@@ -146,51 +147,52 @@ class Person:
         now: int,
         appearance: ColourHistogram | None = None,
     ) -> Person:
-        """Somebody whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
+        """A person whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
         return Person(
             options, Identity(options, label, appearance, float(len(xyz)), now), xyz, colour, now
         )
 
     @property
     def label(self) -> int:
-        """Whose points he has; less than 0 for who has no label."""
+        """Return whose points they have; less than 0 for who has no label."""
         return self.identity.label
 
     @property
     def named(self) -> bool:
-        """Whether he has a label."""
+        """Whether they have a label."""
         return self.label > 0
 
     def elsewhere(self, sight: Observation, now: int) -> bool:
-        """Whether he may be where he was not expected: too little of him was there, or is."""
+        """Whether they may be where they were not expected: too little of them was there, or is."""
         return (
             self.well < now - 1
             or sight.area(sight.cells_of(self.label)) < self.options.body.scrap_share * self.area
         )
 
     def likeness(self, colour: F32 | None) -> float:
-        """How much more like his clothes the colours (M, 3) are than his own; 0 without any."""
+        """Return how much more like their clothes the colours (M, 3) are than their own; 0
+        without any."""
         appearance = self.identity.appearance
         if colour is None or appearance is None or not len(colour):
             return 0.0
         return appearance.likeness(colour) - appearance.usual
 
     def top(self, sight: Observation) -> float | None:
-        """Metres up to the top of what he has, where that is seen."""
+        """Metres up to the top of what they have, where that is seen."""
         return top_of(sight, np.flatnonzero(sight.owner == self.label), self.area)
 
     def measure(self, top: float | None) -> None:
-        """Take a top (m) that is surely his for how tall he is."""
+        """Take a top (m) that is surely their for how tall they are."""
         if top is not None:
             self.identity.stature.tops.append(top)
 
     def doubt(self, other: Person) -> None:
-        """He may be the other, and the other he."""
+        """They may be the other, and the other they."""
         self.identity.doubts.add(other.label)
         other.identity.doubts.add(self.label)
 
     def become(self, other: Person) -> None:
-        """Change places with another: each is himself, where the other was thought to be."""
+        """Change places with another: each is themselves, where the other was thought to be."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
         self.went, other.went = other.went - apart, self.went + apart
         self.identity, other.identity = other.identity, self.identity
@@ -199,7 +201,7 @@ class Person:
         self.mistaken = other.mistaken = 0
 
     def follow(self, sight: Observation, step: F64, now: int) -> None:
-        """Take in the cells he has in a frame, ``step`` (3,) metres on."""
+        """Take in the cells they have in a frame, ``step`` (3,) metres on."""
         options = self.options.body
         cells = sight.cells_of(self.label)
         if len(cells) < max(options.seen_min_cells, options.seen_min_share * self.size):
@@ -224,7 +226,7 @@ class Person:
         self.went = self.went + step
         self.last = len(cells)
         self.size = max(options.most_decay * self.size, float(self.last))
-        # Of what is nobody, many cells may hold a few points each.
+        # Of what is no one, many cells may hold a few points each.
         area = sight.area(cells)
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
@@ -233,7 +235,7 @@ class Person:
         self.ways.append(self.went @ sight.flat)
 
     def gone(self) -> tuple[int, float] | None:
-        """Frames within which he has gone so far that all of him has moved, and how far (m)."""
+        """Frames within which they have gone so far that all of them has moved, and how far (m)."""
         options = self.options.body
         for frames, way in enumerate(reversed(self.ways)):
             far = float(np.linalg.norm(way - self.ways[-1]))
@@ -250,7 +252,7 @@ class Person:
         self.step = self.options.body.hidden_step_share * self.step
 
     def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
-        """The cells of his surface that something hides now."""
+        """The cells of their surface that something hides now."""
         options = self.options.body
         if self.frames_unseen:
             return np.empty(0, np.int64)

@@ -105,8 +105,8 @@ def ratio(top: float | None, one: Stature, other: Stature) -> float:
 
 
 def top_of(sight: Observation, cells: I64, area: float) -> float | None:
-    """Metres up to the top of the ``cells`` (C,) of somebody of whom an ``area`` showed at most;
-    None where it is not seen that he ends there."""
+    """Metres up to the top of the ``cells`` (C,) of a person of whom an ``area`` showed at most;
+    None where it is not seen that they end there."""
     options = sight.options.stature
     mask = np.zeros(len(sight.owner), np.bool_)
     mask[cells] = True

@@ -83,14 +83,15 @@ def _costs(sight: Observation, cell: I32, depth: F32, loose: Mask) -> F64:
 
 @dataclass(eq=False)
 class Shares:
-    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be his, ``chance``."""
+    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be theirs,
+    ``chance``."""
 
     stride: F64
     cost: F64
     chance: F64
 
     def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
-        """Share of somebody's cells that hardly less are another's."""
+        """Share of a person's cells that hardly less are another's."""
         others = np.delete(self.cost[cells], who, axis=1)
         if not others.shape[1] or not len(cells):
             return 0.0
@@ -126,8 +127,8 @@ def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Sha
         who = chance.argmax(axis=1)
         mended = np.zeros_like(stride)
         for k, person in enumerate(people):
-            his = np.where(who == k, near[k], -1)
-            mended[k] = _mended(sight, person, stride[k], chance[:, k], his, swing)
+            cells = np.where(who == k, near[k], -1)
+            mended[k] = _mended(sight, person, stride[k], chance[:, k], cells, swing)
         stride += mended
         if np.linalg.norm(mended, axis=1).max() < options.settled_m:
             break
@@ -157,7 +158,7 @@ def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
 
 @dataclass(frozen=True, eq=False)
 class _Surface:
-    """Somebody's surface of the last frame, to be searched in units of ``within`` metres."""
+    """A person's surface of the last frame, to be searched in units of ``within`` metres."""
 
     person: Person
     within: float
@@ -177,7 +178,7 @@ class _Surface:
 
 
 def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64]:
-    """(N,) what it costs each cell to be his there, and his cell next to it, -1 for none."""
+    """(N,) what it costs each cell to be their there, and their cell next to it, -1 for none."""
     options = sight.options.step
     own, person = surface.own, surface.person
     seen = (sight.cells.middle - stride) / surface.within
@@ -206,10 +207,10 @@ def _mended(
     near: I64,
     swing: float,
 ) -> F64:
-    """(3,) how far off a stride is, by the cells he has and by the surface he should show.
+    """(3,) how far off a stride is, by the cells they have and by the surface they should show.
 
-    ``near`` (N,) number of the point of his surface that each cell is nearest to, -1 for those
-    that he has not; ``chance`` (N,) of each to be his; ``swing`` metres by which limbs move.
+    ``near`` (N,) number of the point of their surface that each cell is nearest to, -1 for those
+    that they have not; ``chance`` (N,) of each to be theirs; ``swing`` metres by which limbs move.
     """
     options = sight.options
     cells = np.flatnonzero((near >= 0) & sight.cells.solid)
@@ -232,7 +233,7 @@ def _mended(
 
 
 def _leave(sight: Observation, cost: F64, chance: F64) -> None:
-    """What hangs together and hardly fits anybody is nobody's yet."""
+    """Return what hangs together and hardly fits anybody is no track's yet."""
     options = sight.options.step
     inside = sight.bodies >= 0
     fits = cost < options.fitting_cap_share * options.cap
@@ -246,7 +247,7 @@ def _leave(sight: Observation, cost: F64, chance: F64) -> None:
 
 
 def _drop(sight: Observation, person: Person, stride: F64) -> None:
-    """Take from a person what lies apart from the rest of it, and not where he should be."""
+    """Take from a person what lies apart from the rest of it, and not where they should be."""
     options = sight.options
     cells = np.flatnonzero(sight.owner == person.label)
     if len(cells) < options.body.seen_min_cells:

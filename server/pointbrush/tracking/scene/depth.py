@@ -1,4 +1,4 @@
-"""What stood still and is unlabelled: such points are no object's, however near it comes.
+"""Background model of a camera at rest: unlabelled points that stood still are no object's.
 
 Here with a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
 that distance (measured on the recording itself).  Without one see ``point_background.py``.
@@ -32,45 +32,48 @@ from pointbrush.tracking.sensors.view import View
 
 
 class Background(Protocol):
-    """What stood still in the frames that it has learnt, each after its labels were decided.
+    """Background model: learns each frame after its labels were decided.
 
     Asked of the points ``indices`` (M,), in stored order, of the frame after those.  A kind of
     background that cannot know what is asked says of no point that it is so.
     """
 
     def static(self, view: View, indices: I64, /) -> tuple[Mask, Mask]:
-        """Which of the points (M,) are background, and which an unlabelled thing at rest."""
+        """Return which of the points (M,) are background, and which an unlabelled object at
+        rest."""
 
     def faint(self, view: View, indices: I64, /) -> Mask:
-        """Which of the background's points (M,) may be of something that touches it there."""
+        """Return which of the background's points (M,) may be of something that touches it
+        there."""
 
     def stayed(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Which of the points (M,), labelled or not, have been as deep for so many ``frames``."""
+        """Return which of the points (M,), labelled or not, have been as deep for so many
+        ``frames``."""
 
     def revealed(self, view: View, indices: I64, /) -> Mask:
-        """Which of the points (M,) lie behind all that was ever seen there.
+        """Return which of the points (M,) lie behind all that was ever seen there.
 
         They are the scene behind something that has moved on, or what that had hidden.
         """
 
     def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Which of the points (M,) are background, by what is known of each place's noise.
+        """Return which of the points (M,) are background, by what is known of each place's noise.
 
         Also what has just been uncovered where the scene goes on, and what, where no background
         has been seen, has stood still for so many ``frames``, labelled or not.
         """
 
     def certain(self, view: View, indices: I64, /) -> Mask:
-        """Which of the points (M,) lie before a background that has been seen."""
+        """Return which of the points (M,) lie before a background that has been seen."""
 
     def drawn_on(self, view: View, indices: I64, /) -> Mask:
-        """Which of the points (M,) lie where the scene goes on behind the first objects."""
+        """Return which of the points (M,) lie where the scene goes on behind the first objects."""
 
     def uncovered(self, view: View, /) -> tuple[I64, I64]:
         """The points (M,) that something labelled hid until two frames ago, and its label (M,).
 
         From the first frame on: what only passed there hid nothing that had not been seen before.
-        They were there in the last frame too: who passes with what he holds is not.
+        They were there in the last frame too: who passes with what they hold is not.
         Without background, and what lies where the scene goes on behind the first objects.
         """
 
@@ -95,11 +98,13 @@ class PictureBackground(Background, Protocol):
     noise: DepthNoise
 
     def furniture(self, view: View, indices: I64) -> Mask:
-        """Which of the points (M,) are no nearer than what stands before the scene for a while."""
+        """Return which of the points (M,) are no nearer than what stands before the scene for a
+        while."""
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
-        """What has been as deep for so many ``frames`` is scenery, though it has a ``label``: who
-        has that has gone a ``way`` (m) since.  Where the scene behind is known, that tells."""
+        """Return what has been as deep for so many ``frames`` is scenery, though it has a
+        ``label``: who has that has gone a ``way`` (m) since.  Where the scene behind is known,
+        that tells."""
 
 
 @dataclass(eq=False)
@@ -210,10 +215,10 @@ class ImageBackground:
         return np.where(np.isfinite(self.scene), self.scene, self.depth)
 
     def survey(self, first: View, others: Sequence[View]) -> None:
-        """Look through a recording for what its moving things uncover.
+        """Look through a recording for what its moving objects uncover.
 
         ``first`` has labels and has been learnt.  What took the place of something labelled may
-        be another side of it, or somebody else: it is scenery where the scene around goes on, or
+        be another side of it, or another person: it is scenery where the scene around goes on, or
         where it lies well behind, stays, and goes on beside what is labelled.
         """
         options = self.options.background
@@ -243,7 +248,7 @@ class ImageBackground:
             stays &= joined[cell] & (scene[cell] > depth + apart)
             scene[cell[~(behind | stays)]] = np.nan
         self.scene[:-1] = scene
-        # At an outline pixels lie between the thing and the scene, and are neither's.
+        # At an outline pixels lie between the object and the scene, and are neither's.
         self.depth[self.depth < options.same_depth_share * self.hidden] = np.nan
         self.nearest = None
 
@@ -267,7 +272,7 @@ class ImageBackground:
     def left_behind(self, label: int, frames: int, way: float) -> None:
         """See ``PictureBackground``.
 
-        A foot stands too, and a side of somebody may slide along itself: they are small.
+        A foot stands too, and a side of a person may slide along itself: they are small.
         """
         options = self.options.background
         labelled = np.flatnonzero(self.owner == label)
@@ -335,7 +340,7 @@ class ImageBackground:
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
         labelled = self.owner != 0
-        # What shows behind a depth, and is a thing's, shows that something had only passed there.
+        # What shows behind a depth, and is an object's, shows that something had only passed there.
         limit = np.float32(options.near_sigmas) * self.noise(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         if first:

@@ -169,8 +169,8 @@ def farthest(
 def continued(depth: F32, known: Mask, shape: tuple[int, int], options: BackgroundOptions) -> Mask:
     """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
 
-    Furniture goes on beside whom it is hidden by; somebody who stands there ends all round but
-    for the floor beneath him.
+    Furniture goes on beside whom it is hidden by; a person who stands there ends all round but
+    for the floor beneath them.
     """
     image = depth.reshape(shape)
     start = np.ones(shape, np.bool_)

@@ -192,7 +192,7 @@ def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.
 
 
 def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
-    """Which of the places (M, 3) may be of the things that are labelled in the first frame.
+    """Return which of the places (M, 3) may be of the objects that are labelled in the first frame.
 
     They lie there or close behind; not far behind one of them; or beside, where that frame does
     not show them to be others'.
@@ -250,7 +250,7 @@ class MapBackground(PointBackground):
     def _scene(self, view: View) -> tuple[F32, F32]:
         """The scene's depth in each cell, and the depth under which something is surely before it.
 
-        What lies behind somebody who never goes away is taken to go on as it does around.
+        What lies behind a person who never goes away is taken to go on as it does around.
         """
         options = self.options.background
         if self._drawn is None or self._drawn[0] != view.number:

@@ -17,7 +17,7 @@ class LastSeen(NamedTuple):
     """The farthest ``label`` of each cell, 0 for none, and its ``depth`` when it was last seen.
 
     Arrays (cells + 1,), changed in place as frames are learnt.  A cell keeps its label while
-    something nearer hides it, and gives it up when it shows what lies behind, or the thing is seen
+    something nearer hides it, and gives it up when it shows what lies behind, or the object is seen
     elsewhere.
     """
 
@@ -85,7 +85,7 @@ def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float
 
 
 class Images(NamedTuple):
-    """What ``ImageBackground`` knows of each cell (cells + 1,), for compiled loops; see there."""
+    """Images of an ``ImageBackground``, a value for each cell (cells + 1,), for compiled loops."""
 
     noise: DepthNoise
     scale: F32

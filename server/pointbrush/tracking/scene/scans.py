@@ -1,4 +1,4 @@
-"""What stood still and is unlabelled, without a depth image (lidar, moving sensors).
+"""Background model without depth images (lidar, moving sensors).
 
 The unlabelled points of earlier frames, aligned by their poses, in their stored k-d trees.
 """
@@ -47,7 +47,7 @@ class PointBackground:
         return still, np.zeros(len(indices), np.bool_)
 
     def _widen(self, view: View, labelled: Mask, some: NDArray[np.floating]) -> None:
-        """What a run missed beside ``some`` (M, 3) of its objects must not become background."""
+        """Mark what a run missed beside ``some`` (M, 3) of its objects: no background."""
         if not len(some):
             return
         reach = float(self.options.background.rim_reaches * self.reach(some[:1])[0])

@@ -1,4 +1,4 @@
-"""What a run knows of its sensor, and of the scene that stands still before it."""
+"""Sensor of a run, and the scene at rest before it."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ class Scene:
     def learn_first(self, *, survey: bool) -> None:
         """Take in the first frame, whose labels are a person's.
 
-        ``survey``: learn what is behind large things from the whole recording.
+        ``survey``: learn what is behind large objects from the whole recording.
         """
         if survey and self.lens is not None and self._moves:
             self.background = self._charted()

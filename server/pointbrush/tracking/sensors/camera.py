@@ -19,7 +19,7 @@ I32 = NDArray[np.int32]
 
 
 class Projection(NamedTuple):
-    """Where points (N,) lie in a depth image.
+    """Projection of points (N,) into a depth image.
 
     ``cell`` row * width + column, -1 outside; ``depth`` metres along the image's axis.
     """
@@ -50,7 +50,7 @@ class Lens:
     lattice: bool = True
 
     def cells(self, xyz: F32, options: LensOptions) -> Projection:
-        """Where points (N, 3) lie in the image."""
+        """Return where points (N, 3) lie in the image."""
         return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32), options.nearest_m))
 
     @cached_property
@@ -226,7 +226,7 @@ def axes_along(forward: F64) -> F64:
 
 def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) -> bool:
     """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
-    fill at least that share of the image; somebody may have ``told`` that the sensor was there.
+    fill at least that share of the image; a person may have ``told`` that the sensor was there.
     """
     cell, depth = lens.cells(np.asarray(xyz, np.float32), options=options)
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)

@@ -27,8 +27,8 @@ class RangeImage:
     step: float
 
     def hides(self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf) -> Mask:
-        """Which points (M, 3) lie ``by`` metres or more behind all that was measured there, or
-        beyond the edges of what the sensor sees.
+        """Return which points (M, 3) lie ``by`` metres or more behind all that was measured there,
+        or beyond the edges of what the sensor sees.
 
         In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
         """
@@ -100,7 +100,8 @@ def _open(image: F32, options: RangeImageOptions) -> F32:
 
 
 def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
-    """Where the sensor of a frame (N, 3) without a viewpoint was: about its origin, or unknown.
+    """Return where the sensor of a frame (N, 3) without a viewpoint was: about its origin, or
+    unknown.
 
     From there each direction shows one surface; from elsewhere surfaces lie behind each other.
     """
@@ -130,7 +131,7 @@ def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
 
 
 def _deep(local: F32 | F64, options: RangeImageOptions) -> bool:
-    """Whether what lies behind something else would be seen to: all of a small thing is hardly
+    """Whether what lies behind something else would be seen to: all of a small object is hardly
     farther than its front."""
     away = np.linalg.norm(local, axis=1)
     near, far = np.quantile(away, [options.stray_share, 1 - options.stray_share])
@@ -208,7 +209,7 @@ def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64,
 
 
 def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
-    """Which points (N, 3) of a frame are hardly higher than the ground there."""
+    """Return which points (N, 3) of a frame are hardly higher than the ground there."""
     none = np.zeros(len(xyz), np.bool_)
     if len(xyz) < options.ground.min_points:
         return none

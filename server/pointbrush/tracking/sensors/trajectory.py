@@ -1,4 +1,4 @@
-"""Where a sensor was in each frame: as a recording tells it, or found frame by frame when asked."""
+"""Trajectory of a sensor: as a recording tells it, or found frame by frame when asked."""
 
 from __future__ import annotations
 

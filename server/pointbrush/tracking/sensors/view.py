@@ -107,7 +107,7 @@ class View:
 
     @property
     def camera(self) -> Lens:
-        """The lens of a frame that has a depth image; nobody else may be asked about one.
+        """The lens of a frame that has a depth image; no one else may be asked about one.
 
         Raises RuntimeError where there is none.
         """
@@ -139,7 +139,7 @@ class View:
 
     @cached_property
     def cells(self) -> Projection:
-        """Where every point (N,) lies in the depth image; needs a camera."""
+        """Return where every point (N,) lies in the depth image; needs a camera."""
         return self.camera.cells(
             self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
             options=self.options.lens,
@@ -222,7 +222,8 @@ class View:
         return reach_of(self.xyz, options=self.options.range_image)
 
     def firm(self, indices: I64, step: float) -> Mask:
-        """Which of the points (M,) lie on a surface, with no jump of ``step`` metres beside them.
+        """Return which of the points (M,) lie on a surface, with no jump of ``step`` metres beside
+        them.
 
         What lies between two surfaces at an outline belongs to neither.
         """
@@ -238,19 +239,20 @@ class View:
         return firm
 
     def project(self, world: F64) -> Projection:
-        """Where any points (M, 3) of the world lie in the depth image; needs a camera."""
+        """Return where any points (M, 3) of the world lie in the depth image; needs a camera."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
         return self.camera.cells(local.astype(np.float32), options=self.options.lens)
 
     def hides(self, world: F64, margin: float) -> Mask:
-        """Which places (M, 3) lie outside the picture, or more than ``margin`` metres behind what
-        it shows; needs a camera."""
+        """Return which places (M, 3) lie outside the picture, or more than ``margin`` metres
+        behind what it shows; needs a camera."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
 
     def sees_through(self, world: F64, margin: float) -> Mask:
-        """Which places (M, 3) lie more than ``margin`` metres before what the picture shows."""
+        """Return which places (M, 3) lie more than ``margin`` metres before what the picture
+        shows."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray(self.depth[cell] > depth + margin)

@@ -33,7 +33,8 @@ def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
 
 
 def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
-    """How far, in logarithms, parts of the image hold more or fewer points than it is usual there.
+    """Return how far, in logarithms, parts of the image hold more or fewer points than it is usual
+    there.
 
     What is usual changes slowly over the image where that does not look along its axis.  inf
     where no image is so wide.

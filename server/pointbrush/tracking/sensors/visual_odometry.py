@@ -1,4 +1,4 @@
-"""How a depth camera moves, as its pictures show it: all pixels at once, coarse to fine.
+"""Dense visual odometry of a depth camera: all pixels at once, coarse to fine.
 
 Colours must stay the same where a surface is seen again, and its distance must be the one that the
 motion predicts.  What moves by itself, and outlines, are outvoted.  Source: dense visual odometry,
@@ -272,7 +272,8 @@ class CameraTrajectory(RegisteredTrajectory):
         lens: Lens,
         painted: I64 | None = None,
     ) -> None:
-        """What is ``painted`` (M,) in the first frame may move by itself, and tells nothing."""
+        """Points ``painted`` (M,) in the first frame may move by itself, and tells
+        nothing."""
         super().__init__(frames, order, options)
         self._lens, self._painted = lens, painted
         first = _Key(picture_of(frames(order[0]), lens, painted, options=options), np.eye(4))

@@ -1,4 +1,4 @@
-"""What hangs together with a thing alone in the air: it is the thing, new surface and all.
+"""Connected surface of an object alone in the air: all of it is the object's, new surface too.
 
 A hand that throws or catches it is kept out by asking what was there, unlabelled, in the last
 frame, and whether what hangs together ends there, or goes on behind something nearer to the sensor.
@@ -53,7 +53,7 @@ def whole(
     if new is None or not len(new):
         return new
     step = step_of(track, fit)
-    # What bends beyond doubt is held by somebody, who goes along with it.
+    # What bends beyond doubt is held by a person, who goes along with it.
     before = was_there(track, view, new, step if track.surely_soft else None)
     # Painted end on, it has many times the points that are known.
     along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
@@ -70,12 +70,12 @@ def whole(
 
 
 def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
-    """Whether new surface that makes a thing on the move much longer ends all round, while the
-    thing was not yet seen alone: then it may have been painted end on.
+    """Whether new surface that makes an object on the move much longer ends all round, while the
+    object was not yet seen alone: then it may have been painted end on.
 
     A part that was missed was there, unlabelled, in the last frame (``before`` (M,)), and would
     be taken for a hand from then on.  A hand was there for the most part, or goes on behind
-    something else than the thing.
+    something else than the object.
     """
     options = track.options.growth
     known = track.seen_alone.frames >= options.known_frames
@@ -97,13 +97,13 @@ def _length(view: View, points: I64) -> float:
 def _may_be_a_hand(
     track: Track, view: View, fit: Registration, core: I64, new: I64, before: Mask
 ) -> bool:
-    """Whether new surface may be what throws or catches a thing: that was there, unlabelled, in the
-    last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for; of
-    what has no colours to be known by, only what lies there tells.
+    """Whether new surface may be what throws or catches an object: that was there, unlabelled, in
+    the last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for;
+    of what has no colours to be known by, only what lies there tells.
 
     A sensor that moves sees new sides all the time, and what it missed once it may see again.
 
-    What goes on behind something nearer, and has not the colours that the thing was painted with,
+    What goes on behind something nearer, and has not the colours that the object was painted with,
     may be a hand though its arm is hidden: it has gone along, or has just come.
     """
     options = track.options.growth

@@ -22,7 +22,7 @@ from pointbrush.tracking.steps.register import find
 def begin_label(
     tracks: dict[int, Track], view: View, label: int, points: I64, noise: float
 ) -> None:
-    """Put what the ``points`` (M,) of a frame show among the things, its model in the world.
+    """Put what the ``points`` (M,) of a frame show among the objects, its model in the world.
 
     ``noise`` metres of the depth there.
     """
@@ -37,7 +37,7 @@ def begin_label(
 
 
 def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, noise: float) -> F64:
-    """Learn a thing from ``points`` (M,) alone; its pose (4, 4), which goes on where it was."""
+    """Learn an object from ``points`` (M,) alone; its pose (4, 4), which goes on where it was."""
     before = tracks[label]
     pose = before.motion.poses[-1]
     shift = np.eye(4)
@@ -84,7 +84,7 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
 
 
 def _denied(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Which of the model a person did not paint though the sensor saw it: a hand's, say."""
+    """Return which of the model a person did not paint though the sensor saw it: a hand's, say."""
     options = track.options.verdict
     painted = close_to(fit.world, view.xyz[points], options.surface_units * track.unit)
     denied = ~painted & track.model.facing(fit.pose[None], view.eye)[0]

@@ -20,7 +20,7 @@ from pointbrush.tracking.sensors.view import View
 
 @dataclass(eq=False)
 class Findings:
-    """Label → where it is in ``view``, and which points it would have there.
+    """Registrations and claimed points of tracks in ``view``, by label.
 
     ``free`` (N,) points that the run may take, whoever of it has them; ``background`` knows what
     stands still.
@@ -33,20 +33,20 @@ class Findings:
     claims: dict[int, Claim] = field(default_factory=dict)
 
     def put(self, label: int, fit: Registration, claim: Claim) -> None:
-        """A thing was found, or found elsewhere."""
+        """An object was found, or found elsewhere."""
         self.fits[label], self.claims[label] = fit, claim
 
     def unclaimed(self, but: Collection[int] = ()) -> Mask:
-        """(N,) free points that nobody claims, ``but`` for some labels."""
+        """(N,) free points that no one claims, ``but`` for some labels."""
         others = (claim for label, claim in self.claims.items() if label not in but)
         return without(self.free, others)
 
 
 class FlyingRule(NamedTuple):
-    """What makes a pixel a flying one: it lies ``behind`` metres behind one that it touches.
+    """Rule for a flying pixel: it lies ``behind`` metres behind one that it touches.
 
-    And up to a ``few`` pixels of the thing, ``reach`` pixels around, are within ``level`` metres as
-    deep.  None of the ``margin`` rows at the edge of the picture is.
+    And up to a ``few`` pixels of the object, ``reach`` pixels around, are within ``level`` metres
+    as deep.  None of the ``margin`` rows at the edge of the picture is.
     """
 
     behind: float
@@ -57,7 +57,8 @@ class FlyingRule(NamedTuple):
 
 
 def flying(view: View, points: I64, unit: float) -> Mask:
-    """Which ``points`` (M,) of a thing lie behind others of it, and none of them beside it.
+    """Return which ``points`` (M,) of an object lie behind others of it, and none of them beside
+    it.
 
     ``unit`` metres of tolerance.  None before a sensor that sees no depth images.
     """
@@ -69,7 +70,7 @@ def flying(view: View, points: I64, unit: float) -> Mask:
 def painted_with_flying(view: View, points: I64, unit: float) -> bool:
     """Whether most of the flying pixels at the outline of painted ``points`` (M,) are painted too.
 
-    Who outlines a thing in a picture paints those inside the outline as well.
+    Who outlines an object in a picture paints those inside the outline as well.
     """
     options = view.options.flying
     if view.lens is None or not view.lens.lattice:
@@ -100,9 +101,10 @@ def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
 def lies_behind(
     cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule
 ) -> Mask:
-    """Which pixels (M,) are flying: behind a pixel of the thing, and as deep as hardly any of it.
+    """Return which pixels (M,) are flying: behind a pixel of the object, and as deep as hardly any
+    of it.
 
-    ``own`` (cells + 1,) the pixels of the thing in the depth ``image``, rows of ``width``.
+    ``own`` (cells + 1,) the pixels of the object in the depth ``image``, rows of ``width``.
     """
     result = np.zeros(len(cells), np.bool_)
     border = rule.margin * (width + 1)
@@ -113,7 +115,7 @@ def lies_behind(
         for row in range(-rule.reach, rule.reach + 1):
             for column in range(-rule.reach, rule.reach + 1):
                 other = cell + row * width + column
-                # Image borders: the pixel that the row before ends with is far from the thing.
+                # Image borders: the pixel that the row before ends with is far from the object.
                 if other == cell or other < 0 or other >= len(image) or not own[other]:
                     continue
                 away = depths[i] - image[other]
@@ -124,7 +126,8 @@ def lies_behind(
 
 
 def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
-    """Which of a thing's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,) its rim.
+    """Return which of an object's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,)
+    its rim.
 
     ``unit`` metres of tolerance; needs a camera.
     """
@@ -145,7 +148,8 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
 
 @compiled
 def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule) -> Mask:
-    """Which pixels (M,) touch the thing, as deep as it or nearer, and stand apart from all else."""
+    """Return which pixels (M,) touch the object, as deep as it or nearer, and stand apart from
+    all else."""
     result = np.zeros(len(cells), np.bool_)
     border = rule.margin * (width + 1)
     for i in range(len(cells)):
@@ -190,7 +194,7 @@ class Claim:
 
 
 def claim(view: View, indices: I64, fit: F64, colour: F32, weight: float, reach: float) -> Claim:
-    """What a model at ``place`` (M, 3) of the world claims of the points ``indices``.
+    """Return what a model at ``place`` (M, 3) of the world claims of the points ``indices``.
 
     A point's cost is the least, over its three nearest model points, of the distance in place and
     colour; ``reach`` metres away it is claimed no more.
@@ -248,7 +252,7 @@ def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
 
 
 def without(free: Mask, claims: Iterable[Claim]) -> Mask:
-    """Which points (N,) are ``free``, and no claim's."""
+    """Return which points (N,) are ``free``, and no claim's."""
     left = free.copy()
     for claimed in claims:
         left[claimed.indices] = False

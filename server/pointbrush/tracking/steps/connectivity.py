@@ -1,4 +1,4 @@
-"""What hangs together with a thing: points that steps of some length lead to."""
+"""Connectivity of points: those that steps of some length lead to from an object."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pointbrush.tracking.sensors.view import View
 
 
 class Limits(NamedTuple):
-    """Where what hangs together with a thing has to end, to be all of it.
+    """Limits within which connected surface has to end, to be all of an object.
 
     After ``steps`` of ``reach`` metres and with ``most`` points at most, all of them from ``low``
     (3,) to ``high`` (3,).
@@ -28,7 +28,8 @@ class Limits(NamedTuple):
 
 
 def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
-    """Which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach`` metres."""
+    """Return which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach``
+    metres."""
     joined = np.zeros(len(rest), np.bool_)
     front = core
     for _ in range(rounds):
@@ -58,7 +59,7 @@ def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
 
 @compiled
 def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
-    """Which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
+    """Return which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
 
     And whether they end within the ``limits``; else they are not all.
     """

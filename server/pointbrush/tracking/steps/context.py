@@ -17,7 +17,7 @@ from pointbrush.tracking.steps.claim import Claim
 
 
 def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask:
-    """Which claimed points are more like something known to be unlabelled."""
+    """Return which claimed points are more like something known to be unlabelled."""
     return _explained(
         track,
         view,
@@ -28,7 +28,8 @@ def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask
 
 
 def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Which points nothing unlabelled explains, where it was or gone along with the thing."""
+    """Return which points nothing unlabelled explains, where it was or gone along with the
+    object."""
     return ~_explained(
         track,
         view,
@@ -39,7 +40,7 @@ def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mas
 
 
 def _explained(track: Track, view: View, fit: Registration, points: I64, reach: F64) -> Mask:
-    if view.roams:  # What stands still is known, and nobody holds what is seen from the road.
+    if view.roams:  # What stands still is known, and no one holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
     xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
     explained = track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
@@ -53,8 +54,8 @@ def _explained(track: Track, view: View, fit: Registration, points: I64, reach: 
 
 
 def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
-    """Which points lie where something unlabelled was in the last frame, or has gone by ``step``
-    since."""
+    """Return which points lie where something unlabelled was in the last frame, or has gone by
+    ``step`` since."""
     reach, xyz = (
         np.full(len(points), track.options.context.stayed_units * track.unit),
         view.xyz[points].astype(np.float64),
@@ -63,7 +64,8 @@ def was_there(track: Track, view: View, points: I64, step: F64 | None = None) ->
 
 
 def step_of(track: Track, fit: Registration) -> F64 | None:
-    """How a thing has moved (4, 4) since it was seen; None where that is next to nothing."""
+    """Return how an object has moved (4, 4) since it was seen; None where that is next to
+    nothing."""
     last = track.motion.poses[-1]
     ends = track.ends
     if (
@@ -75,7 +77,7 @@ def step_of(track: Track, fit: Registration) -> F64 | None:
 
 
 def set_other_movers_around(track: Track, view: View, world: F64) -> None:
-    """Let what is unlabelled beside a thing, whose surface is at ``world`` (M, 3), be known."""
+    """Let what is unlabelled beside an object, whose surface is at ``world`` (M, 3), be known."""
     box = _beside(track, world)
     set_rivals(track, view, _unlabelled(view, box), box)
 
@@ -99,7 +101,7 @@ def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
 
 
 def set_rivals(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
-    """Let the points (M,) be known as all that is unlabelled in a ``box`` about a thing; what it
+    """Let the points (M,) be known as all that is unlabelled in a ``box`` about an object; what it
     missed of itself is not.
 
     What has colours that it alone has, or that are far commoner in it than among them, is that.
@@ -113,7 +115,7 @@ def set_rivals(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> 
 
 
 def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Registration]) -> None:
-    """Let what moves beside each thing that was found, and is nothing's, be its rivals."""
+    """Let what moves beside each object that was found, and is nothing's, be its other movers."""
     taken = view.labelled()
     for label, fit in fits.items():
         before = taken[fit.neutral]
@@ -124,9 +126,10 @@ def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Regi
 
 
 def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:
-    """Find the colours that some things alone have, of all ``tracks`` and what is about them.
+    """Find the colours that some objects alone have, of all ``tracks`` and what is about them.
 
-    Hands that may hold a thing later are within their reach of it, and are few of the points there.
+    Hands that may hold an object later are within their reach of it, and are few of the points
+    there.
     """
     for label in labels:
         track = tracks[label]

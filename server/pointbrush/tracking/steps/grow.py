@@ -24,7 +24,7 @@ LABELS = 2**16
 
 def own_points(track: Track, view: View, fit: Registration) -> Claim:
     """Points like the model at its place, and not more like something unlabelled."""
-    # What is beside a large thing is told by what hangs together.
+    # What is beside a large object is told by what hangs together.
     options = track.options
     wide = (options.claim.reaches if track.large else options.claim.new_reaches) * track.reach
     near = claim(view, fit.near, fit.world, track.model.colour, track.weight, wide)
@@ -62,10 +62,10 @@ def _hardly(view: View, fit: Registration) -> Mask:
 
 
 def grow(tracks: Mapping[int, Track], findings: Findings) -> tuple[dict[int, I64], Mask]:
-    """New surface: moving points that hang together with a thing, free and nobody's.
+    """New surface: moving points that hang together with an object, free and no track's.
 
-    Of all but large things; and which points (N,) somebody has then.  Claims lose their flying
-    pixels, which are rivals of nothing.
+    Of all but large objects; and which points (N,) a person has then.  Claims lose their flying
+    pixels, which are other movers of nothing.
     """
     view, background, free = findings.view, findings.background, findings.free
     fits, claims = findings.fits, findings.claims
@@ -99,7 +99,7 @@ def grow(tracks: Mapping[int, Track], findings: Findings) -> tuple[dict[int, I64
 
 
 def _border(view: View, own: I64, rest: I64, unit: float) -> float:
-    """Share of a thing's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
+    """Share of an object's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
     options = view.options.claim
     some = view.xyz[own[:: max(1, len(own) // options.border_points)]]
     return (
@@ -131,7 +131,7 @@ def _solid(
 def _outlined(track: Track, findings: Findings, new: I64, taken: Mask) -> tuple[Claim, I64]:
     """The claim and new surface of what is slow without flying pixels.
 
-    ``Registration.rim`` takes in what was missed at its outline, and those if it was painted with them.
+    The rim of its registration takes in missed outline, and flying pixels if painted with them.
     """
     view, background = findings.view, findings.background
     fit, found = findings.fits[track.label], findings.claims[track.label]
@@ -187,9 +187,10 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
 
 
 def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
-    """What others uncovered of a thing at rest: it hangs together with it, alike in colour.
+    """Return what others uncovered of an object at rest: it hangs together with it, alike in
+    colour.
 
-    It has to be a good part of all that the other, its ``hider``, uncovered: beside a thing in
+    It has to be a good part of all that the other, its ``hider``, uncovered: beside an object in
     a hand that is mostly what holds it, and whom.
     """
     options = track.options

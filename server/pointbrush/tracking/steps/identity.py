@@ -1,4 +1,4 @@
-"""Things that look alike and may have changed places: how far the labels of both can be trusted.
+"""Objects that look alike and may have changed places: how far the labels of both can be trusted.
 
 Where two met, each was found where its own motion led, or where the other's did.  If the second
 explains the frame about as well, nothing in it tells whose points are whose, and nothing that is
@@ -23,7 +23,7 @@ Pair = tuple[int, int]
 
 @dataclass(eq=False)
 class Meeting:
-    """Two things that may have changed places: ``most`` confidence that their labels deserve.
+    """Two objects that may have changed places: ``most`` confidence that their labels deserve.
 
     Where both were ``before`` (2, M, 3), and in the frame that they met and those ``after``; None
     where one was not seen.
@@ -48,14 +48,14 @@ class Meeting:
 
 
 class Swaps:
-    """All pairs of small things of a run that look alike and met."""
+    """All pairs of small objects of a run that look alike and met."""
 
     def __init__(self, options: TrackerOptions) -> None:
         self.options = options
         self.meetings: dict[Pair, Meeting] = {}
 
     def meet(self, tracks: Mapping[int, Track], fits: Mapping[int, Registration]) -> None:
-        """Take note of where things were found; ``places`` take in how far that can be trusted."""
+        """Take note of where objects were found; ``places`` take in how far that can be trusted."""
         at = {n: _middle(tracks[n], fit) for n, fit in fits.items() if tracks[n].hand_sized}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
@@ -73,7 +73,7 @@ class Swaps:
                     fits[label].most = min(fits[label].most, meeting.most)
 
     def forget(self, label: int) -> None:
-        """A person has said where a thing is."""
+        """A person has said where an object is."""
         self.meetings = {pair: of for pair, of in self.meetings.items() if label not in pair}
 
     def _compare(
@@ -110,7 +110,7 @@ def _middle(track: Track, fit: Registration) -> F64:
 
 
 def _predicted(track: Track) -> F64:
-    """(K, 3) where the middle of a thing may be, at rest in the end."""
+    """(K, 3) where the middle of an object may be, at rest in the end."""
     poses = track.motion.predictions()
     poses = poses if len(poses) > 1 else np.repeat(poses, 2, axis=0)
     return np.asarray(poses[:, :3, :3] @ track.motion.centre + poses[:, :3, 3])

@@ -24,8 +24,8 @@ def lost_pieces(
 ) -> I64:
     """The points (M,), sorted, of the pieces of ``track`` beside its points ``core``.
 
-    ``taken`` (N,) points that somebody has.  None where there is no depth image, which tells
-    what never moves, or no colour, and the thing is not ``pliant``.
+    ``taken`` (N,) points that a person has.  None where there is no depth image, which tells
+    what never moves, or no colour, and the object is not ``pliant``.
     """
     options = track.options
     asked = (view.number + track.label) % options.pieces.slow_frames == 0 or not track.motion.slow(
@@ -57,18 +57,18 @@ def lost_pieces(
 
 
 def _apart(view: View, points: I64, background: Background) -> I64:
-    """Those of the points (M,) that lie before what never moves."""
+    """Return those of the points (M,) that lie before what never moves."""
     return points[~(background.static(view, points)[0] | background.drawn_on(view, points))]
 
 
 def _least(track: Track) -> float:
-    """How many points a piece has at least."""
+    """Return how many points a piece has at least."""
     options = track.options.pieces
     return max(options.min_points, options.min_size_share * track.size)
 
 
 def _looks_like(track: Track, view: View, core: I64, points: I64, background: Background) -> bool:
-    """Whether a piece has the thing's colours, or is small and has come to rest with it."""
+    """Whether a piece has the object's colours, or is small and has come to rest with it."""
     options = track.options.pieces
     colour = view.colour(points)
     if track.appearance.share(
@@ -86,7 +86,7 @@ def _looks_like(track: Track, view: View, core: I64, points: I64, background: Ba
 def _is_its(
     track: Track, view: View, fit: Registration, core: I64, points: I64, others: F64
 ) -> bool:
-    """Whether a piece touches the thing and no ``others`` (M, 3), and may be a part of it."""
+    """Whether a piece touches the object and no ``others`` (M, 3), and may be a part of it."""
     options = track.options
     xyz = view.xyz[points].astype(np.float64)
     if not close_to(view.xyz[core], xyz, options.pieces.touching_units * track.unit).any():
@@ -100,7 +100,7 @@ def _is_its(
         far = np.linalg.norm(away, axis=1).max() > options.pieces.end_radii * track.model.radius
         if far and len(points) > options.pieces.end_share * len(core):
             return False
-        # What goes on behind the thing itself is what holds it.
+        # What goes on behind the object itself is what holds it.
         if cut_off(view, points, track.unit, by=view.marked(core)):
             return False
     if track.soft or len(track.carving_views) < options.surface.carve_min_views:

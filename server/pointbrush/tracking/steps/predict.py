@@ -23,7 +23,8 @@ from pointbrush.tracking.steps.verdict import Look, costs_of, look
 
 @dataclass(eq=False)
 class Search:
-    """A thing's part of the frame: points ``around`` its ``hypotheses`` (K, 4, 4), inside a ``box``.
+    """An object's part of the frame: points ``around`` its ``hypotheses`` (K, 4, 4), inside a
+    ``box``.
 
     ``near`` are those that it may have, ``moving`` those before the background that were not
     there in the last frame either, ``faint`` those of ``near`` that are hardly before it.
@@ -38,7 +39,7 @@ class Search:
     moving: I64
     faint: I64
     few: I64 = field(init=False)
-    """Numbers of the model points that guesses are judged by."""
+    """Numbers of the model points that hypotheses are judged by."""
     many: I64 = field(init=False)
     """Numbers of those that the last iterations use."""
     target: Target = field(init=False)
@@ -61,7 +62,7 @@ class Search:
 
     @cached_property
     def costs(self) -> F64:
-        """(K,) what each of the guesses costs, by the target as it is."""
+        """(K,) what each of the hypotheses costs, by the target as it is."""
         track = self.track
         return costs_of(
             track,
@@ -74,19 +75,19 @@ class Search:
     def aim(self, target: Target) -> None:
         """Look for it in another target."""
         self.target = target
-        # What hides the thing depends on the target without a depth image only.
+        # What hides the object depends on the target without a depth image only.
         known = ("costs",) if self.view.lens is not None else ("costs", "at", "own")
         for name in known:
             self.__dict__.pop(name, None)
 
     @cached_property
     def at(self) -> Look:
-        """The few at each of the guesses."""
+        """The few at each of the hypotheses."""
         return look(self.track, self.view, self.few, self.hypotheses, self.own)
 
     @cached_property
     def own(self) -> I64 | None:
-        """The directions in which what was measured may be the thing: it does not hide itself
+        """The directions in which what was measured may be the object: it does not hide itself
         where it has come nearer than a prediction."""
         if self.view.lens is not None or self.view.shade is None:
             return None
@@ -101,7 +102,7 @@ class Search:
 def crop(
     track: Track, view: View, background: Background, free: Mask, hypotheses: F64 | None = None
 ) -> Search | None:
-    """Cut out what may be the thing, without what stood still; None where nothing is.
+    """Cut out what may be the object, without what stood still; None where nothing is.
 
     ``hypotheses`` (K, 4, 4) where it may be, if not where it is predicted.
     """
@@ -137,7 +138,7 @@ def crop(
             rest = np.flatnonzero(~far)
             far[rest] = background.scenery(view, around[rest], stay)
         # Only what is slow can be where something else was; what has just been revealed was not
-        # seen there before, and may be the thing.
+        # seen there before, and may be the object.
         slow = track.motion.slow(unit)
         own = ~far if slow else ~(far | still)
         if slow and not track.large:
@@ -156,7 +157,8 @@ def crop(
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:
-    """Those of the guesses (K, 4, 4) that are not as good as the same as one before them."""
+    """Return those of the hypotheses (K, 4, 4) that are not as good as the same as one before
+    them."""
     ends = transform_each(hypotheses, track.ends)
     apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
     kept: list[int] = []
@@ -170,7 +172,7 @@ def _distinct(track: Track, hypotheses: F64) -> F64:
 
 
 def search_among(track: Track, view: View, points: I64) -> Search:
-    """Look for a thing among ``points`` (M,) alone, that are known to be its own."""
+    """Look for an object among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
     hypotheses = track.motion.predictions()
@@ -185,7 +187,7 @@ def target_of(view: View, indices: I64, weight: float, most: int | None = None) 
 
 
 def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
-    """Take out of each target what another thing's prediction explains clearly better."""
+    """Take out of each target what another object's prediction explains clearly better."""
     searches = list(searches)
     ghosts = [_ghost(search) for search in searches]
     sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.track)]
@@ -213,7 +215,7 @@ def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
 
 
 def _limit(track: Track) -> float:
-    """Cost up to which a prediction is sure; what motion a thing has may not be known yet."""
+    """Cost up to which a prediction is sure; what motion an object has may not be known yet."""
     options = track.options.register
     if track.motion.fresh:
         return options.clear_cost if track.hand_sized else 0.0
@@ -230,7 +232,7 @@ class _Surface(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ghost:
-    """A thing where it is predicted, in place and colour."""
+    """An object where it is predicted, in place and colour."""
 
     surface: _Surface
     centre: F64

@@ -1,4 +1,4 @@
-"""Where else an object may be: moving points of its colour that form a cluster of its size."""
+"""Pose hypotheses beside the predictions: clusters of moving points, of its colour and size."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 
 def alike(model: Model, colour: F32) -> Mask:
-    """Which of the colours (M, 3) the model has about."""
+    """Return which of the colours (M, 3) the model has about."""
     options = model.options.propose
     palette = model.colour[:: max(1, len(model.colour) // options.palette_points)]
     return close_to(colour, palette, options.alike_colour)

@@ -1,4 +1,5 @@
-"""Register a thing: robust fits from the likeliest guesses, the best by what the sensor saw."""
+"""Register an object: robust fits from the likeliest hypotheses, the best by what the sensor
+saw."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ from pointbrush.tracking.steps.verdict import costs_of, look
 
 
 def find(search: Search) -> Registration:
-    """Register a thing, and bend it where it bends."""
+    """Register an object, and bend it where it bends."""
     track = search.track
     pose, cost, tried, costs = register(search)
     world = transform(pose, track.model.xyz)
@@ -53,7 +54,7 @@ def find(search: Search) -> Registration:
 
 
 def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
-    """Surface of a thing, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
+    """Surface of an object, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
     options = track.options
     apart = max(
         track.model.radius
@@ -87,7 +88,7 @@ class Registered(NamedTuple):
 
 
 def register(search: Search) -> Registered:
-    """Take the best of the robust fits from the likeliest guesses."""
+    """Take the best of the robust fits from the likeliest hypotheses."""
     options = search.options.register
     motion, model = search.track.motion, search.track.model
     poses, scores = _repeated(search)
@@ -158,7 +159,7 @@ def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
 
 
 def _rests(search: Search, pose: F64, score: float) -> bool:
-    """Whether a thing found at ``pose`` may as well have stayed where it was.
+    """Whether an object found at ``pose`` may as well have stayed where it was.
 
     What half hides it would push it away bit by bit.
     """
@@ -185,7 +186,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
 
 def _hidden(search: Search, pose: F64) -> bool:
-    """Whether other things hide most of what faces the sensor at a pose (4, 4)."""
+    """Whether other objects hide most of what faces the sensor at a pose (4, 4)."""
     at = look(search.track, search.view, search.few, pose[None])
     return float(at.seen.mean()) < search.options.register.open_share * float(at.facing[0])
 
@@ -193,7 +194,7 @@ def _hidden(search: Search, pose: F64) -> bool:
 def _asked(search: Search) -> bool:
     """Whether other places are tried in this frame.
 
-    Seldom where a thing that hardly moves was found in none of them before; what moves may be
+    Seldom where an object that hardly moves was found in none of them before; what moves may be
     anywhere in every frame.
     """
     turn = (search.view.number + search.track.label) % search.options.register.retry_frames == 0
@@ -202,7 +203,8 @@ def _asked(search: Search) -> bool:
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:
-    """Fits from the likeliest guess and, unless that one is good, the next: poses and scores."""
+    """Fits from the likeliest hypothesis and, unless that one is good, the next: poses and
+    scores."""
     options = search.options.register
     poses, scores = np.empty((0, 4, 4)), np.empty(0)
     for hypothesis in _likeliest(search).tolist():
@@ -222,7 +224,7 @@ def _repeated(search: Search) -> tuple[F64, F64]:
 
 
 def _likeliest(search: Search) -> I64:
-    """Number of the best of the guesses, and of the next that is another and hardly worse."""
+    """Number of the best of the hypotheses, and of the next that is another and hardly worse."""
     options = search.options.register
     costs = search.costs
     order = np.argsort(costs, kind="stable")
@@ -236,7 +238,7 @@ def _likeliest(search: Search) -> I64:
 def _try(
     search: Search, hypotheses: list[F64], most: int, poses: F64, scores: F64
 ) -> tuple[F64, F64]:
-    """Fit the likeliest of the guesses, and add them with their scores.
+    """Fit the likeliest of the hypotheses, and add them with their scores.
 
     Half of them are chosen by what is seen alone, in turn over the places: what is thrown or
     knocked goes on elsewhere than any prediction, and the likeliest may all be at one wrong place.
@@ -256,7 +258,7 @@ def _try(
 
 
 def _over_places(track: Track, poses: F64, first: I64, rest: I64) -> I64:
-    """The ``rest`` (M,) of the poses (K, 4, 4), in turn over the places that the thing has there.
+    """The ``rest`` (M,) of the poses (K, 4, 4), in turn over the places that the object has there.
 
     The ``first`` (N,) have had their turns.
     """
@@ -295,7 +297,7 @@ def _turns(at: F64, apart: float) -> I64:
 
 
 def _scores(search: Search, poses: F64) -> F64:
-    """What each of ``poses`` (K, 4, 4) costs in all, the less the better."""
+    """Return what each of ``poses`` (K, 4, 4) costs in all, the less the better."""
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)
@@ -323,7 +325,7 @@ def _fits(
     seen: Mask | None = None,
     target: Target | None = None,
 ) -> Fits:
-    """Fit what the sensor should see of the thing at each of ``poses``; ``scales`` in units.
+    """Fit what the sensor should see of the object at each of ``poses``; ``scales`` in units.
 
     ``seen`` (K, M): which of the sample that is, where it is known; ``target`` in place of the
     search's.

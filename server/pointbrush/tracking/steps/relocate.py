@@ -25,7 +25,7 @@ from pointbrush.tracking.steps.verdict import judge
 def find_astray(tracks: Iterable[Track], astray: dict[int, int], findings: Findings) -> None:
     """Look for ``tracks`` that fit badly or not at all; ``findings`` take them in.
 
-    ``astray`` label → frames for which a thing was nowhere near where it should be; kept up.
+    ``astray`` label → frames for which an object was nowhere near where it should be; kept up.
     """
     view, background = findings.view, findings.background
     some = [track for track in tracks if _is_astray(track, astray, findings)]
@@ -47,7 +47,7 @@ def find_astray(tracks: Iterable[Track], astray: dict[int, int], findings: Findi
 
 
 def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool:
-    """Whether a thing is to be looked for in this frame; the frames in doubt are counted."""
+    """Whether an object is to be looked for in this frame; the frames in doubt are counted."""
     options = track.options.relocate
     view, fit = findings.view, _own(track, findings)
     if view.lens is None or track.large or track.bends or track.lost:
@@ -62,7 +62,7 @@ def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool
 
 
 def _own(track: Track, findings: Findings) -> Registration | None:
-    """The place of a thing, None where it is another's, or hardly anything of it elsewhere."""
+    """The place of an object, None where it is another's, or hardly anything of it elsewhere."""
     fit, claim = findings.fits.get(track.label), findings.claims.get(track.label)
     if fit is None or claim is None or fit.undisputed < track.options.relocate.others_share:
         return None
@@ -70,7 +70,7 @@ def _own(track: Track, findings: Findings) -> Registration | None:
 
 
 def _scrap(track: Track, fit: Registration, claim: Claim) -> bool:
-    """Whether hardly anything of a thing shows at a place where no motion led."""
+    """Whether hardly anything of an object shows at a place where no motion led."""
     at = transform(fit.pose, track.motion.centre[None])
     away = np.linalg.norm(_expected(track) - at, axis=1).min()
     return bool(
@@ -82,7 +82,7 @@ def _scrap(track: Track, fit: Registration, claim: Claim) -> bool:
 def _alone(
     track: Track, background: Background, view: View, nobodys: Mask, before: Registration | None
 ) -> tuple[Registration, Claim] | None:
-    """The thing where it should be, if something like it is alone there that nobody has.
+    """The object where it should be, if something like it is alone there that no one has.
 
     It has to fit better than ``before``.
     """
@@ -103,12 +103,12 @@ def _alone(
 
 
 def _expected(track: Track) -> F64:
-    """(K, 3) where the middle of a thing is predicted."""
+    """(K, 3) where the middle of an object is predicted."""
     return transform_each(track.motion.predictions(), track.motion.centre[None])[:, 0]
 
 
 def _lone_piece(track: Track, background: Background, view: View, nobodys: Mask) -> F64 | None:
-    """Middle (3,) of what is alone, of the thing's size and colours, nearest to a prediction."""
+    """Middle (3,) of what is alone, of the object's size and colours, nearest to a prediction."""
     options = track.options
     at = _expected(track)
     margin = options.relocate.alone_radii * track.model.radius
@@ -147,7 +147,8 @@ def _best(
     points: I64,
     before: Registration | None,
 ) -> tuple[Registration, Claim] | None:
-    """Where a thing fits best among the ``points`` (M,): well, and far better than ``before``."""
+    """Return where an object fits best among the ``points`` (M,): well, and far better than
+    ``before``."""
     options = track.options
     best, most = (
         None,
@@ -181,7 +182,7 @@ def _best(
 
 
 def _looks_like(track: Track, view: View, claim: Claim) -> bool:
-    """Whether what is claimed has the colours that a thing was painted with, as no arm has."""
+    """Whether what is claimed has the colours that an object was painted with, as no arm has."""
     return (
         track.appearance.share(view.colour(claim.indices))
         > track.options.relocate.painted_colours_share
@@ -189,7 +190,7 @@ def _looks_like(track: Track, view: View, claim: Claim) -> bool:
 
 
 def _is_elsewhere(track: Track, fit: Registration, before: Registration | None) -> bool:
-    """Whether a thing is not where it was found ``before``, and only turned another way."""
+    """Whether an object is not where it was found ``before``, and only turned another way."""
     if before is None:
         return True
     here, there = (transform(at.pose, track.model.centre[None]) for at in (fit, before))
@@ -197,7 +198,7 @@ def _is_elsewhere(track: Track, fit: Registration, before: Registration | None) 
 
 
 def _clusters(track: Track, view: View, points: I64) -> list[F64]:
-    """Middles (3,) of what hangs together in the thing's colours, the likeliest sizes first."""
+    """Middles (3,) of what hangs together in the object's colours, the likeliest sizes first."""
     options = track.options
     if track.weight > 0.0:
         points = points[alike(track.model, view.colour(points))]
@@ -218,8 +219,8 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
 
 
 def placed(track: Track, view: View, search: Search) -> tuple[Registration, Claim]:
-    """Where a thing is, and what it would have there: nothing where it should be hidden, and
-    nobody comes so fast."""
+    """Return where an object is, and what it would have there: nothing where it should be
+    hidden, and no one comes so fast."""
     fit = find(search)
     if track.body and _far_off(track, search, fit):
         return fit, Claim.nothing()
@@ -227,7 +228,7 @@ def placed(track: Track, view: View, search: Search) -> tuple[Registration, Clai
 
 
 def _far_off(track: Track, search: Search, fit: Registration) -> bool:
-    """Whether a large thing would be far from where it is hidden now: that is somebody else."""
+    """Whether a large object would be far from where it is hidden now: that is another person."""
     options = track.options
     motion = track.motion
     if motion.fresh or track.painted.cut:  # what was painted in part grows by what comes out

@@ -22,7 +22,8 @@ from pointbrush.tracking.steps.verdict import Verdict, judge
 
 
 def evidence(track: Track, sighting: Sighting, points: I64) -> Evidence:
-    """What a fit says about itself, for the confidence of a thing; ``points`` (M,) are assigned."""
+    """Return what a fit says about itself, for the confidence of an object; ``points`` (M,) are
+    assigned."""
     view, fit, found = sighting.view, sighting.fit, sighting.found
     verdict = sighting.verdict
     m = max(len(found.indices), 1)
@@ -58,7 +59,7 @@ def evidence(track: Track, sighting: Sighting, points: I64) -> Evidence:
 
 
 def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[int, int]:
-    """How many moving points around a thing's ``points`` (M,) nobody has, and others have.
+    """Return how many moving points around an object's ``points`` (M,) no one has, and others have.
 
     Asked of lidars alone.
     """
@@ -76,7 +77,7 @@ def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[i
 
 
 def _height(track: Track, view: View, fit: Registration, points: I64) -> float:
-    """Height of a thing's ``points`` (M,) over its model's; asked of lidars alone."""
+    """Height of an object's ``points`` (M,) over its model's; asked of lidars alone."""
     if not (track.scanned and len(points)):
         return 1.0
     whole = float(np.ptp(fit.world[:, view.up]))
@@ -124,7 +125,7 @@ def settle(
 
 
 def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOptions) -> TrackState:
-    """A thing was not seen in a frame, though it was looked for at a ``pose`` (4, 4)."""
+    """An object was not seen in a frame, though it was looked for at a ``pose`` (4, 4)."""
     track.frames_unseen += 1
     track.motion.gap += 1
     lost = track.frames_unseen > track.options.update.lost_frames
@@ -136,7 +137,7 @@ def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOption
 
 
 def _trust(track: Track, fit: Registration, features: Evidence) -> None:
-    """Trust a thing as far as this fit and the frames before allow."""
+    """Trust an object as far as this fit and the frames before allow."""
     options = track.options
     here = likelihood(features, track.body, options=options.confidence)
     if fit.whole and fit.cost < options.update.teach_cost:
@@ -165,7 +166,7 @@ def _strays(track: Track, fit: Registration) -> bool:
 
 
 def _move(track: Track, fit: Registration, verdict: Verdict) -> None:
-    """Let the motion of a thing take in where it was found."""
+    """Let the motion of an object take in where it was found."""
     # What was found so in the frame before too has moved from there to here.
     options = track.options.update
     scrap = (
@@ -180,7 +181,7 @@ def _move(track: Track, fit: Registration, verdict: Verdict) -> None:
 
 
 def well_seen(track: Track, verdict: Verdict, count: int) -> bool:
-    """Whether a small thing with ``count`` points is seen well enough to tell whether it rests.
+    """Whether a small object with ``count`` points is seen well enough to tell whether it rests.
 
     What has turned or gone farther away shows fewer points, but in sight it tells that it moves.
     """
@@ -195,7 +196,7 @@ def well_seen(track: Track, verdict: Verdict, count: int) -> bool:
 
 
 def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool:
-    """Whether the thing was found; one that was hidden must show itself clearly."""
+    """Whether the object was found; one that was hidden must show itself clearly."""
     options = track.options.update
     clear = fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     if view.lens is None and np.array_equal(fit.pose, track.motion.poses[-1]):
@@ -204,7 +205,7 @@ def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool
 
 
 def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
-    """Whether what was found hides a small thing, and is not the thing: it fits badly, and has
+    """Whether what was found hides a small object, and is not the object: it fits badly, and has
     hardly the colours that were painted, nor those of the known surface, another side's too.
 
     What is alone in the air hides nothing.
@@ -223,8 +224,8 @@ def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
 
 
 def _lesson(track: Track, sighting: Sighting) -> Claim:
-    """What the model may learn of what was found: no new points that something unlabelled explains,
-    or of colours that the thing has not shown: what holds it may be where it bends."""
+    """Return what the model may learn of what was found: no new points that something unlabelled
+    explains, or of colours that the object has not shown: what holds it may be where it bends."""
     view, fit, found = sighting.view, sighting.fit, sighting.found
     if fit.whole or track.large:
         return found

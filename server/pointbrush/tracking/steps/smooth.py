@@ -1,6 +1,6 @@
 """Fixed-lag smoothing: what was in doubt is looked at once more from where it is sure again.
 
-A frame that leaves a small thing in doubt is held back for a few frames.  Once the thing is found
+A frame that leaves a small object in doubt is held back for a few frames.  Once the object is found
 surely, it is followed backward from there with the model that was learnt by then, and each frame
 keeps the surer of both.  Source: two-filter smoothing, Fraser and Potter 1969, "The optimum linear
 smoother as a combination of two optimum linear filters"; here each frame has one of the two.
@@ -43,15 +43,15 @@ class Held:
     done: set[int] = field(default_factory=set)
 
     def sure(self, label: int) -> bool:
-        """Whether a thing was found surely."""
+        """Whether an object was found surely."""
         return _confidence(self.result.tracks.get(label)) >= self.view.options.smoothing.sure
 
     def open(self, label: int) -> bool:
-        """Whether a thing is in doubt that was not looked at once more."""
+        """Whether an object is in doubt that was not looked at once more."""
         return label in self.result.tracks and label not in self.done and not self.sure(label)
 
     def improve(self, label: int, state: TrackState, points: I64) -> None:
-        """Take another state of a thing, and its points (M,), where they are surer."""
+        """Take another state of an object, and its points (M,), where they are surer."""
         self.done.add(label)
         if _confidence(state) <= _confidence(self.result.tracks.get(label)):
             return
@@ -87,13 +87,13 @@ class Smoother:
             yield self._held.pop(0).result
 
     def rest(self) -> Iterator[FrameResult]:
-        """What is held at the end of a run."""
+        """Return what is held at the end of a run."""
         for held in self._held:
             yield held.result
         self._held = []
 
     def _go_back(self, track: Track, new: Held, background: Background) -> None:
-        """Follow a copy of a thing from a ``new`` frame back through all that is in doubt."""
+        """Follow a copy of an object from a ``new`` frame back through all that is in doubt."""
         label = track.label
         again = replace(
             track,
@@ -121,7 +121,7 @@ def _found_again(
     most: float,
     asked: TrackOptions,
 ) -> tuple[TrackState, I64]:
-    """Find a thing among what the others left in an earlier frame, and learn from it.
+    """Find an object among what the others left in an earlier frame, and learn from it.
 
     ``astray``: see ``find_astray``.
     """
@@ -147,7 +147,7 @@ def _found_again(
 
 
 def _stiff(track: Track) -> bool:
-    """Whether what was learnt of a small thing's shape later held before, too."""
+    """Whether what was learnt of a small object's shape later held before, too."""
     return track.hand_sized and not (track.bends or track.soft)
 
 

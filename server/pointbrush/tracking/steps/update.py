@@ -23,7 +23,7 @@ from pointbrush.tracking.steps.verdict import Verdict
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sighting:
-    """A thing at its ``place`` in a ``view``.
+    """An object at its ``place`` in a ``view``.
 
     ``found`` points are on its model, ``grown`` (M,) are new surface beside them; ``verdict`` tells
     how well that explains what the sensor saw.
@@ -42,7 +42,7 @@ class Sighting:
 
 
 def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View) -> F64:
-    """(M, 3) where a thing is known to be, even if it claimed nothing there."""
+    """(M, 3) where an object is known to be, even if it claimed nothing there."""
     slow = {n: t for n, t in tracks.items() if t.motion.slow(t.unit)}
     there = [fits[n].world for n in fits if n in view.labels and n in slow]
     if view.lens is None:
@@ -55,7 +55,7 @@ def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view
 
 
 def _hidden_at_rest(track: Track, view: View) -> F64:
-    """(M, 3) where a thing that rested may be behind what is seen: it is not seen past there."""
+    """(M, 3) where an object that rested may be behind what is seen: it is not seen past there."""
     if track.motion.rested is None:
         return np.empty((0, 3))
     world = transform(track.motion.rested, track.model.xyz)
@@ -123,7 +123,7 @@ def _gather(track: Track, sighting: Sighting, was_rigid: bool) -> None:
         )
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
-    # Nobody holds what a lidar on the move sees ever new sides of.
+    # No one holds what a lidar on the move sees ever new sides of.
     sure = track.distinct(colour) | (fit.whole or view.roams)
     own_eye = _eye_of(back, view)
     track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
@@ -131,7 +131,7 @@ def _gather(track: Track, sighting: Sighting, was_rigid: bool) -> None:
 
 
 def _claimed_again(track: Track, sighting: Sighting, number: I64) -> Claim:
-    """What the model claims now of its points: as before, unless the model point has gone.
+    """Return what the model claims now of its points: as before, unless the model point has gone.
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
@@ -165,7 +165,8 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
 
 
 def _take_in_uncovered(track: Track, view: View, points: I64, back: F64, eye: F64 | None) -> None:
-    """What another object hid until now of a thing at rest is as sure as what a person painted.
+    """Return what another object hid until now of an object at rest is as sure as what a person
+    painted.
 
     Beside what is on the move it may be the hand.
     """
@@ -200,7 +201,7 @@ def note_looseness(track: Track, sighting: Sighting) -> None:
 
 
 def note_strain(track: Track, sighting: Sighting) -> None:
-    """Take note of how much of a small thing bending alone explains."""
+    """Take note of how much of a small object bending alone explains."""
     options = track.options
     stiff = not (track.bends or track.soft or track.large or track.scanned)
     if stiff and _asked(track, sighting):
@@ -240,7 +241,7 @@ def strained(track: Track, sighting: Sighting) -> float:
 
 
 def _asked(track: Track, sighting: Sighting) -> bool:
-    """Whether it is looked in this frame if a thing bends: seldom while nothing speaks for it.
+    """Whether it is looked in this frame if an object bends: seldom while nothing speaks for it.
 
     What is seen by very many points fits well while it is stiff.
     """
@@ -253,10 +254,11 @@ def _asked(track: Track, sighting: Sighting) -> bool:
 
 
 def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
-    """Which of a thing's points (M, 3) lie beside the outline of what is ``step`` metres before it.
+    """Return which of an object's points (M, 3) lie beside the outline of what is ``step`` metres
+    before it.
 
     The rim of what is behind an outline is hardly measured, and bending seems to draw it in.
-    ``own`` (N,): the points of the frame that are the thing's, which do not hide it.
+    ``own`` (N,): the points of the frame that are the object's, which do not hide it.
     """
     options = view.options.strain
     if view.lens is None:

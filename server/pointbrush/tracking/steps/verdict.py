@@ -35,7 +35,7 @@ class Look(NamedTuple):
 def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
     """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
 
-    ``own``: directions of ``View.shade`` in which what was measured may be the thing itself,
+    ``own``: directions of ``View.shade`` in which what was measured may be the object itself,
     which does not hide it.
     """
     options = track.options
@@ -84,7 +84,8 @@ def _held_against(
     by: float,
     nearest_m: float,
 ) -> tuple[Mask, Mask]:
-    """Which points (K, M, 3) that are ``facing`` nothing hides, and which were looked through.
+    """Return which points (K, M, 3) that are ``facing`` nothing hides, and which were looked
+    through.
 
     By ``by`` metres more or less than the depth ``image``.
     """
