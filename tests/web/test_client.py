@@ -77,3 +77,32 @@ def test_refusals_are_the_named_errors(served: Served) -> None:
         client.sequences()
     with Client("http://127.0.0.1:9", "t") as client, pytest.raises(UnavailableError):
         client.sequences()
+
+
+def test_the_review(served: Served, tmp_path: Path) -> None:
+    with Client(served.url, TOKEN) as client:
+        wall = client["wall"]
+        wall.create_label("brick")
+        (unused,) = wall.review.checks()
+        assert (unused.kind, unused.labels, unused.place) == ("few", (1,), None)
+        wall.review.put(0, 1, assignee="grace")
+        wall.review.put(1, state="rejected", note="open", place=(1, 2, 3))
+        wall.review.put(label=1, state="accepted")
+        assert wall.review.counts()["rejected"] == 1
+        frame = wall.review.frame(1)
+        assert (frame.note, frame.place, frame.assignee) == ("open", (1.0, 2.0, 3.0), "grace")
+        assert [(each.first, each.label) for each in wall.review.standings()] == [
+            (0, None),
+            (1, None),
+            (None, 1),
+        ]
+        assert [line["state"] for line in wall.review.history(2)] == ["accepted", "rejected"]
+        assert [each.settled for each in wall.review.checks()] == [True]
+        assert wall.review.agreement("wall")["same"] is None
+        assert wall.review.difference("wall", 0).startswith(b"\x89PNG")
+        page = wall.review.report(tmp_path / "wall.html").read_text()
+        assert page.startswith("<!doctype html>")
+        people = wall.review.report(tmp_path / "wall.csv", "people").read_text()
+        assert people.startswith("frame,person,")
+        with pytest.raises(NotFoundError):
+            wall.review.put(7, state="open")

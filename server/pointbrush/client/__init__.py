@@ -15,6 +15,18 @@ of ``pointbrush.errors``.
 
 from pointbrush.client.connection import Client
 from pointbrush.client.recording import Edit, Frame, Frames, Label, Recording
+from pointbrush.client.review import Finding, Review, Standing
 from pointbrush.client.values import Annotation
 
-__all__ = ["Annotation", "Client", "Edit", "Frame", "Frames", "Label", "Recording"]
+__all__ = [
+    "Annotation",
+    "Client",
+    "Edit",
+    "Finding",
+    "Frame",
+    "Frames",
+    "Label",
+    "Recording",
+    "Review",
+    "Standing",
+]

@@ -13,6 +13,7 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pointbrush.client.review import Review
 from pointbrush.client.values import Annotation, array_of, npy_of
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class Recording:
         self.id: str = manifest["id"]
         self.name: str = manifest["name"]
         self.frames = Frames(client, self.id, int(manifest["frames"]))
+        self.review = Review(client, self.id)
 
     def __repr__(self) -> str:
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
