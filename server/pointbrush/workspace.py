@@ -582,10 +582,26 @@ class Workspace:
         return copying.clear_labels(self.store, recording, frames, labels, author, edit_id(edit))
 
     def accept_range(
-        self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str
+        self,
+        sequence: str,
+        frames: Sequence[int],
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
     ) -> Commit:
         """Do the same in several frames, as one edit; see ``accept``."""
-        return self._judged(accepting.accept_range, sequence, frames, labels, author)
+        return self._judged(accepting.accept_range, sequence, frames, labels, author, edit)
+
+    def clear_range(
+        self,
+        sequence: str,
+        frames: Sequence[int],
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
+    ) -> Commit:
+        """Take back what tracking found in frames and vouch for its not being there; one edit."""
+        return self._judged(accepting.clear_range, sequence, frames, labels, author, edit)
 
     def reject_range(
         self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str
@@ -600,11 +616,12 @@ class Workspace:
         frames: Sequence[int],
         labels: Sequence[int],
         author: str,
+        edit: str | None = None,
     ) -> Commit:
         recording = self.recording(sequence)
         for frame in frames:
             _ = recording[frame]
-        return judge(self.store, sequence, frames, labels, author, edit_id(None))
+        return judge(self.store, sequence, frames, labels, author, edit_id(edit))
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
         """Pose, confidence and state of every tracked label in every frame."""

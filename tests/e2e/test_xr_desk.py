@@ -97,7 +97,7 @@ def set_the_floor(server: LiveServer, desk: Desk) -> None:
     desk.until("pb.state.tool.value === 'paint'")
 
 
-def test_a_run_that_stopped_is_accepted_and_goes_on_from_the_desk_too(
+def test_a_run_that_stopped_is_accepted_and_then_continued_at_the_desk(
     server: LiveServer, desk: Desk
 ) -> None:
     server.create_label(SEQUENCE, "dust", "#4cc38a")
@@ -111,8 +111,11 @@ def test_a_run_that_stopped_is_accepted_and_goes_on_from_the_desk_too(
     desk.page.get_by_role("button", name="Continue to 5").wait_for()
     found = painted(server, 1)
     desk.page.get_by_role("button", name="Accept", exact=True).click()
-    # A person has vouched for these points, and the run has gone on by itself.
+    # A person has vouched for these points; the run goes on when it is told to.
     row = "pb.state.timeline.value.rows.get(1)"
+    desk.until(f"{row}.painted[1] > 0")
+    assert not desk.ask("pb.state.jobs.value.some((job) => job.state === 'running')")
+    desk.page.get_by_role("button", name="Continue to 5").click()
     desk.until(f"{row}.points[2] > 0", 60)
     provenance = server.annotation(SEQUENCE, 1, "provenance")
     assert (provenance[server.annotation(SEQUENCE, 1) == 1] == 1).all()

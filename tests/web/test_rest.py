@@ -252,6 +252,17 @@ def test_locked_labels_are_never_changed(api: httpx.Client) -> None:
     api.patch(f"/sequences/wall/labels/{label}", json={"locked": False})
 
 
+def test_a_stretch_is_accepted_and_cleared_by_one_call_each(api: httpx.Client) -> None:
+    label = new_label(api, "stretch")
+    body = {"labels": [label], "start": 1, "stop": 0, "id": str(uuid.uuid4())}
+    for what in ("accept", "clear"):
+        path = f"/api/v1/sequences/wall/{what}"
+        answers = [api.post(path, json=body | {"id": str(uuid.uuid4())}).json() for _ in range(2)]
+        assert [answer["changed"] for answer in answers] == [0, 0]
+        problem(api.post(path, json=body | {"stop": 1_000_000}), 404)
+        problem(api.post(path, json=body | {"labels": []}), 422)
+
+
 def test_if_match_is_of_one_frame(api: httpx.Client) -> None:
     label = new_label(api)
 

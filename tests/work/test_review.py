@@ -127,6 +127,26 @@ def test_a_lost_label_is_accepted_as_not_there(workspace: Workspace) -> None:
     assert workspace.tracks(SEQUENCE)[0]["state"] == "painted"
 
 
+def test_a_cleared_stretch_is_empty_and_in_doubt_no_more(workspace: Workspace) -> None:
+    tracked(workspace, 0.2)
+    workspace.store.apply(
+        SEQUENCE,
+        edit_id=None,
+        author="ada",
+        kind="paint",
+        writes={4: Write(POINTS, label=1, provenance=1)},
+        summary="",
+    )
+    commit = workspace.clear_range(SEQUENCE, range(2, 5), [1], "ada")
+    assert commit.changed == len(POINTS)
+    assert not workspace.annotation(SEQUENCE, 3)[0].any()
+    assert (workspace.annotation(SEQUENCE, 4)[0] == 1).sum() == len(POINTS), "painted points stay"
+    (track,) = workspace.tracks(SEQUENCE)
+    assert (track["state"], track["confidence"], track["points"]) == ("painted", 1.0, 0)
+    workspace.undo(SEQUENCE, "ada")
+    assert workspace.tracks(SEQUENCE)[0]["confidence"] == 0.2
+
+
 def test_what_cannot_be_accepted(workspace: Workspace) -> None:
     with pytest.raises(BadInputError):
         workspace.accept(SEQUENCE, 3, [], "ada")

@@ -120,8 +120,14 @@ export interface Actions {
 
   // tracking and other long work
   track(request: TrackRequest): void;
-  /** What was found in this frame is right: its doubtful labels count as painted; and on. */
+  /** What was found in this frame is right: its doubtful labels count as painted. */
   acceptHere(): Promise<void>;
+  /** The same for all doubtful frames round this one. */
+  acceptStretch(): Promise<void>;
+  /** What was found in the doubtful frames round this one is wrong: away with it. */
+  clearStretch(): Promise<void>;
+  /** Find it anew, from the sure frame beside them. */
+  trackStretch(): void;
   /** Track on from this frame, to where a run that stopped was to go. */
   continueRun(): void;
   /** `keep`: what was found so far stays (tracking). */

@@ -12,7 +12,8 @@ const LONGEST_MS = 1500;
 
 export function startPage(early: Early): void {
   const engine = new Engine(document.getElementById('view') as HTMLCanvasElement, early);
-  if (early.refused) state.connection.value = { state: 'refused', detail: '', retryAt: null };
+  if (early.refused)
+    state.connection.value = { state: 'refused', detail: '', retryAt: null, unsent: [] };
   const overlays = installOverlays(engine);
   installHook(engine);
   engine.start();

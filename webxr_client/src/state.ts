@@ -52,7 +52,7 @@ export const RADIUS_MAX = 5;
 // ── the store ────────────────────────────────────────────────────────────────────────────────
 
 export const state = {
-  connection: signal<Connection>({ state: 'connecting', detail: '', retryAt: null }),
+  connection: signal<Connection>({ state: 'connecting', detail: '', retryAt: null, unsent: [] }),
   me: signal<Me | null>(null),
   people: signal<readonly Person[]>([]),
 
@@ -163,16 +163,15 @@ export const canManage: ReadonlySignal<boolean> = computed(() => includes('manag
 
 const ROLES = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'] as const;
 
-/** Whether this person's role includes another; true until the server has told it. */
+/**
+ * Whether this person's role includes another; true until the server has told it, and false for
+ * all once it refuses the page.
+ */
 function includes(role: (typeof ROLES)[number]): boolean {
+  if (state.connection.value.state === 'refused') return false;
   const own = state.me.value?.role;
   return own === undefined || ROLES.indexOf(own) >= ROLES.indexOf(role);
 }
-
-/** Whether strokes would be taken: they may be made, and the server has not refused the page. */
-export const canPaint: ReadonlySignal<boolean> = computed(
-  () => canEdit.value && state.connection.value.state !== 'refused',
-);
 
 export function isActive(job: Job): boolean {
   return job.state === 'queued' || job.state === 'running';

@@ -7,12 +7,22 @@ import type { Welcome } from './protocol/messages';
 /** `refused`: wrong token, page older than the server, … — trying again will not help. */
 export type ConnectionState = 'connecting' | 'online' | 'offline' | 'refused';
 
+/** A stroke that waits in this browser. */
+export interface Unsent {
+  readonly frame: number;
+  readonly tool: string;
+  /** 0 unless it paints. */
+  readonly label: number;
+}
+
 export interface Connection {
   readonly state: ConnectionState;
   /** One sentence for the user; empty when there is nothing to say. */
   readonly detail: string;
   /** `performance.now()` of the next try, or null. */
   readonly retryAt: number | null;
+  /** Once refused: strokes that the server has not taken, oldest first. */
+  readonly unsent: readonly Unsent[];
 }
 
 export interface Me {

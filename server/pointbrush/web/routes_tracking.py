@@ -13,6 +13,7 @@ from pointbrush.web.schemas_work import (
     ClearBody,
     CopyBody,
     JobOut,
+    StretchBody,
     TrackingBody,
     TrackOut,
 )
@@ -60,6 +61,21 @@ def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Ca
     stop = i if body.stop is None else body.stop
     frames = range(min(i, stop), max(i, stop) + 1)
     return EditOut.of(workspace.clear_labels(seq, frames, body.labels, who.author, body.id))
+
+
+@router.post("/sequences/{seq}/accept", responses=responses(404, 409))
+def accept_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller) -> EditOut:
+    """Make what tracking found of the labels in a stretch of frames count as painted; one edit."""
+    return EditOut.of(workspace.accept_range(seq, body.frames, body.labels, who.author, body.id))
+
+
+@router.post("/sequences/{seq}/clear", responses=responses(404, 409))
+def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller) -> EditOut:
+    """Take back what tracking found of the labels in a stretch of frames; one edit.
+
+    Painted points stay, and the frames are in doubt no more.
+    """
+    return EditOut.of(workspace.clear_range(seq, body.frames, body.labels, who.author, body.id))
 
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))

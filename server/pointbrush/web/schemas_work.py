@@ -117,6 +117,18 @@ class ClearBody(Body):
     id: Uuid | None = None
 
 
+class StretchBody(AcceptBody):
+    """Labels in the frames from ``start`` to ``stop``, both included."""
+
+    start: FrameIndex
+    stop: FrameIndex
+
+    @property
+    def frames(self) -> range:
+        """The frames, ascending."""
+        return range(min(self.start, self.stop), max(self.start, self.stop) + 1)
+
+
 class TrackOut(BaseModel):
     """A label's track in one frame."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -65,16 +65,44 @@ def reject_range(
 ) -> Commit:
     """Take back what tracking found of labels in frames, as one edit; painted points stay.
 
+    The labels are lost there from then on: someone has still to look.  Raises as ``accept``.
+    """
+    lost = {"confidence": 0.0, "state": "lost", "points": 0}
+    return _take_back(store, sequence, frames, labels, author, edit, "reject", lost)
+
+
+def clear_range(
+    store: LabelStore,
+    sequence: str,
+    frames: Sequence[int],
+    labels: Sequence[int],
+    author: str,
+    edit: str,
+) -> Commit:
+    """Do the same, and vouch for the labels not being there: no doubt is left.
+
     Raises as ``accept``.
     """
+    absent = {"confidence": 1.0, "state": "painted", "points": 0}
+    return _take_back(store, sequence, frames, labels, author, edit, "clear", absent)
+
+
+def _take_back(
+    store: LabelStore,
+    sequence: str,
+    frames: Sequence[int],
+    labels: Sequence[int],
+    author: str,
+    edit: str,
+    kind: Literal["reject", "clear"],
+    left: Track,
+) -> Commit:
+    """Remove tracked points of labels in frames; ``left`` is what their tracks say then."""
 
     def found(frame: int) -> Write:
         values = store.values(sequence, frame)
         theirs = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
         return Write(np.flatnonzero(theirs), label=0, provenance=0, living=True)
-
-    def lost(track: Track) -> Track:
-        return {**track, "confidence": 0.0, "state": "lost", "points": 0}
 
     _require(store, sequence, frames, labels)
     tracks = _tracks(store, sequence, frames, labels)
@@ -82,11 +110,14 @@ def reject_range(
         sequence,
         edit_id=edit,
         author=author,
-        kind="reject",
+        kind=kind,
         writes={frame: found(frame) for frame in frames},
-        summary=f"rejected {len(labels)} labels in {_called(frames)}",
-        tracks=[lost(track) for track in tracks if track["state"] != "painted"],
+        summary=f"{_DONE[kind]} {len(labels)} labels in {_called(frames)}",
+        tracks=[{**track, **left} for track in tracks if track["state"] != "painted"],
     )
+
+
+_DONE = {"reject": "rejected", "clear": "cleared"}
 
 
 def _tracks(

@@ -14,7 +14,7 @@ import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
-import { activeLabel as active, canPaint, dismiss, isActive, state, type Shown } from '../state';
+import { activeLabel as active, canEdit, dismiss, isActive, state, type Shown } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
 import { AheadPreview } from '../tools/ahead';
 import { brushNow } from '../tools/brush';
@@ -36,6 +36,7 @@ import { Playback } from './playback';
 import { importActions } from './importing';
 import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
+import { stretchActions } from './stretch';
 import { timeActions } from './time';
 
 /** Run something once it is time; the result forgets it. */
@@ -194,7 +195,7 @@ export class Engine {
     follow(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
     });
-    watch([state.frame, state.sequence, state.tool, canPaint], () => this.pointer.interrupt());
+    watch([state.frame, state.sequence, state.tool, canEdit], () => this.pointer.interrupt());
     follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
     watch([state.brush, state.activeLabel, state.frame, state.sequence], () => {
       this.objects.end();
@@ -218,6 +219,7 @@ export class Engine {
     bindActions(labelActions);
     bindActions(brushActions);
     bindActions(reviewActions);
+    bindActions(stretchActions);
     bindActions(floorActions);
     bindActions(timeActions(this.playback));
     bindActions({

@@ -1,7 +1,8 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
 import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
-import { CELL_STATES, state, type TimelineRow } from '../state';
+import { canEdit, canManage, CELL_STATES, state, type TimelineRow } from '../state';
+import { refusal } from '../tools/brush';
 import { Inbox, type InboxDeps } from './inbox';
 import { runAsked } from './review';
 
@@ -91,5 +92,19 @@ describe('the end of a run', () => {
     state.timeline.value = { rows: new Map([[1, row]]) };
     await Promise.resolve();
     expect(said()).toEqual(['Not sure of A label here']);
+  });
+});
+
+describe('a page that the server refuses', () => {
+  it('has no tools, and says which strokes wait', () => {
+    const inbox = new Inbox({} as InboxDeps);
+    const unsent = [{ frame: 3, tool: 'paint', label: 1 }];
+    const told = { t: 'link', detail: 'revoked', retryMs: null } as const;
+    inbox.receive({ ...told, state: 'refused', unsent });
+    expect([canEdit.value, canManage.value]).toEqual([false, false]);
+    expect(refusal()?.[0]).toBe('The server refused this page');
+    expect(state.connection.value.unsent).toEqual(unsent);
+    inbox.receive({ ...told, state: 'online', unsent: [] });
+    expect(canEdit.value).toBe(true);
   });
 });

@@ -47,7 +47,8 @@ export class Inbox {
         return;
       case 'link': {
         const retryAt = message.retryMs === null ? null : performance.now() + message.retryMs;
-        state.connection.value = { state: message.state, detail: message.detail, retryAt };
+        const { unsent, detail } = message;
+        state.connection.value = { state: message.state, detail, retryAt, unsent };
         return;
       }
       case 'pending':

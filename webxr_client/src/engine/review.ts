@@ -2,7 +2,7 @@
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { actions, type Actions, type TrackRequest } from '../actions';
 import { api } from '../net/rest';
-import { cellKind, doubtfulFrames, wantsLook } from '../panels/timeline-layout';
+import { cellKind, wantsLook } from '../panels/timeline-layout';
 import { dismiss, notify, state, type TimelineRow } from '../state';
 import { attempt } from './recordings';
 import { follow } from '../watch';
@@ -139,13 +139,6 @@ async function acceptHere(): Promise<void> {
   if (labels.length === 0) return;
   await attempt('The frame was not accepted', async () => {
     await api('POST', `sequences/${id}/frames/${frame}/accept`, { labels });
-    const run = halted.peek();
-    const rows = state.timeline.peek().rows.values();
-    const frames = state.sequence.peek()?.frames ?? 0;
-    if (run?.at === frame && run.stop !== frame) continueRun();
-    else if (doubtfulFrames(rows, frames).some((other) => other !== frame)) {
-      actions.nextDoubtful(1);
-    }
   });
 }
 

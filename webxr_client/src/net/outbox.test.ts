@@ -42,6 +42,18 @@ describe('the outbox', () => {
     expect(again[2]).toMatchObject({ samples: [{ origin: [0, 0, 0] }, { origin: [1, 0, 0] }] });
   });
 
+  it('names the strokes that it keeps, as one would say them', () => {
+    const outbox = new Outbox(new Disk());
+    stroke(outbox, 'a');
+    outbox.note('s', { type: 'undo', id: 'b' });
+    const erasing: Brush = { ...brush, tool: 'erase' };
+    outbox.note('s', { type: 'stroke_begin', id: 'c', frame: 4, brush: erasing });
+    expect(outbox.strokes()).toEqual([
+      { frame: 0, tool: 'paint', label: 1 },
+      { frame: 4, tool: 'erase', label: 0 },
+    ]);
+  });
+
   it('keeps what belongs to another recording for when that is open', () => {
     const outbox = new Outbox(new Disk());
     stroke(outbox, 'a', 'other');

@@ -13,6 +13,8 @@ import type {
   Undo,
 } from '../protocol/messages';
 
+import type { Unsent } from '../store-types';
+
 export type Edit = StrokeBegin | StrokeSamples | StrokeEnd | Undo | Redo | Track;
 
 export interface OutboxEntry {
@@ -109,6 +111,16 @@ export class Outbox {
   /** Everything to send again after (re)opening a recording, in order. */
   resend(recording: string): ClientMessage[] {
     return this.of(recording).flatMap(messagesOf);
+  }
+
+  /** The strokes among them, oldest first. */
+  strokes(): Unsent[] {
+    const entries = [...this.entries.values()].sort((a, b) => a.at - b.at);
+    return entries.flatMap(({ first }) => {
+      if (first.type !== 'stroke_begin') return [];
+      const { tool = 'paint', label = 0 } = first.brush;
+      return [{ frame: first.frame, tool, label: tool === 'paint' ? label : 0 }];
+    });
   }
 
   private of(recording: string): OutboxEntry[] {

@@ -1,5 +1,6 @@
 /** What the page, the socket's worker and the decoder tell each other. */
 import type { ClientMessage, Frame, Open, ServerMessage } from '../protocol/messages';
+import type { Unsent } from '../store-types';
 import type { Segment } from './segment';
 
 export type ToWorker =
@@ -48,7 +49,13 @@ export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
 
 /** What the decoder hands on as it is. */
 type Plain =
-  | { t: 'link'; state: LinkState; detail: string; retryMs: number | null }
+  | {
+      t: 'link';
+      state: LinkState;
+      detail: string;
+      retryMs: number | null;
+      unsent: readonly Unsent[];
+    }
   | { t: 'message'; message: PlainMessage }
   | { t: 'labels'; update: LabelUpdate }
   /** Edits without an answer, of those that the worker had `heard` begin. */

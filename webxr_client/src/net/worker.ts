@@ -24,6 +24,7 @@ import type { Decoded, LinkState, Pace, ToDecoder, ToWorker } from './wire';
 const MOST_WAITING = 6;
 /** More than this unsent means that the link is stalled; what can be dropped is dropped. */
 const SEND_LIMIT = 1 << 20;
+const UNAUTHORIZED = 401;
 const AT_ONCE = new Set<ToWorker['t']>(['decoder', 'connect', 'open', 'close']);
 
 const backoff = new Backoff();
@@ -59,7 +60,8 @@ function post(message: ToDecoder, transfer: Transferable[] = []): void {
 }
 
 function link(state: LinkState, detail = '', retryMs: number | null = null): void {
-  post({ t: 'link', state, detail, retryMs });
+  const unsent = state === 'refused' ? outbox.strokes() : [];
+  post({ t: 'link', state, detail, retryMs, unsent });
 }
 
 function connect(): void {
@@ -210,6 +212,8 @@ function settleBy(message: ServerMessage): void {
     if (outbox.settleTracks().length > 0) report();
   }
   if (message.type !== 'error') return;
+  // What a revoked token painted waits for whoever signs in here next.
+  if (message.about !== null && message.status === UNAUTHORIZED) return;
   if (message.about !== null) settle(message.about);
   else if (!live && opened && revision !== null) {
     // The server knows no such revision (its database was put back): start from what it has.

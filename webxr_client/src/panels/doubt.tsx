@@ -1,18 +1,21 @@
-/** A run that stopped because it was unsure, or a doubtful frame: accept it, or go on from it. */
+/** A doubtful frame and the stretch round it, or a run that stopped for doubt: what can be done. */
 import { actions } from '../actions';
 import { halted, namesOf, unsure } from '../engine/review';
+import { stretch, type Stretch } from '../engine/stretch';
 import { canEdit, canReview, state, trackingJob } from '../state';
 import { Button } from './controls';
+import { plural } from './format';
 
 export function Doubt() {
   const labels = unsure.value;
+  const found = stretch.value;
   const run = halted.value;
   const here = run?.at === state.frame.value;
-  if (!canEdit.value || trackingJob.value || (labels.length === 0 && !here)) return null;
+  if (!canEdit.value || trackingJob.value || (!found && !here)) return null;
   const waits = run !== null && here && run.stop !== run.at;
   return (
-    <span class={`chip doubt${labels.length > 0 ? ' warn' : ''}`} role="status">
-      {labels.length > 0 ? `Not sure of ${namesOf(labels)} here` : 'Mended'}
+    <span class={`chip doubt${found ? ' warn' : ''}`} role="status">
+      <span class="doubt-text">{textOf(labels, found)}</span>
       {labels.length > 0 && canReview.value && (
         <Button
           label="Accept"
@@ -22,6 +25,7 @@ export function Doubt() {
           onClick={() => void actions.acceptHere()}
         />
       )}
+      {found && <OfStretch found={found} />}
       {(waits || labels.length > 0) && (
         <Button
           label={waits ? `Continue to ${run.stop}` : 'Continue'}
@@ -31,6 +35,43 @@ export function Doubt() {
           onClick={() => actions.continueRun()}
         />
       )}
+    </span>
+  );
+}
+
+function textOf(labels: readonly number[], found: Stretch | null): string {
+  if (labels.length > 0) return `Not sure of ${namesOf(labels)} here`;
+  return found ? `Not sure of ${namesOf(found.labels)} beside` : 'Sure here';
+}
+
+function OfStretch({ found }: { found: Stretch }) {
+  const { start, stop } = found;
+  const frames = start === stop ? `frame ${start}` : `frames ${start} to ${stop}`;
+  return (
+    <span class="group stretch" role="group" aria-label={`Doubtful: ${frames}`}>
+      <span class="number" data-tip={plural(stop - start + 1, 'doubtful frame')}>
+        {start === stop ? start : `${start} – ${stop}`}
+      </span>
+      {canReview.value && (
+        <Button
+          icon="check"
+          tip={`Accept ${frames}: right as they are`}
+          small
+          onClick={() => void actions.acceptStretch()}
+        />
+      )}
+      <Button
+        icon="trash"
+        tip={`Clear ${frames}: what was tracked there is wrong`}
+        small
+        onClick={() => void actions.clearStretch()}
+      />
+      <Button
+        icon="track"
+        tip={`Track ${frames} again, from the sure frame beside`}
+        small
+        onClick={() => actions.trackStretch()}
+      />
     </span>
   );
 }

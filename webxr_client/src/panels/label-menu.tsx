@@ -52,6 +52,29 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
           <button
             type="button"
             class="menu-item"
+            disabled={!canEdit.value}
+            onClick={() => void actions.toggleLock(label.id)}
+          >
+            <Icon name={label.locked ? 'unlock' : 'lock'} /> {label.locked ? 'Unlock' : 'Lock'}
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            disabled={!canEdit.value}
+            onClick={() => void actions.toggleVisible(label.id)}
+          >
+            <Icon name={label.visible ? 'hidden' : 'eye'} /> {label.visible ? 'Hide' : 'Show'}
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            onClick={() => actions.solo(state.solo.peek() === label.id ? null : label.id)}
+          >
+            <Icon name="solo" /> {state.solo.value === label.id ? 'Show all' : 'Show only this'}
+          </button>
+          <button
+            type="button"
+            class="menu-item"
             disabled={!canEdit.value || label.locked}
             onClick={() => (points > 0 ? setConfirm(true) : remove())}
           >

@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { orthographic } from '../desktop/views';
-import { activeLabel, isStroke, state } from '../state';
+import { activeLabel, isStroke, state, type Unsent } from '../state';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
@@ -60,7 +60,7 @@ function EmptyFrame() {
 }
 
 function OfflineBanner() {
-  const { state: connection, detail, retryAt } = state.connection.value;
+  const { state: connection, detail, retryAt, unsent } = state.connection.value;
   const pending = state.pending.value;
   if (connection === 'online') return null;
   if (connection === 'refused') {
@@ -68,7 +68,7 @@ function OfflineBanner() {
       <div class="banner bad" role="alert">
         <Icon name="warning" />
         <span>
-          <strong>The server refused this page.</strong> {detail}
+          <strong>The server refused this page.</strong> {detail} {unsentText(unsent)}
         </span>
       </div>
     );
@@ -82,6 +82,22 @@ function OfflineBanner() {
       </span>
       <Retry at={retryAt} />
     </div>
+  );
+}
+
+const MOST_NAMED = 4;
+
+/** Strokes that the server did not take, by name. */
+function unsentText(unsent: readonly Unsent[]): string {
+  if (unsent.length === 0) return '';
+  const told = unsent.slice(0, MOST_NAMED).map(({ frame, tool, label }) => {
+    const name = label ? state.palette.value.find(({ id }) => id === label)?.name : undefined;
+    return `${name ?? tool} in frame ${frame}`;
+  });
+  const more = unsent.length > MOST_NAMED ? `, and ${unsent.length - MOST_NAMED} more` : '';
+  return (
+    `${plural(unsent.length, 'stroke')} not sent: ${told.join(', ')}${more}. ` +
+    'This browser keeps them, and sends them once the recording is opened by a link that is valid.'
   );
 }
 

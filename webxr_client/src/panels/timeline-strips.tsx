@@ -8,8 +8,10 @@ import { drawTimeline, type TimelineSizes } from './timeline-draw';
 import { pan, reveal, xToFrame, zoom, type Span } from './timeline-layout';
 import { follow } from '../watch';
 
-const RULER = 26;
-const ROW = 18;
+/** A finger needs more room. */
+const COARSE = matchMedia('(pointer: coarse)').matches;
+const RULER = COARSE ? 40 : 26;
+const ROW = COARSE ? 40 : 18;
 /** Pixels below the last strip. */
 const FOOT = 6;
 const GUTTER_NARROW = 136;

@@ -8,6 +8,9 @@ import type { Way } from './ways';
 /** Why one cannot paint now, and what to do about it; null when one can. */
 export function refusal(): readonly [title: string, detail: string] | null {
   const tool = state.tool.peek();
+  if (state.connection.peek().state === 'refused') {
+    return ['The server refused this page', 'Open it again by a link that is valid.'];
+  }
   if (!canEdit.peek()) return ['You are a viewer here', 'Ask for an annotator’s token to paint.'];
   if (tool !== 'paint') return null;
   const label = activeLabel.peek();

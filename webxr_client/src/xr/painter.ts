@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush, StrokeResult } from '../protocol/messages';
-import { canPaint, isStroke, state } from '../state';
+import { canEdit, isStroke, state } from '../state';
 import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
 import type { Stroke } from '../tools/strokes';
@@ -145,7 +145,7 @@ export class Painter {
   private moved(): boolean {
     const { asked, shown } = this.begunIn;
     const there = state.frame.peek() === asked && state.shown.peek().frame === shown;
-    return !there || !canPaint.peek();
+    return !there || !canEdit.peek();
   }
 
   /** The stroke ends here, what was drawn in the air is void, and the trigger must be let go. */
