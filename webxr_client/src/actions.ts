@@ -90,8 +90,11 @@ export interface Actions {
   viewFrom(preset: ViewPreset): void;
   /** Between perspective and an orthographic picture. */
   toggleOrthographic(): void;
-  /** Fly to a label's object (the active one's), where need be in the nearest frame that has it. */
-  goToObject(label?: number): void;
+  /**
+   * Fly to a label's object (the active one's): in `frame` once it is on screen, else where need be
+   * in the nearest one that has it.
+   */
+  goToObject(label?: number, frame?: number): void;
   /** Keep how one looks now, and look so again. */
   keepView(): void;
   goToView(bookmark: Bookmark): void;

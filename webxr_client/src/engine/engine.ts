@@ -37,6 +37,7 @@ import { importActions } from './importing';
 import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { stretchActions } from './stretch';
+import { showTravel } from './travel';
 import { timeActions } from './time';
 
 /** Run something once it is time; the result forgets it. */
@@ -233,7 +234,7 @@ export class Engine {
         if (frame !== state.frame.peek()) actions.seek(frame);
         camera.restore(view);
       },
-      goToObject: (label = state.activeLabel.peek()) => this.going.goTo(label),
+      goToObject: (label = state.activeLabel.peek(), frame) => this.going.goTo(label, frame),
       cancelStroke: () => this.pointer.cancel() || this.objects.end(),
       closeOutline: () => this.pointer.closeOutline(),
       takeBackCorner: () => this.pointer.takeBackCorner(),
@@ -254,7 +255,11 @@ export class Engine {
     if (!state.sequence.peek()) return;
     this.objects.end();
     const edits = type === 'undo' ? this.following.undo() : 1;
-    for (let k = 0; k < edits; k++) this.link.send({ type, id: crypto.randomUUID() });
+    for (let k = 0; k < edits; k++) {
+      const id = crypto.randomUUID();
+      this.link.send({ type, id });
+      showTravel(type, id);
+    }
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {

@@ -33,9 +33,10 @@ export class Going {
 
   constructor(private readonly deps: GoingDeps) {}
 
-  /** Fly to a label: in this frame, or else in the nearest one that has it. */
-  goTo(label: number): void {
-    this.wanted = null;
+  /** Fly to a label once `frame` is on screen, without it in this one, or the nearest that has it. */
+  goTo(label: number, at?: number): void {
+    this.wanted = at === undefined ? null : { label, frame: at };
+    if (this.wanted) return;
     const entry = state.palette.peek().find(({ id }) => id === label);
     if (!entry) {
       notify('info', 'Choose a label first', 'Its object is what the camera goes to.');
@@ -63,11 +64,10 @@ export class Going {
     if (!frame) return;
     if (this.wanted?.frame === frame.index && frame.loaded > 0) {
       const place = whereIs(frame, this.wanted.label);
-      if (place) {
-        this.wanted = null;
-        this.fly(place);
-      }
-    }
+      // Where it is lost there is nothing to go to.
+      if (place || frame.complete) this.wanted = null;
+      if (place) this.fly(place);
+    } else if (this.wanted && this.wanted.frame !== state.frame.peek()) this.wanted = null;
     if (followsObject.peek()) this.follow(frame);
     else this.seen = null;
   }

@@ -105,6 +105,7 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   actions.pause();
   actions.seek(frame);
   actions.selectLabel(label);
+  actions.goToObject(label, frame);
   notify(
     'info',
     `Not sure of ${namesOf([label])} here`,

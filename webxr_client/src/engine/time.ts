@@ -1,5 +1,5 @@
 /** Moving through time: play, step, seek, the next frame that wants a look. */
-import type { Actions } from '../actions';
+import { actions, type Actions } from '../actions';
 import { cellKind, wantsLook } from '../panels/timeline-layout';
 import { notify, state } from '../state';
 import type { Playback } from './playback';
@@ -32,12 +32,14 @@ export function timeActions(playback: Playback): TimeActions {
       playback.restart();
     },
     nextDoubtful: (direction) => {
-      const frame = doubtful(direction);
-      if (frame === null) notify('info', 'No doubtful frames');
-      else {
-        playback.pause();
-        playback.seek(frame);
+      const found = doubtful(direction);
+      if (!found) {
+        notify('info', 'No doubtful frames');
+        return;
       }
+      playback.pause();
+      playback.seek(found.frame);
+      actions.goToObject(found.label, found.frame);
     },
   };
 }
@@ -47,12 +49,13 @@ function wrapped(frame: number, frames: number): number {
 }
 
 /** The nearest frame in a direction where some label's track is unsure, lost or hidden. */
-function doubtful(direction: 1 | -1): number | null {
+function doubtful(direction: 1 | -1): { frame: number; label: number } | null {
   const frames = state.sequence.peek()?.frames ?? 0;
-  const rows = [...state.timeline.peek().rows.values()];
+  const rows = [...state.timeline.peek().rows];
   for (let away = 1; away <= frames; away++) {
     const frame = wrapped(state.frame.peek() + away * direction, frames);
-    if (rows.some((row) => wantsLook(cellKind(row, frame)))) return frame;
+    const doubt = rows.find(([, row]) => wantsLook(cellKind(row, frame)));
+    if (doubt) return { frame, label: doubt[0] };
   }
   return null;
 }

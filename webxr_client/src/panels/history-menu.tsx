@@ -2,6 +2,7 @@
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
+import { labelIn } from '../engine/travel';
 import { state, type HistoryEntry } from '../state';
 import { plural } from './format';
 import { Popover } from './popover';
@@ -45,7 +46,12 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
       disabled={frame === undefined}
       data-undone={edit.undone || undefined}
       data-tip={frame === undefined ? undefined : `Go to frame ${frame}`}
-      onClick={() => frame !== undefined && actions.seek(frame)}
+      onClick={() => {
+        if (frame === undefined) return;
+        actions.seek(frame);
+        const label = labelIn(edit.summary);
+        if (label !== null) actions.goToObject(label, frame);
+      }}
     >
       <span class="what">
         {edit.summary || edit.kind}
