@@ -11,6 +11,9 @@ NPM     = cd webxr_client && export PATH="$(NODE)/bin:$$PATH" && node $(NODE)/li
 PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
+PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2
+# Tests start hundreds of processes: each would compile every module anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo serve test quick checks lint types check-page unit e2e bench format setup page system peers clean
 .DEFAULT_GOAL := demo
@@ -78,13 +81,18 @@ peers:
 CHECKS := types check-page lint
 
 # The set-up that is left and the checks go side by side: some wait for the network, some compute.
+# So do both parts of the tests, which wait for processes, disks and pages half of the time; what the
+# browser tests said is shown when the others are done.
 test: $(STAMPS)/dev  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops $(PAGE) $(CHECKS)
-	@$(MAKE) --no-print-directory unit e2e
+	@$(MAKE) --no-print-directory e2e >$(STAMPS)/e2e.log 2>&1 & browser=$$!; \
+	trap 'kill $$browser' INT TERM; \
+	$(MAKE) --no-print-directory unit; others=$$?; \
+	wait $$browser; browser=$$?; cat $(STAMPS)/e2e.log; exit $$((others | browser))
 
 quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the fast tests, for each save
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile -m "not slow"
+	@$(PYTEST) --dist loadfile -m "not slow"
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
@@ -108,11 +116,11 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --ignore tests/e2e
+	@$(PYTEST) --dist loadfile --ignore tests/e2e
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist worksteal tests/e2e
+	@$(PYTEST) --dist worksteal tests/e2e
 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
