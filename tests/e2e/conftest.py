@@ -16,7 +16,7 @@ from tests.e2e.chromium import EXECUTABLE, FLAGS
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import QUEST, Headset, Wear, wear
 from tests.e2e.recording import SEQUENCE, Truth
-from tests.e2e.server import LiveServer
+from tests.e2e.server import LiveServer, complete
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
 PAGE = Path(__file__).parents[2] / "server" / "pointbrush" / "web" / "page" / "index.html"
@@ -41,6 +41,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
         name="Juggling",
         fps=30.0,
     )
+    complete(folder)
     return folder
 
 

@@ -9,6 +9,8 @@ from typing import Any
 
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
 
+from tests.e2e.chromium import UNDRAWN
+
 PATIENCE = 60.0
 RESULTS = Path(__file__).parents[2] / "test-results"
 
@@ -94,8 +96,13 @@ class Desk:
         self.page.keyboard.press(keys)
 
 
-def launch(browser: Browser, url: str, width: int = 1280, height: int = 720) -> Desk:
+def launch(
+    browser: Browser, url: str, width: int = 1280, height: int = 720, *, drawn: bool = False
+) -> Desk:
+    """A window; ``drawn``: with its points in it, which a program in place of a GPU draws."""
     context = browser.new_context(
         viewport={"width": width, "height": height}, accept_downloads=True
     )
+    if not drawn:
+        context.add_init_script(UNDRAWN)
     return Desk(context, url)

@@ -9,6 +9,7 @@ from typing import Any
 
 from playwright.sync_api import Browser
 
+from tests.e2e.chromium import UNDRAWN
 from tests.e2e.desk import Desk
 
 IWER = (
@@ -246,22 +247,17 @@ class Headset(Desk):
 Wear = Callable[..., Headset]
 """Puts a device on, one that is given or a Quest 3, and enters the recording."""
 
-# Pictures are prepared whole, and nothing is drawn: this machine's GPU is a program.
-UNDRAWN = """
-for (const draw of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'])
-  WebGL2RenderingContext.prototype[draw] = () => {};
-"""
-
 
 def wear(
     browser: Browser,
     url: str,
     device: str = QUEST,
     size: tuple[int, int] = (1280, 720),
-    first: str = "",
     haptics: str = "Quest Browser",
+    *,
+    drawn: bool = False,
 ) -> Headset:
-    """A headset on a page of its own; ``first`` is a script that runs before the page's."""
+    """A headset on a page of its own; ``drawn``: its pictures are (see ``launch``)."""
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-    context.add_init_script(runtime(device, haptics) + first)
+    context.add_init_script(runtime(device, haptics) + ("" if drawn else UNDRAWN))
     return Headset(context, url)

@@ -9,6 +9,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable
+from contextlib import closing
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
@@ -18,13 +19,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.cli import main
+from pointbrush.selection.selectors import BUILT_IN, make_selector
+from pointbrush.settings import Settings
+from pointbrush.web import server as web_server
+from pointbrush.work.objects.cache import StateFiles
+from pointbrush.work.objects.preparing import prepare_file
+from pointbrush.workspace import Workspace
 
 TOKEN = "end-to-end-token-of-the-owner"
 START_SECONDS = 60
-STOP_SECONDS = 20
-# Servers are forked from a process that has imported everything: that is half of their start.
+STOP_SECONDS = 60
+# Servers are forked from a process that has imported everything: that is most of their start.
 FORKSERVER = multiprocessing.get_context("forkserver")
-FORKSERVER.set_forkserver_preload(["pointbrush.cli", "pointbrush.web.server"])
+FORKSERVER.set_forkserver_preload(
+    [
+        *("pointbrush.cli", "pointbrush.web.server", "pointbrush.labels.schema", "alembic.command"),
+        *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
+    ]
+)
 
 
 def free_port() -> int:
@@ -41,7 +53,30 @@ def serve(workspace: Path, port: int, log: Path) -> None:
         for stream in (1, 2):
             os.dup2(screen.fileno(), stream)
     os.environ["POINTBRUSH_TOKEN"] = TOKEN
+    # Few of these tests track: a worker that is made ready costs as much as all else of a server.
+    web_server.expect_tracking = lambda _: None
     sys.exit(main(["serve", "--workspace", str(workspace), "--port", str(port)]))
+
+
+def complete(workspace: Path) -> None:
+    """Add the database, and what the object tool prepares of frames: it looks at every stroke.
+
+    To make these takes longer than all else that a server does for a test.
+    """
+    making = FORKSERVER.Process(target=_complete, args=(workspace,))
+    making.start()
+    making.join()
+    assert making.exitcode == 0
+
+
+def _complete(workspace: Path) -> None:
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        for manifest in opened.sequences():
+            recording, version = opened.recording(manifest.id), make_selector(BUILT_IN).version
+            for frame in range(len(recording)):
+                files = StateFiles(workspace / "objects", 0)
+                target = files.path(recording.identity, BUILT_IN, version, frame)
+                assert prepare_file(recording.path, frame, BUILT_IN, target)
 
 
 class LiveServer:
@@ -52,6 +87,7 @@ class LiveServer:
         self.port = free_port()
         self.log = workspace.parent / f"{workspace.name}.log"
         self._process: BaseProcess | None = None
+        self._client: httpx.Client | None = None
 
     @property
     def url(self) -> str:
@@ -64,6 +100,8 @@ class LiveServer:
     def start(self) -> None:
         self._process = FORKSERVER.Process(target=serve, args=(self.workspace, self.port, self.log))
         self._process.start()
+        # One for all requests: its making reads the system's certificates.
+        self._client = httpx.Client(base_url=self.url, timeout=20)
         deadline = time.monotonic() + START_SECONDS
         while not self._answers():
             assert self._process.is_alive(), self.log.read_text()
@@ -73,8 +111,9 @@ class LiveServer:
             time.sleep(0.05)
 
     def _answers(self) -> bool:
+        assert self._client is not None
         try:
-            return httpx.get(f"{self.url}/healthz", timeout=1).status_code == 200
+            return self._client.get("/healthz", timeout=1).status_code == 200
         except httpx.TransportError:
             return False
 
@@ -90,6 +129,8 @@ class LiveServer:
         if self._process is None:
             return
         assert self._process.pid is not None
+        assert self._client is not None
+        self._client.close()
         send(self._process.pid, number)
         self._process.join(STOP_SECONDS)
         assert self._process.exitcode is not None, "the server did not end"
@@ -98,10 +139,9 @@ class LiveServer:
     # ── REST ─────────────────────────────────────────────────────────────────────────────
 
     def request(self, method: str, path: str, **options: Any) -> httpx.Response:
+        assert self._client is not None, "the server does not run"
         headers = {"Authorization": f"Bearer {TOKEN}"}
-        response = httpx.request(
-            method, f"{self.url}/api/v1/{path}", headers=headers, timeout=20, **options
-        )
+        response = self._client.request(method, f"/api/v1/{path}", headers=headers, **options)
         response.raise_for_status()
         return response
 

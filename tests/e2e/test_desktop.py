@@ -250,7 +250,8 @@ def test_a_link_to_a_recording_that_is_gone_leads_to_the_list(
     desk.until("pb.state.opening.value === null && pb.state.sequence.value === null")
 
 
-def test_a_lost_graphics_context_comes_back(desk: Desk) -> None:
+def test_a_lost_graphics_context_comes_back(open_desk: Open) -> None:
+    desk = open_desk(drawn=True)
     desk.ask(
         "(window.lose = pb.engine.viewer.renderer.getContext().getExtension('WEBGL_lose_context'),"
         " window.lose.loseContext(), 1)"

@@ -22,7 +22,6 @@ def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, tru
     stroke = panel.get_by_role("button").filter(has_text="frame 1")
     stroke.wait_for()
     assert "point" in stroke.inner_text()
-    desk.screenshot("history")
     stroke.click()
     desk.until("pb.state.frame.value === 1")
 

@@ -15,7 +15,7 @@ from playwright.sync_api import Browser
 from pointbrush.sequences import importer
 from pointbrush.work import importing
 from tests.e2e.desk import Desk, launch
-from tests.e2e.headset import UNDRAWN, Headset, wear
+from tests.e2e.headset import Headset, wear
 from tests.e2e.server import LiveServer
 
 POINTS = 1_500_000
@@ -100,7 +100,7 @@ def worn(scan: Path, tmp_path: Path, browser: Browser) -> Iterator[tuple[Headset
     live = LiveServer(workspace)
     live.start()
     live.create_label(SEQUENCE, "mound", "#ff5d5d")
-    headset = wear(browser, live.page_url, first=UNDRAWN)
+    headset = wear(browser, live.page_url)
     yield headset, live
     headset.context.close()
     live.stop()
@@ -181,9 +181,6 @@ def test_a_large_scan_sharpens_where_one_looks_and_is_painted_whole(
     # All of the place's points are there once one is near enough, with their labels.
     stand(desk, [0.0, -1.5, 2.5], ground)
     desk.until(f"pb.labels()[1] === {painted}")
-    desk.ask("(pb.state.view.value = { ...pb.state.view.value, labelBlend: 1 })")
-    desk.page.wait_for_timeout(800)
-    desk.screenshot("large-near")
 
 
 def walk(headset: Headset, place: list[float]) -> None:

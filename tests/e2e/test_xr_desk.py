@@ -64,7 +64,6 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     desk.page.get_by_role("button", name="Drawn over the recording").click()
     desk.page.get_by_role("checkbox", name="Boxes").check()
     desk.until(f"{overlays}.boxes === 1")
-    desk.screenshot("overlays-at-the-desk")
     stroke = {
         "id": str(uuid.uuid4()),
         "label": 1,
@@ -89,7 +88,6 @@ def set_the_floor(server: LiveServer, desk: Desk) -> None:
         desk.page.get_by_text(hint).wait_for()
     assert np.abs(heights(server, crooked)).mean() < 0.02
     stands_as(desk, room_of(server))
-    desk.screenshot("floor-at-the-desk")
     desk.page.get_by_role("button", name="As found at import").click()
     stands_as(desk, found)
     assert np.allclose(room_of(server), found)

@@ -83,7 +83,7 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     browser: Browser, street: LiveServer
 ) -> None:
     street.create_label("street", "car", "#5ea2ff")
-    headset = wear(browser, street.page_url)
+    headset = wear(browser, street.page_url, drawn=True)
     headset.ready()
     headset.enter()
     headset.set_radius(0.05)
