@@ -1,0 +1,144 @@
+/** A camera's lens: from places to pixels and back, by the models of OpenCV and ROS. */
+
+/** A picture of a frame, as REST describes it. */
+export interface CameraPicture {
+  readonly name: string;
+  readonly width: number;
+  readonly height: number;
+  /** 3x3 rows; null where it is not known how points come into the picture. */
+  readonly K: readonly (readonly number[])[] | null;
+  readonly distortion: readonly number[];
+  readonly model: string;
+  /** 4x4 rows, from source coordinates to the camera's: x right, y down, z ahead. */
+  readonly T_camera_frame: readonly (readonly number[])[] | null;
+}
+
+type Vec = readonly [number, number, number];
+
+const FISHEYE = ['equidistant', 'fisheye', 'kannala_brandt4'];
+const POLYNOMIAL = ['', 'plumb_bob', 'rational_polynomial', 'radtan'];
+/** Metres before the camera from which on points are in the picture. */
+const NEAREST = 0.05;
+/** Steps of undoing a distortion, each of which comes closer (fixed point). */
+const STEPS = 12;
+
+export class Lens {
+  /** Where a place came to: pixels, and metres ahead of the camera. */
+  readonly at = new Float64Array(3);
+  private readonly rows: Float64Array;
+  private readonly k: Float64Array;
+  private readonly fisheye: boolean;
+  /** Greatest squared radius at which the distortion still grows: beyond it pictures fold over. */
+  private readonly reach: number;
+
+  private constructor(
+    readonly picture: CameraPicture,
+    K: readonly (readonly number[])[],
+    T: readonly (readonly number[])[],
+    shift: Vec,
+  ) {
+    this.k = Float64Array.of(K[0]![0]!, K[0]![1]!, K[0]![2]!, K[1]![1]!, K[1]![2]!);
+    this.rows = new Float64Array(12);
+    for (let row = 0; row < 3; row++) {
+      for (let k = 0; k < 3; k++) this.rows[row * 4 + k] = T[row]![k]!;
+      const moved = [0, 1, 2].reduce((sum, k) => sum + T[row]![k]! * shift[k]!, 0);
+      this.rows[row * 4 + 3] = T[row]![3]! + moved;
+    }
+    this.fisheye = FISHEYE.includes(picture.model);
+    this.reach = this.fisheye ? Infinity : this.unfolded();
+  }
+
+  /** Of a picture in a recording with this shift; null where points do not come into it. */
+  static of(picture: CameraPicture, shift: Vec): Lens | null {
+    const { K, T_camera_frame: T, model } = picture;
+    const known = FISHEYE.includes(model) || POLYNOMIAL.includes(model);
+    if (!K || !T || (!known && picture.distortion.some((k) => k !== 0))) return null;
+    return new Lens(picture, K, T, shift);
+  }
+
+  /** Write to `at` where a place (local metres) is in the picture; false when it is not in it. */
+  project(x: number, y: number, z: number): boolean {
+    const { rows, at, k, picture } = this;
+    const depth = rows[8]! * x + rows[9]! * y + rows[10]! * z + rows[11]!;
+    if (depth < NEAREST) return false;
+    at[0] = (rows[0]! * x + rows[1]! * y + rows[2]! * z + rows[3]!) / depth;
+    at[1] = (rows[4]! * x + rows[5]! * y + rows[6]! * z + rows[7]!) / depth;
+    if (at[0] * at[0] + at[1] * at[1] > this.reach) return false;
+    this.distort();
+    const u = k[0]! * at[0] + k[1]! * at[1] + k[2]!;
+    const v = k[3]! * at[1] + k[4]!;
+    at[0] = u;
+    at[1] = v;
+    at[2] = depth;
+    return u >= 0 && v >= 0 && u < picture.width && v < picture.height;
+  }
+
+  /** Bend the undistorted place in `at`. */
+  private distort(): void {
+    const { at } = this;
+    const d = this.picture.distortion;
+    if (d.length === 0) return;
+    const [x, y] = [at[0]!, at[1]!];
+    const r2 = x * x + y * y;
+    if (this.fisheye) {
+      const r = Math.sqrt(r2);
+      const angle = Math.atan(r);
+      const a2 = angle * angle;
+      const bent = angle * (1 + a2 * (c(d, 0) + a2 * (c(d, 1) + a2 * (c(d, 2) + a2 * c(d, 3)))));
+      const scale = r < 1e-9 ? 1 : bent / r;
+      at[0] = x * scale;
+      at[1] = y * scale;
+      return;
+    }
+    const radial = radialAt(d, r2);
+    at[0] = x * radial + 2 * c(d, 2) * x * y + c(d, 3) * (r2 + 2 * x * x);
+    at[1] = y * radial + c(d, 2) * (r2 + 2 * y * y) + 2 * c(d, 3) * x * y;
+  }
+
+  private unfolded(): number {
+    const d = this.picture.distortion;
+    for (let r = 0.05; r < 5; r += 0.05) {
+      const before = (r - 0.05) * radialAt(d, (r - 0.05) ** 2);
+      if (r * radialAt(d, r * r) <= before) return (r - 0.05) ** 2;
+    }
+    return Infinity;
+  }
+
+  /** The direction (local, unit length) in which a pixel looks. */
+  direction(u: number, v: number): [number, number, number] {
+    const { k, at, rows } = this;
+    const y = (v - k[4]!) / k[3]!;
+    const x = (u - k[2]! - k[1]! * y) / k[0]!;
+    let [px, py] = [x, y];
+    for (let step = 0; step < STEPS; step++) {
+      at[0] = px;
+      at[1] = py;
+      this.distort();
+      px += x - at[0];
+      py += y - at[1];
+    }
+    const length = Math.hypot(px, py, 1);
+    const along = (k3: 0 | 1 | 2): number =>
+      (rows[k3]! * px + rows[4 + k3]! * py + rows[8 + k3]!) / length;
+    return [along(0), along(1), along(2)];
+  }
+
+  /** Where the camera is, local metres. */
+  get eye(): [number, number, number] {
+    const { rows } = this;
+    const along = (k: 0 | 1 | 2): number =>
+      -(rows[k]! * rows[3]! + rows[4 + k]! * rows[7]! + rows[8 + k]! * rows[11]!);
+    return [along(0), along(1), along(2)];
+  }
+}
+
+/** A coefficient, 0 where the model has fewer. */
+function c(d: readonly number[], k: number): number {
+  return d[k] ?? 0;
+}
+
+/** k1, k2 and k3 over k4, k5 and k6: OpenCV's order is k1, k2, p1, p2, k3, k4, k5, k6. */
+function radialAt(d: readonly number[], r2: number): number {
+  const above = 1 + r2 * (c(d, 0) + r2 * (c(d, 1) + r2 * c(d, 4)));
+  return above / (1 + r2 * (c(d, 5) + r2 * (c(d, 6) + r2 * c(d, 7))));
+}

@@ -1,0 +1,101 @@
+/** A frame's points in a picture: the nearest one at each pixel of a raster, coloured by its label. */
+import type { CloudFrame } from '../cloud/frame';
+import { DELETED } from '../cloud/piece';
+import type { Lens } from './lens';
+
+/** Points of a frame that are drawn at most: of the coarse levels, which are an even subsample. */
+export const MOST = 60_000;
+/** Opacity, of 255, of points with and without a label. */
+const [LABELLED, UNLABELLED] = [235, 70];
+
+/** Colour of a label, red, green, blue; null when its points are not shown. */
+export type ColourOf = (label: number) => readonly [number, number, number] | null;
+
+export class Projected {
+  readonly pixels: ImageData;
+  /** Stored number of the point at each pixel, −1 for none. */
+  readonly points: Int32Array;
+  private readonly depths: Float32Array;
+
+  constructor(
+    readonly width: number,
+    readonly height: number,
+  ) {
+    this.pixels = new ImageData(width, height);
+    this.points = new Int32Array(width * height);
+    this.depths = new Float32Array(width * height);
+  }
+
+  /** Draw a frame's points; those with a label two pixels wide. */
+  draw(frame: CloudFrame, lens: Lens, colourOf: ColourOf): void {
+    this.pixels.data.fill(0);
+    this.points.fill(-1);
+    this.depths.fill(Infinity);
+    const { at, picture } = lens;
+    const [sx, sy] = [this.width / picture.width, this.height / picture.height];
+    let count = 0;
+    for (const piece of frame.pieces) {
+      if (count > MOST) break;
+      const { words, origin, scale } = piece;
+      for (let i = 0, w = 0; i < piece.count; i++, w += 6) {
+        const label = frame.labelOf(piece.first + i);
+        const colour = label === DELETED ? null : colourOf(label);
+        if (!colour) continue;
+        const x = origin[0] + words[w]! * scale[0];
+        const y = origin[1] + words[w + 1]! * scale[1];
+        const z = origin[2] + words[w + 2]! * scale[2];
+        if (!lens.project(x, y, z)) continue;
+        const [u, v] = [Math.floor(at[0]! * sx), Math.floor(at[1]! * sy)];
+        this.put(u, v, at[2]!, piece.first + i, colour, label);
+        if (label === 0) continue;
+        this.put(u + 1, v, at[2]!, piece.first + i, colour, label);
+        this.put(u, v + 1, at[2]!, piece.first + i, colour, label);
+        this.put(u + 1, v + 1, at[2]!, piece.first + i, colour, label);
+      }
+      count += piece.count;
+    }
+  }
+
+  private put(
+    u: number,
+    v: number,
+    depth: number,
+    point: number,
+    colour: readonly [number, number, number],
+    label: number,
+  ): void {
+    // prettier-ignore
+    if (u >= this.width || v >= this.height) return;
+    const pixel = v * this.width + u;
+    if (depth >= this.depths[pixel]!) return;
+    this.depths[pixel] = depth;
+    this.points[pixel] = point;
+    const { data } = this.pixels;
+    for (let k = 0; k < 3; k++) data[pixel * 4 + k] = colour[k]!;
+    data[pixel * 4 + 3] = label === 0 ? UNLABELLED : LABELLED;
+  }
+
+  /** The point drawn nearest to a pixel, at most `reach` away; −1 for none. */
+  nearest(u: number, v: number, reach: number): number {
+    let best = reach * reach + 1;
+    let found = -1;
+    for (let y = Math.max(0, v - reach); y <= Math.min(this.height - 1, v + reach); y++) {
+      for (let x = Math.max(0, u - reach); x <= Math.min(this.width - 1, u + reach); x++) {
+        const away = (x - u) ** 2 + (y - v) ** 2;
+        if (away >= best || this.points[y * this.width + x]! < 0) continue;
+        best = away;
+        found = this.points[y * this.width + x]!;
+      }
+    }
+    return found;
+  }
+}
+
+/** Where a point of a frame is, local metres; null when it is not here. */
+export function placeOf(frame: CloudFrame, point: number): [number, number, number] | null {
+  const piece = frame.pieceOf(point);
+  if (!piece) return null;
+  const w = (point - piece.first) * 6;
+  const at = (k: 0 | 1 | 2): number => piece.origin[k] + piece.words[w + k]! * piece.scale[k];
+  return [at(0), at(1), at(2)];
+}

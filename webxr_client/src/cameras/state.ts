@@ -1,0 +1,35 @@
+/** What the strip of cameras shares with the cloud: pictures, what is on screen, the place pointed at. */
+import { signal } from '@preact/signals';
+import type { CloudFrame } from '../cloud/frame';
+import type { Vec } from '../cloud/pick';
+import type { CameraPicture } from './lens';
+
+export interface Pointed {
+  /** Local metres. */
+  readonly place: Vec;
+  /** Where one points at it. */
+  readonly by: 'cloud' | 'picture';
+}
+
+/** Pictures of a frame. */
+export interface Pictures {
+  readonly sequence: string;
+  readonly frame: number;
+  readonly cameras: readonly CameraPicture[];
+}
+
+export const stripOpen = signal(true);
+/** null while nobody has told; of the frame on screen, or of one just before it. */
+export const pictures = signal<Pictures | null>(null);
+/** The frame whose points are projected, and its version: another object at each change. */
+export const projectedFrame = signal<{ readonly frame: CloudFrame; readonly version: number } | null>(null); // prettier-ignore
+/** The place under the pointer, in the cloud or in a picture. */
+export const pointed = signal<Pointed | null>(null);
+
+export function pointAt(place: Vec, by: Pointed['by']): void {
+  pointed.value = { place, by };
+}
+
+export function pointAway(by: Pointed['by']): void {
+  if (pointed.peek()?.by === by) pointed.value = null;
+}
