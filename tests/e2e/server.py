@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
+from io import BytesIO
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
@@ -138,9 +139,11 @@ class LiveServer:
 
     # ── REST ─────────────────────────────────────────────────────────────────────────────
 
-    def request(self, method: str, path: str, **options: Any) -> httpx.Response:
+    def request(
+        self, method: str, path: str, extra: dict[str, str] | None = None, **options: Any
+    ) -> httpx.Response:
         assert self._client is not None, "the server does not run"
-        headers = {"Authorization": f"Bearer {TOKEN}"}
+        headers = {"Authorization": f"Bearer {TOKEN}", **(extra or {})}
         response = self._client.request(method, f"/api/v1/{path}", headers=headers, **options)
         response.raise_for_status()
         return response
@@ -157,6 +160,14 @@ class LiveServer:
         xyz: NDArray[Any] = load_npy(data)["xyz"]
         return xyz
 
+    def put_annotation(self, sequence: str, frame: int, labels: NDArray[Any]) -> None:
+        """Replace a frame's labels (N,), the source's order."""
+        stream = BytesIO()
+        np.save(stream, labels)
+        path = f"sequences/{sequence}/frames/{frame}/annotation"
+        headers = {"Content-Type": "application/x-npy"}
+        self.request("PUT", path, content=stream.getvalue(), extra=headers)
+
     def create_label(self, sequence: str, name: str, color: str) -> int:
         body = {"name": name, "color": color}
         label: int = self.request("POST", f"sequences/{sequence}/labels", json=body).json()["id"]
@@ -164,7 +175,5 @@ class LiveServer:
 
 
 def load_npy(data: bytes) -> NDArray[Any]:
-    from io import BytesIO
-
     array: NDArray[Any] = np.load(BytesIO(data), allow_pickle=False)
     return array

@@ -1,20 +1,24 @@
 /** Wiring only. */
+import { installCameras } from './cameras/strip';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { state } from './state';
+import { installTheme } from './theme';
 import { follow } from './watch';
 
 /** Nobody waits longer for a picture before the rest is loaded. */
 const LONGEST_MS = 1500;
 
 export function startPage(early: Early): void {
+  installTheme();
   const engine = new Engine(document.getElementById('view') as HTMLCanvasElement, early);
   if (early.refused)
     state.connection.value = { state: 'refused', detail: '', retryAt: null, unsent: [] };
   const overlays = installOverlays(engine);
+  installCameras(engine);
   installHook(engine);
   engine.start();
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.

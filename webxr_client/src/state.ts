@@ -97,6 +97,9 @@ export const state = {
   object: signal<ObjectView | null>(null),
   view: signal<ViewSettings>({
     color: 'rgb',
+    ramp: 'even',
+    rampLow: 0,
+    rampHigh: 1,
     pointSize: 1,
     labelBlend: 0.7,
     brightness: 1,

@@ -158,10 +158,22 @@ export interface ObjectView {
 
 // ── view ─────────────────────────────────────────────────────────────────────────────────────
 
-export type ColorMode = 'rgb' | 'intensity' | 'height' | 'plain';
+/**
+ * What points are coloured by. `confidence` and `provenance` colour each label by how sure tracking is
+ * of it in this frame, and by the share of its points that a person painted.
+ */
+export type ColorMode =
+  'rgb' | 'intensity' | 'height' | 'distance' | 'plain' | 'label' | 'confidence' | 'provenance';
+
+/** Colours of values: perceptually even, grey, or of a rainbow. */
+export type Ramp = 'even' | 'grey' | 'rainbow';
 
 export interface ViewSettings {
   readonly color: ColorMode;
+  readonly ramp: Ramp;
+  /** The part of the values that the ramp spans, 0..1. */
+  readonly rampLow: number;
+  readonly rampHigh: number;
   /** 1 = natural size. */
   readonly pointSize: number;
   /** 0 = recording's colours only, 1 = label colours only. */

@@ -24,12 +24,13 @@ void main() {
 const SKY_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec3 direction;
+uniform float light;   // 0 dark, 1 light
 out vec4 result;
 void main() {
   float up = normalize(direction).y;
-  vec3 horizon = vec3(0.165, 0.192, 0.232);
-  vec3 zenith = vec3(0.052, 0.064, 0.082);
-  vec3 ground = vec3(0.070, 0.080, 0.096);
+  vec3 horizon = mix(vec3(0.165, 0.192, 0.232), vec3(0.93, 0.95, 0.97), light);
+  vec3 zenith = mix(vec3(0.052, 0.064, 0.082), vec3(0.74, 0.80, 0.87), light);
+  vec3 ground = mix(vec3(0.070, 0.080, 0.096), vec3(0.80, 0.83, 0.86), light);
   vec3 colour = up > 0.0
     ? mix(horizon, zenith, smoothstep(0.0, 0.75, up))
     : mix(horizon * 0.93, ground, smoothstep(0.0, 0.35, -up));
@@ -56,7 +57,7 @@ void main() {
 const FLOOR_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec2 place;
-uniform float cell, extent;
+uniform float cell, extent, light;
 out vec4 result;
 
 float lines(float size, float width) {
@@ -73,12 +74,13 @@ void main() {
   float coarse = lines(cell * 5.0, 1.3) * 0.34;
   float alpha = max(fine, coarse) * (1.0 - smoothstep(0.25, 1.0, length(place) / extent));
   if (alpha < 0.004) discard;
-  result = vec4(vec3(0.62, 0.70, 0.80), alpha);
+  result = vec4(mix(vec3(0.62, 0.70, 0.80), vec3(0.25, 0.32, 0.40), light), alpha);
 }
 `;
 
 export class Backdrop {
   readonly group = new Group();
+  private readonly light = { value: 0 };
   private readonly sky: Mesh<SphereGeometry, RawShaderMaterial>;
   private readonly floor: Mesh<PlaneGeometry, RawShaderMaterial>;
 
@@ -87,6 +89,7 @@ export class Backdrop {
       glslVersion: GLSL3,
       vertexShader: SKY_VERTEX,
       fragmentShader: SKY_FRAGMENT,
+      uniforms: { light: this.light },
       side: BackSide,
       depthTest: false,
       depthWrite: false,
@@ -98,7 +101,7 @@ export class Backdrop {
       glslVersion: GLSL3,
       vertexShader: FLOOR_VERTEX,
       fragmentShader: FLOOR_FRAGMENT,
-      uniforms: { extent: { value: 20 }, cell: { value: 1 } },
+      uniforms: { extent: { value: 20 }, cell: { value: 1 }, light: this.light },
       transparent: true,
       depthWrite: false,
       side: 2,
@@ -119,6 +122,11 @@ export class Backdrop {
     const cell = size < 3 ? 0.25 : size < 40 ? 1 : 10 ** Math.round(Math.log10(size / 30));
     this.floor.material.uniforms['cell']!.value = cell;
     this.floor.material.uniforms['extent']!.value = Math.max(30 * cell, 1.6 * size);
+  }
+
+  /** Light or dark surroundings. */
+  setLight(on: boolean): void {
+    this.light.value = on ? 1 : 0;
   }
 
   showFloor(on: boolean): void {

@@ -99,14 +99,14 @@ describe('the cache of frames', () => {
 
   it('drops what playing reaches last, and never the frame on screen', () => {
     const store = filled(3 * size);
-    const dropped = store.evict({ frame: 2, direction: 1 }, 1).map((frame) => frame.index);
+    const dropped = store.evict({ frame: 2, direction: 1 }, [1]).map((frame) => frame.index);
     // From 2 forward: 3, 8, 9, 0, (1, on screen).
     expect(dropped).toEqual([0, 9, 8]);
     expect(store.usedBytes).toBe(3 * size);
   });
 
   it('keeps the other side when playing backward', () => {
-    const dropped = filled(3 * size).evict({ frame: 2, direction: -1 }, -1);
+    const dropped = filled(3 * size).evict({ frame: 2, direction: -1 }, []);
     expect(dropped.map((frame) => frame.index)).toEqual([3, 8, 9]);
   });
 

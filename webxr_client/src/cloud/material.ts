@@ -1,12 +1,25 @@
 /** The points' material: every slot draws with its own, all share one set of settings. */
-import { Box2, DataTexture, FloatType, GLSL3, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
-import type { Color, IUniform, Matrix4, Vector3, WebGLRenderer } from 'three';
+import { Box2, DataTexture, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
+import type { Color, IUniform, Vector3, WebGLRenderer } from 'three';
 import type { ViewSettings } from '../state';
 import { MAX_CHUNKS } from '../net/segment';
 import { writeDensity, type CloudFrame } from './frame';
+import type { PlacedFrame } from './layer';
 import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
-const COLOR_MODES = { rgb: 0, intensity: 1, height: 2, plain: 3 } as const;
+/** What colours labels only leaves the points themselves plain. */
+const COLOR_MODES = {
+  rgb: 0,
+  intensity: 1,
+  height: 2,
+  plain: 3,
+  distance: 4,
+  label: 3,
+  confidence: 3,
+  provenance: 3,
+} as const;
+const LABELS_ONLY: readonly string[] = ['label', 'confidence', 'provenance'];
+const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
 
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
 const FILL = 1.85;
@@ -16,6 +29,7 @@ const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
 const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
+const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
 
 /** What the brush lights up: a ball, or what lies round a half-line. */
@@ -48,7 +62,10 @@ export class PointUniforms {
     this.pointSize = view.pointSize;
     // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
     value[GAIN] = view.brightness ** (1 / 2.2);
-    value[LABEL_BLEND] = view.labelBlend;
+    value[LABEL_BLEND] = LABELS_ONLY.includes(view.color) ? 1 : view.labelBlend;
+    value[RAMP_LOW] = view.rampLow;
+    value[RAMP_SCALE] = 1 / Math.max(0.01, view.rampHigh - view.rampLow);
+    value[RAMP_KIND] = RAMPS[view.ramp];
     value[HIDE_UNLABELED] = view.hideUnlabeled ? 1 : 0;
     value[SHOW_DELETED] = view.showDeleted ? 1 : 0;
   }
@@ -68,6 +85,11 @@ export class PointUniforms {
     const e = room.elements;
     const span = Math.max(1e-3, high - low);
     this.settings.value.set([e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span], HEIGHT_ROW); // prettier-ignore
+  }
+
+  /** The distance ramp runs from the sensor, at the local origin, to the greatest distance, metres. */
+  setDistance(greatest: number): void {
+    this.settings.value.set([0, 0, 0, 1 / Math.max(1e-3, greatest)], DISTANCE_ROW);
   }
 
   /** Light up the points in a ball, local coordinates and metres. */
@@ -177,8 +199,41 @@ export class ChunkTable {
   }
 }
 
-function table(data: Float32Array<ArrayBuffer>): DataTexture {
-  const texture = new DataTexture(data, 2, MAX_CHUNKS, RGBAFormat, FloatType);
+/** Labels of one frame that lie elsewhere than the rest of it. */
+const MOST_MOVING = 64;
+
+/** Where a frame lies that is laid over the one on screen. */
+export class Placement {
+  readonly uniforms: Record<'placed' | 'moving' | 'movingCount', IUniform>;
+  private readonly data = new Float32Array(MOST_MOVING * 16);
+  private readonly texture = table(this.data, 4, MOST_MOVING);
+
+  constructor() {
+    this.uniforms = {
+      placed: { value: new Matrix4() },
+      moving: { value: this.texture },
+      movingCount: { value: 0 },
+    };
+  }
+
+  set({ placed, moving }: PlacedFrame): void {
+    const rows = [...moving].slice(0, MOST_MOVING);
+    rows.forEach(([label, T], row) => {
+      this.data.set(T.clone().transpose().elements.slice(0, 12), row * 16);
+      this.data[row * 16 + 12] = label;
+    });
+    this.texture.needsUpdate = true;
+    this.uniforms.placed.value = placed;
+    this.uniforms.movingCount.value = rows.length;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}
+
+function table(data: Float32Array<ArrayBuffer>, width = 2, rows = MAX_CHUNKS): DataTexture {
+  const texture = new DataTexture(data, width, rows, RGBAFormat, FloatType);
   texture.minFilter = NearestFilter;
   texture.magFilter = NearestFilter;
   return texture;
@@ -188,12 +243,15 @@ export function pointMaterial(
   { settings, palette }: PointUniforms,
   table: ChunkTable,
   row: number,
+  placement: Placement | null = null,
 ): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: POINT_VERTEX,
     fragmentShader: POINT_FRAGMENT,
+    defines: placement ? { PLACED: 1 } : {},
     uniforms: {
+      ...placement?.uniforms,
       chunkTable: { value: table.texture },
       chunkRow: { value: row },
       palette,

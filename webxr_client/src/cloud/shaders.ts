@@ -1,7 +1,7 @@
 /** GLSL of the points and of eye-dome lighting. */
 
 /** Vectors of four numbers in the points' settings. */
-export const SETTING_ROWS = 7;
+export const SETTING_ROWS = 9;
 
 export const POINT_VERTEX = /* glsl */ `
 precision highp float;
@@ -17,13 +17,18 @@ uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
 uniform sampler2D palette;      // texel per label: colour, flags
+#ifdef PLACED
+uniform mat4 placed;            // of a frame that is laid over the one on screen
+uniform sampler2D moving;       // row per label that lies elsewhere: rows of its transform; its id
+uniform int movingCount;
+#endif
 uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
 uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material.ts
 
 #define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
 #define pixelLimits settings[0].yz
 #define gain settings[0].w
-#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain
+#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance
 #define hasIntensity int(settings[1].y)
 #define labelBlend settings[1].z
 #define hideUnlabeled int(settings[1].w)
@@ -35,14 +40,28 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define brushColour settings[5].xyz
 #define brushOnlyUnlabeled int(settings[5].w)
 #define showDeleted int(settings[6].x)
+#define distanceRow settings[7]                 // the sensor, local; 1 / its greatest distance
+#define rampLow settings[8].x
+#define rampScale settings[8].y
+#define rampKind int(settings[8].z)             // 0 even, 1 grey, 2 rainbow
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
 
 out vec3 shade;
 flat out float pixels;
 
 vec3 ramp(float t) {
+  t = clamp((t - rampLow) * rampScale, 0.0, 1.0);
+  if (rampKind == 1) return vec3(0.12 + 0.88 * t);
+  if (rampKind == 2) {
+    // Turbo (Mikhailov 2019), fitted.
+    vec4 powers = vec4(1.0, t, t * t, t * t * t);
+    vec2 high = powers.zw * powers.z;
+    return vec3(
+      dot(powers, vec4(0.1357, 4.6154, -42.6603, 132.1311)) + dot(high, vec2(-152.9424, 59.2864)),
+      dot(powers, vec4(0.0914, 2.1942, 4.8430, -14.1850)) + dot(high, vec2(4.2773, 2.8296)),
+      dot(powers, vec4(0.1067, 12.6419, -60.5820, 110.3628)) + dot(high, vec2(-89.9031, 27.3482)));
+  }
   // A perceptually even ramp (viridis, fitted).
-  t = clamp(t, 0.0, 1.0);
   vec3 c0 = vec3(0.2777, 0.0054, 0.3341), c1 = vec3(0.1051, 1.4046, 1.3846);
   vec3 c2 = vec3(-0.3309, 0.2148, 0.0951), c3 = vec3(-4.6342, -5.7991, -19.3324);
   vec3 c4 = vec3(6.2283, 14.1799, 56.6906), c5 = vec3(4.7764, -13.7451, -65.3530);
@@ -73,6 +92,15 @@ void main() {
   vec3 position = origin.xyz + quantised * scale.xyz;
 
   int id = int(label);
+#ifdef PLACED
+  mat4 at = placed;
+  for (int i = 0; i < movingCount; i++) {
+    if (int(texelFetch(moving, ivec2(3, i), 0).x) != id) continue;
+    at = transpose(mat4(texelFetch(moving, ivec2(0, i), 0), texelFetch(moving, ivec2(1, i), 0),
+      texelFetch(moving, ivec2(2, i), 0), vec4(0.0, 0.0, 0.0, 1.0)));
+  }
+  position = (at * vec4(position, 1.0)).xyz;
+#endif
   bool deleted = id == 65535;
   vec4 entry = texelFetch(palette, ivec2(id & 255, id >> 8), 0);
   int flags = int(entry.a * 255.0 + 0.5);
@@ -92,6 +120,7 @@ void main() {
   }
   else if (colourMode == 1) base = ramp(colour.a);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
+  else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);
   else base = vec3(0.72, 0.74, 0.77);
   base = min(base * gain, vec3(1.0));
 

@@ -4,7 +4,7 @@ import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
 import { ALL_POINTS, pointsWithin, type CloudFrame } from './frame';
 import { DELETED } from './piece';
 import { PointBuffers } from './gpu';
-import { ChunkTable, pointMaterial, type PointUniforms } from './material';
+import { ChunkTable, pointMaterial, type Placement, type PointUniforms } from './material';
 
 export class Slot {
   readonly points: Points<BufferGeometry, RawShaderMaterial>;
@@ -24,11 +24,15 @@ export class Slot {
     renderer: WebGLRenderer,
     readonly capacity: number,
     uniforms: PointUniforms,
+    placement: Placement | null = null,
   ) {
     this.buffers = new PointBuffers(renderer.getContext() as WebGL2RenderingContext, capacity);
     this.table = new ChunkTable(renderer);
     this.shown = new Uint16Array(capacity);
-    this.points = new Points(this.buffers.geometry(), pointMaterial(uniforms, this.table, -1));
+    this.points = new Points(
+      this.buffers.geometry(),
+      pointMaterial(uniforms, this.table, -1, placement),
+    );
     this.points.frustumCulled = false;
     this.points.visible = false;
     this.points.matrixAutoUpdate = false;

@@ -74,14 +74,14 @@ export class FrameStore {
 
   /**
    * Drop frames until the budget holds: those that playing reaches last go first.  Never the
-   * playhead's own, nor `keep`.
+   * playhead's own, nor those to keep.
    */
-  evict(playhead: Playhead, keep: number): CloudFrame[] {
+  evict(playhead: Playhead, keep: readonly number[]): CloudFrame[] {
     if (this.bytes <= this.budget) return [];
     const wait = (index: number): number =>
       ((index - playhead.frame) * playhead.direction + this.length) % this.length;
     const order = [...this.frames.values()]
-      .filter((frame) => frame.index !== playhead.frame && frame.index !== keep)
+      .filter((frame) => frame.index !== playhead.frame && !keep.includes(frame.index))
       .sort((a, b) => wait(b.index) - wait(a.index));
     const dropped: CloudFrame[] = [];
     for (const frame of order) {

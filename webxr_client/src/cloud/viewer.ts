@@ -11,8 +11,10 @@ import { ALL_POINTS, type CloudFrame } from './frame';
 import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth';
 import { LargeCloud } from './large';
 import { Lens } from './lens';
+import type { PlacedFrame } from './layer';
 import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
+import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
 import { Timing } from './timing';
 
@@ -49,6 +51,7 @@ export class Viewer {
   private readonly eyeDome = new EyeDome();
   private slots: Slots | null = null;
   private large: LargeCloud | null = null;
+  private over: PlacedFrames | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
   /** The headset's pictures have reversed depth. */
@@ -132,6 +135,7 @@ export class Viewer {
     } else {
       const capacity = Math.max(1, ...info.points);
       this.slots = new Slots(renderer, uniforms, info.frames, capacity, room, POINTS_LAYER);
+      this.over = new PlacedFrames(renderer, uniforms, room, POINTS_LAYER);
     }
     this.cloud?.setLimit(this.limit);
   }
@@ -143,6 +147,8 @@ export class Viewer {
     this.room.matrixWorldNeedsUpdate = true;
     const [low, high] = this.bounds(info);
     this.uniforms.setHeight(this.room.matrix, low.y, high.y);
+    const farthest = [0, 1, 2].map((k) => Math.max(Math.abs(info.lo[k]!), Math.abs(info.hi[k]!)));
+    this.uniforms.setDistance(Math.hypot(...farthest));
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
     this.extent = low.distanceTo(high);
     this.middle.copy(low).add(high).multiplyScalar(0.5);
@@ -164,7 +170,8 @@ export class Viewer {
 
   private clear(): void {
     this.cloud?.dispose();
-    this.slots = this.large = null;
+    this.over?.dispose();
+    this.slots = this.large = this.over = null;
     this.shown = null;
     this.invalidate();
   }
@@ -210,6 +217,7 @@ export class Viewer {
     this.limit = points;
     const before = this.drawn;
     this.cloud?.setLimit(points);
+    this.over?.setLimit(points);
     if (this.drawn === before) return;
     // The next picture takes another time: it says nothing of the one before.
     this.intervalMs.interrupt();
@@ -225,6 +233,16 @@ export class Viewer {
   /** Bring a frame to the GPU ahead of time. */
   prepare(frame: CloudFrame): void {
     this.slots?.prepare(frame);
+  }
+
+  /** Lay frames over the one on screen, and no others; true when the picture changes. */
+  lay(frames: readonly PlacedFrame[]): boolean {
+    return this.over?.show(frames) ?? false;
+  }
+
+  /** Points on screen of frames laid over the frame. */
+  get laid(): number {
+    return this.over?.drawn ?? 0;
   }
 
   /** Points on screen. */

@@ -1,7 +1,9 @@
 /** Where the mouse points: rays into the recording, and what they meet. */
 import { Matrix4, Vector3 } from 'three';
 import type { CloudFrame } from '../cloud/frame';
-import { firstHit, type Hit } from '../cloud/pick';
+import { layers } from '../accumulation';
+import { firstHitAmong, type LayerHit } from '../cloud/layer';
+import type { Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import type { SequenceInfo } from '../protocol/messages';
 import type { PointerSample } from '../tools/sample';
@@ -35,6 +37,13 @@ export class Aim {
     this.moved = true;
   }
 
+  /** Aim at the middle of the canvas, as if the cursor was there. */
+  placeInMiddle(): void {
+    this.x = this.canvas.clientWidth / 2;
+    this.y = this.canvas.clientHeight / 2;
+    this.inside = this.moved = true;
+  }
+
   /** The ray through a place on the canvas, in local coordinates. */
   ray(x = this.x, y = this.y): PointerSample {
     const { camera, room } = this.viewer;
@@ -54,11 +63,11 @@ export class Aim {
   }
 
   /** What lies under the cursor, within `radius` of its ray. */
-  hit(radius: number): Hit | null {
+  hit(radius: number): LayerHit | null {
     const frame = this.frame();
     if (!frame || !this.inside) return null;
     const { origin, direction } = this.ray();
-    return firstHit(frame, origin, direction, radius, this.seen);
+    return firstHitAmong(frame, layers.peek(), origin, direction, radius, this.seen);
   }
 
   roomPosition(hit: Hit): Vector3 {

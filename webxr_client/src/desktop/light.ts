@@ -1,5 +1,8 @@
 /** The brush under the cursor: its ring, and the points that it lights up. */
 import { Color, Vector3 } from 'three';
+import { layers } from '../accumulation';
+import { pointAt, pointAway } from '../cameras/state';
+import { placeIn } from '../cloud/layer';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
@@ -40,8 +43,15 @@ export class BrushLight {
     else if (painting && deskWay().size !== null) {
       this.show(hit, radius);
       inCapsule(frame, hit.position, hit.position, radius, () => (points += 1));
+      for (const layer of layers.peek()) {
+        const at = placeIn(layer, hit.position);
+        inCapsule(layer.frame, at, at, radius, (point) => {
+          if (layer.holds(layer.frame.labelOf(point))) points += 1;
+        });
+      }
     } else this.putOut();
-    state.hover.value = { label: frame.labelOf(hit.point), distance: hit.distance, points };
+    pointAt(hit.position, 'cloud');
+    state.hover.value = { label: hit.frame.labelOf(hit.point), distance: hit.distance, points };
   }
 
   private show(hit: Hit, radius: number): void {
@@ -67,6 +77,7 @@ export class BrushLight {
 
   private hide(): void {
     this.putOut();
+    pointAway('cloud');
     if (state.hover.peek()) state.hover.value = null;
   }
 

@@ -334,10 +334,16 @@ export class DeskPointer {
 
   private pickLabel(): void {
     const hit = this.aim.hit(0.03);
-    const label = hit ? (this.aim.frame()?.labelOf(hit.point) ?? 0) : 0;
+    const label = hit?.frame.labelOf(hit.point) ?? 0;
     if (label === 0 || label === DELETED) return;
     actions.selectLabel(label);
     actions.setTool('paint');
+  }
+
+  /** Put the brush into the middle of the picture. */
+  aimAtMiddle(): void {
+    this.aim.placeInMiddle();
+    this.deps.viewer.invalidate();
   }
 
   /** Settings changed: the brush must be drawn anew although the mouse is still. */

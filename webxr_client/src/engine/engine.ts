@@ -1,5 +1,6 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
 import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
+import { layers } from '../accumulation';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
@@ -22,8 +23,11 @@ import { ObjectTool } from '../tools/object';
 import { RegionPreview } from '../tools/region';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { roomWay, wayOf } from '../tools/ways';
+import { colouredLabels } from './colouring';
+import { theme } from '../theme';
 import { follow, watch } from '../watch';
 import { addBookmark, openBookmarks } from './bookmarks';
+import { Accumulated } from './accumulated';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { floorActions } from './floor';
@@ -60,6 +64,7 @@ export class Engine {
   private readonly presence: DeskPresence;
   private readonly detail: Detail;
   private readonly going: Going;
+  private readonly accumulated: Accumulated;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
   /** What was on screen when the mouse last looked. */
@@ -77,6 +82,7 @@ export class Engine {
       locked,
       seen,
       hidden: hiddenHere,
+      layers: () => layers.peek(),
       changed: () => this.viewer.invalidate(),
       now: () => performance.now(),
     });
@@ -115,6 +121,7 @@ export class Engine {
     this.detail = new Detail(this.viewer, this.playback, this.link);
     const seek = (index: number): void => actions.seek(index);
     this.going = new Going({ viewer, camera, frame, seek });
+    this.accumulated = new Accumulated(this.viewer, this.playback);
     const { playback, link } = this;
     const opened = (): void => {
       this.pacing.reset();
@@ -147,6 +154,7 @@ export class Engine {
   start(): void {
     const { ticks } = this.viewer;
     ticks.add((now) => this.playback.update(now));
+    ticks.add(() => this.accumulated.update());
     ticks.add(() => {
       if (this.strokes.show()) this.viewer.afterwards.ask();
     });
@@ -190,11 +198,18 @@ export class Engine {
 
   private follow(): void {
     follow(() => {
-      this.viewer.palette.set(state.palette.value, state.solo.value, unsure.value);
+      this.viewer.palette.set(colouredLabels(), state.solo.value, unsure.value);
       this.viewer.invalidate();
     });
     follow(() => {
       this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
+    });
+    follow(() => {
+      // A headset's room stays dark: a bright sky all around dazzles.
+      this.viewer.backdrop.setLight(
+        theme.value === 'light' && state.xr.value.session !== 'running',
+      );
+      this.viewer.invalidate();
     });
     watch([state.frame, state.sequence, state.tool, canEdit], () => this.pointer.interrupt());
     follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
@@ -260,6 +275,11 @@ export class Engine {
       this.link.send({ type, id });
       showTravel(type, id);
     }
+  }
+
+  /** Put the desk's brush into the middle of the picture. */
+  aimAtMiddle(): void {
+    this.pointer.aimAtMiddle();
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {

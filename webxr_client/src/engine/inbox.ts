@@ -160,7 +160,7 @@ export class Inbox {
       // The link came back, or somebody changed the name, rate or floor: what is here stays.
       this.deps.playback.renew(info);
       if (state.playing.peek()) this.deps.playback.restart();
-      else this.deps.link.send({ type: 'seek', frame: state.frame.peek() });
+      else this.deps.playback.lookAround();
       return;
     }
     this.deps.playback.open(info);

@@ -19,6 +19,8 @@ export class Playback {
   readonly counters = { applied: 0, points: 0, bytes: 0, dropped: 0, decodeMs: 0 };
   /** Points of a playing frame that can be drawn in time, or null. */
   pointBudget: number | null = null;
+  /** Frames that are laid over one when it is shown: sent with it, and kept. */
+  around: (frame: number) => number[] = () => [];
   /** Told of each frame that has become complete. */
   readonly completed = new Listeners<CloudFrame>();
   private info: SequenceInfo | null = null;
@@ -94,6 +96,7 @@ export class Playback {
     // The budget of a playing frame no longer counts.
     if (this.pointBudget !== null) this.link.pace(this.pace());
     this.link.send({ type: 'pause', frame: state.frame.peek() });
+    this.lookAround();
     this.sync();
   }
 
@@ -106,8 +109,18 @@ export class Playback {
       this.restart();
       return;
     }
-    this.link.send({ type: 'seek', frame: to });
+    this.sendSeek();
     this.sync();
+  }
+
+  /** What is laid over the frame on screen changed. */
+  lookAround(): void {
+    if (this.info && !state.playing.peek()) this.sendSeek();
+  }
+
+  private sendSeek(): void {
+    const frame = state.frame.peek();
+    this.link.send({ type: 'seek', frame, around: this.around(frame) });
   }
 
   // ── what comes in ──────────────────────────────────────────────────────────────────────────
@@ -141,7 +154,8 @@ export class Playback {
 
   private trim(): void {
     const head = { frame: state.frame.peek(), direction: this.clock.direction };
-    const dropped = this.store.evict(head, this.shown?.index ?? -1);
+    const keep = [this.shown?.index ?? -1, ...this.around(head.frame)];
+    const dropped = this.store.evict(head, keep);
     if (dropped.length === 0) return;
     this.link.send({ type: 'forget', frames: dropped.map((frame) => frame.index) });
     for (const frame of dropped) this.link.recycle(frame.release());

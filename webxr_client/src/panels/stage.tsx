@@ -3,6 +3,8 @@ import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { orthographic } from '../desktop/views';
 import { activeLabel, isStroke, state, type Unsent } from '../state';
+import { AccumulateSign } from './accumulate';
+import { CameraPanel } from './cameras';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
@@ -36,6 +38,8 @@ function InRecording() {
       <OfflineBanner />
       {empty && <Opening />}
       {!empty && state.shown.value.total === 0 && <EmptyFrame />}
+      <AccumulateSign />
+      <CameraPanel />
       <Readout />
       <Views />
     </>

@@ -6,6 +6,9 @@ import { floorPlaces } from '../engine/floor';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { OutlineKinds } from './outline-kinds';
+import { AccumulateButton } from './accumulate';
+import { CamerasButton } from './cameras';
+import { RampButton } from './ramp';
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
@@ -15,7 +18,11 @@ const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['rgb', 'Colour', 'rgb'],
   ['intensity', 'Intensity', 'intensity'],
   ['height', 'Height', ''],
+  ['distance', 'Distance', ''],
   ['plain', 'Plain', ''],
+  ['label', 'Label', ''],
+  ['confidence', 'Confidence', ''],
+  ['provenance', 'Provenance', ''],
 ];
 
 export function ToolOptions() {
@@ -243,6 +250,7 @@ function ViewOptions() {
           ),
         )}
       </select>
+      <RampButton />
       <Slider
         label="Labels over colour"
         before={<Icon name="view" />}
@@ -264,6 +272,8 @@ function ViewOptions() {
         shown={`${view.pointSize.toFixed(1)}×`}
         onInput={(pointSize) => actions.setView({ pointSize })}
       />
+      <CamerasButton />
+      <AccumulateButton />
       <OverlayOptions />
     </>
   );

@@ -3,6 +3,7 @@ import { useRef } from 'preact/hooks';
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../state';
+import { chooseTheme, theme } from '../theme';
 import { Button } from './controls';
 import { ExportMenu } from './export-menu';
 import { helpOpen } from './help';
@@ -65,6 +66,7 @@ export function Toolbar() {
         <People />
         <ConnectionStatus />
         <VrButton />
+        <ThemeButton />
         <HelpButton />
       </div>
       <ToolOptions />
@@ -78,6 +80,7 @@ function WelcomeBar() {
       <span class="brand">pointbrush</span>
       <span class="spacer" />
       <ConnectionStatus />
+      <ThemeButton />
       <HelpButton />
     </div>
   );
@@ -220,6 +223,17 @@ function VrButton() {
         />
       )}
     </div>
+  );
+}
+
+function ThemeButton() {
+  const other = theme.value === 'light' ? 'dark' : 'light';
+  return (
+    <Button
+      icon={other === 'light' ? 'sun' : 'moon'}
+      tip={other === 'light' ? 'Light theme' : 'Dark theme'}
+      onClick={() => chooseTheme(other)}
+    />
   );
 }
 

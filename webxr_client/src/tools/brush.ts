@@ -1,4 +1,5 @@
 /** What a stroke sends: the store's settings in the words of the wire. */
+import { framesAround } from '../accumulation';
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
@@ -34,6 +35,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
     through: through && way.through,
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
     hidden: hiddenHere(),
+    frames: framesAround(),
   };
 }
 

@@ -13,7 +13,7 @@ function setUp() {
   const frame = frameOf(wall(40, 1000));
   const sent: ClientMessage[] = [];
   const send = (message: ClientMessage): void => void sent.push(structuredClone(message));
-  const strokes = new Strokes({ send, seen: () => true, hidden: () => [], locked: () => false, changed: vi.fn(), now: () => 0 }); // prettier-ignore
+  const strokes = new Strokes({ send, seen: () => true, hidden: () => [], layers: () => [], locked: () => false, changed: vi.fn(), now: () => 0 }); // prettier-ignore
   const timers: (() => void)[] = [];
   const later = (run: () => void) => {
     timers.push(run);

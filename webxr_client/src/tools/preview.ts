@@ -1,8 +1,10 @@
 /** What a stroke will paint, found on the page's own points, shown until the server has answered. */
+import { Matrix4, Quaternion } from 'three';
 import { type CloudFrame } from '../cloud/frame';
+import { directionIn, firstHitAmong, placeIn, type Layer } from '../cloud/layer';
 import { DELETED } from '../cloud/piece';
 import { insideOutline } from '../cloud/inside';
-import { alongRay, firstHit, inBox, inCapsule, type Vec } from '../cloud/pick';
+import { alongRay, inBox, inCapsule, type Vec } from '../cloud/pick';
 import type { Brush } from '../protocol/messages';
 import type { PointerSample } from './sample';
 import type { Seen } from './seen';
@@ -11,15 +13,15 @@ import { Touched } from './touched';
 /** Whether a label may not be changed. */
 export type Locked = (label: number) => boolean;
 
-export class StrokePreview {
+/** The part of a preview that lies on one frame, or on one object of a frame laid over it. */
+class Part {
   private readonly touched = new Touched();
-  /** Where the ball was at the last sample. */
-  private readonly last: [number, number, number] = [NaN, NaN, NaN];
   private readonly values: Uint16Array;
 
   constructor(
-    readonly id: string,
+    private readonly id: string,
     readonly frame: CloudFrame,
+    private readonly layer: Layer | null,
     private readonly brush: Brush,
     private readonly locked: Locked,
     private readonly seen: Seen,
@@ -39,39 +41,41 @@ export class StrokePreview {
 
   /** The points of a shape that needs no samples. */
   private take([x, y, z]: Vec): void {
+    const { layer } = this;
     const { shape, polygon, matrix, center, size, quaternion } = this.brush;
     if (shape === 'lasso' && polygon && matrix) {
-      const clip = [...matrix];
-      for (let row = 0; row < 16; row += 4) {
-        clip[row + 3]! += matrix[row]! * x + matrix[row + 1]! * y + matrix[row + 2]! * z;
-      }
-      insideOutline(this.frame, polygon, clip, this.touch);
+      const T = new Matrix4().set(...(matrix as Parameters<Matrix4['set']>));
+      T.multiply(new Matrix4().makeTranslation(x, y, z));
+      if (layer) T.multiply(layer.inverse.clone().invert());
+      insideOutline(this.frame, polygon, T.transpose().toArray(), this.touch);
     }
     if (shape === 'box' && center && size) {
       const local: Vec = [center[0] - x, center[1] - y, center[2] - z];
-      inBox(this.frame, local, size, quaternion ?? [0, 0, 0, 1], this.touch);
+      const turn = new Quaternion(...(quaternion ?? [0, 0, 0, 1]));
+      if (layer) turn.premultiply(new Quaternion().setFromRotationMatrix(layer.inverse));
+      const { x: i, y: j, z: k, w } = turn;
+      inBox(this.frame, layer ? placeIn(layer, local) : local, size, [i, j, k, w], this.touch);
     }
   }
 
-  /** Take in a sample. */
-  add({ origin, direction }: PointerSample): void {
-    const { brush, frame, last } = this;
-    const radius = brush.radius ?? 0.05;
-    if (brush.shape === 'ray' && brush.through) {
-      alongRay(frame, origin, direction, radius, this.touch);
-    } else if (brush.shape === 'ray') {
-      const meets = brush.tool === 'restore' ? isDeleted : this.seen;
-      const hit = firstHit(frame, origin, direction, radius, meets);
-      if (hit) inCapsule(frame, hit.position, hit.position, radius, this.touch);
-    } else if (brush.shape === 'sphere') {
-      inCapsule(frame, Number.isNaN(last[0]) ? origin : last, origin, radius, this.touch);
-      for (let k = 0; k < 3; k++) last[k] = origin[k]!;
-    }
+  ball(from: Vec, to: Vec, radius: number): void {
+    const { layer } = this;
+    const [a, b] = layer ? [placeIn(layer, from), placeIn(layer, to)] : [from, to];
+    inCapsule(this.frame, a, b, radius, this.touch);
+  }
+
+  along(origin: Vec, direction: Vec, radius: number): void {
+    const { layer } = this;
+    const [a, b] = layer
+      ? [placeIn(layer, origin), directionIn(layer, direction)]
+      : [origin, direction];
+    alongRay(this.frame, a, b, radius, this.touch);
   }
 
   private readonly touch = (point: number): void => {
-    if (!this.touched.meet(point)) return;
-    if (this.applies(this.frame.storedLabelOf(point))) this.touched.take(point);
+    const label = this.frame.storedLabelOf(point);
+    if (this.layer?.holds(label) === false || !this.touched.meet(point)) return;
+    if (this.applies(label)) this.touched.take(point);
   };
 
   private applies(current: number): boolean {
@@ -83,12 +87,73 @@ export class StrokePreview {
     return current !== label && !(onlyUnlabeled && current !== 0);
   }
 
-  /** Show what was found since the last call. */
   show(): void {
     const { touched, values } = this;
     if (!touched.settle()) return;
     const indices = touched.numbers.subarray(0, touched.size);
     this.frame.setOverlay(this.id, { indices, values });
+  }
+
+  drop(): void {
+    this.frame.dropOverlay(this.id);
+  }
+}
+
+export class StrokePreview {
+  /** Where the ball was at the last sample. */
+  private readonly last: [number, number, number] = [NaN, NaN, NaN];
+  private readonly parts: readonly Part[];
+
+  constructor(
+    readonly id: string,
+    private readonly frame: CloudFrame,
+    private readonly brush: Brush,
+    locked: Locked,
+    private readonly seen: Seen,
+    /** Source minus local coordinates. */
+    shift: Vec,
+    /** What is laid over the frame. */
+    private readonly layers: readonly Layer[] = [],
+  ) {
+    const others = layers.map(
+      (layer, k) => new Part(`${id}:${k}`, layer.frame, layer, brush, locked, seen, shift),
+    );
+    this.parts = [new Part(id, frame, null, brush, locked, seen, shift), ...others];
+  }
+
+  /** Points that the stroke would change, as far as they were shown. */
+  get points(): number {
+    return this.parts.reduce((sum, part) => sum + part.points, 0);
+  }
+
+  /** Take in a sample. */
+  add({ origin, direction }: PointerSample): void {
+    const { brush, frame, last, parts } = this;
+    const radius = brush.radius ?? 0.05;
+    if (brush.shape === 'ray' && brush.through) {
+      for (let i = 0; i < parts.length; i++) parts[i]!.along(origin, direction, radius);
+    } else if (brush.shape === 'ray') {
+      const meets = brush.tool === 'restore' ? isDeleted : this.seen;
+      const hit = firstHitAmong(frame, this.layers, origin, direction, radius, meets);
+      if (hit) this.ball(hit.position, hit.position, radius);
+    } else if (brush.shape === 'sphere') {
+      this.ball(Number.isNaN(last[0]) ? origin : last, origin, radius);
+      for (let k = 0; k < 3; k++) last[k] = origin[k]!;
+    }
+  }
+
+  private ball(from: Vec, to: Vec, radius: number): void {
+    for (let i = 0; i < this.parts.length; i++) this.parts[i]!.ball(from, to, radius);
+  }
+
+  /** Show what was found since the last call. */
+  show(): void {
+    for (let i = 0; i < this.parts.length; i++) this.parts[i]!.show();
+  }
+
+  /** Show nothing any more. */
+  drop(): void {
+    for (const part of this.parts) part.drop();
   }
 }
 

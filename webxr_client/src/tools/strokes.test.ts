@@ -1,5 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 import { DELETED } from '../cloud/piece';
+import { Matrix4 } from 'three';
+import { firstHitAmong, layersOf, type Layer, type PlacedFrame } from '../cloud/layer';
 import { frameOf, wall } from '../cloud/testing';
 import type { Brush, ClientMessage, StrokeResult } from '../protocol/messages';
 import { Strokes } from './strokes';
@@ -11,13 +13,22 @@ const seen = (label: number): boolean => label !== DELETED;
 function setUp(
   locked: (label: number) => boolean = () => false,
   look: { seen: (label: number) => boolean; hidden: number[] } = { seen, hidden: [] },
+  layers: readonly Layer[] = [],
 ) {
   const frame = frameOf(wall(40, 1000));
   const sent: ClientMessage[] = [];
   // What is posted to the worker is copied.
   const send = (message: ClientMessage): void => void sent.push(structuredClone(message));
   const hidden = (): number[] => look.hidden;
-  const deps = { send, locked, seen: look.seen, hidden, changed: vi.fn(), now: () => 0 };
+  const deps = {
+    send,
+    locked,
+    seen: look.seen,
+    hidden,
+    layers: () => layers,
+    changed: vi.fn(),
+    now: () => 0,
+  };
   return { frame, sent, strokes: new Strokes(deps) };
 }
 
@@ -49,6 +60,32 @@ describe('a stroke', () => {
       'stroke_end',
     ]);
     expect(sent[1]).toMatchObject({ samples: [{ origin: [100.2, 0.2, 0] }, {}] });
+  });
+
+  it('paints what is laid over the frame as well, where it lies', () => {
+    const over = frameOf(wall(40, 1000));
+    // A metre to the right of where it is by itself.
+    const away = new Matrix4().makeTranslation(1, 0, 0);
+    const placed: PlacedFrame = {
+      frame: over,
+      placed: away,
+      moving: new Map([[7, new Matrix4()]]),
+    };
+    over.setOverlay('old', { indices: Uint32Array.of(0, 1), values: Uint16Array.of(7) });
+    const { frame, strokes } = setUp(undefined, undefined, layersOf(placed));
+    const stroke = strokes.begin(frame, { ...ray, radius: 0.05 }, [0, 0, 0]);
+    // Only the other frame is there, 10 points to the right of its corner.
+    stroke.add({ origin: [1.1, 0.1, 0], direction: [0, 0, 1] });
+    strokes.show();
+    expect(painted(frame, 2)).toBe(0);
+    const before = painted(over, 2);
+    expect(before).toBeGreaterThan(60);
+    stroke.end();
+    strokes.drop(stroke.id);
+    expect(painted(over, 2)).toBe(0);
+    // The two points of a label that moved by itself lie at the shown frame's own corner.
+    const hit = firstHitAmong(frame, layersOf(placed), [-0.02, 0, 0], [0, 0, 1], 0.03, () => true);
+    expect(hit?.position).toEqual([-0.02, 0, 1]);
   });
 
   it('keeps its preview until the delta has come', () => {

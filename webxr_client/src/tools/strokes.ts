@@ -3,6 +3,7 @@
  * server's answer replaces it.
  */
 import type { CloudFrame } from '../cloud/frame';
+import type { Layer } from '../cloud/layer';
 import type { Vec } from '../cloud/pick';
 import type {
   Brush,
@@ -25,6 +26,8 @@ export interface StrokeDeps {
   readonly seen: Seen;
   /** Labels that only this viewer hides. */
   readonly hidden: () => number[];
+  /** What is laid over the frame on screen. */
+  readonly layers: () => readonly Layer[];
   /** Labels on screen changed. */
   readonly changed: () => void;
   readonly now: () => number;
@@ -90,7 +93,8 @@ class LiveStroke implements Stroke {
   ) {
     this.batch = new Batch(deps.now());
     this.message = { type: 'stroke_samples', id, samples: [] };
-    this.preview = new StrokePreview(id, frame, brush, deps.locked, deps.seen, shift);
+    const layers = deps.layers();
+    this.preview = new StrokePreview(id, frame, brush, deps.locked, deps.seen, shift, layers);
     const hidden = deps.hidden();
     deps.send({ type: 'stroke_begin', id, frame: frame.index, brush: { ...brush, hidden } });
   }
@@ -119,7 +123,7 @@ class LiveStroke implements Stroke {
   /** The server will not have it: nothing more to send or to show. */
   refuse(): void {
     this.refused = true;
-    this.preview.frame.dropOverlay(this.id);
+    this.preview.drop();
   }
 
   cancel(): void {
@@ -190,7 +194,7 @@ export class Strokes {
     const preview = this.ended.get(id);
     if (!preview) return;
     this.ended.delete(id);
-    preview.frame.dropOverlay(id);
+    preview.drop();
     this.deps.changed();
   }
 }

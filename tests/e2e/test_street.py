@@ -1,0 +1,69 @@
+"""A parked street at the desk: frames over one another, painted in one pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.e2e.desk import Desk
+from tests.e2e.server import LiveServer
+from tests.e2e.street import FIRST_CAR, FRAMES, SHOWN, make_street, seen
+from tests.waiting import eventually
+
+
+@pytest.fixture(scope="session")
+def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("template") / "workspace"
+    (folder / "sequences").mkdir(parents=True)
+    make_street(folder / "sequences")
+    return folder
+
+
+def settle(desk: Desk) -> None:
+    """Wait until the camera has come to rest."""
+    place = "pb.engine.camera.flying"
+    desk.until(f"!{place}")
+
+
+def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
+    open_desk: Callable[..., Desk], server: LiveServer
+) -> None:
+    server.create_label("street", "car", "#ff5d5d")
+    desk = open_desk()
+    page = desk.page
+    for _ in range(SHOWN):
+        desk.press("ArrowRight")
+    desk.until(f"pb.shown().frame === {SHOWN} && pb.shown().drawn === pb.shown().total")
+    page.get_by_role("button", name="Lay the frames around this one").click()
+    page.get_by_role("button", name="All frames").click()
+    desk.press("Escape")
+    total = desk.ask("pb.shown().total")
+    desk.until(f"pb.engine.viewer.laid === {(FRAMES - 1) * total}")
+    page.get_by_text("a stroke paints all of them").wait_for()
+    # From above the cars stand apart, and lie over one another: not smeared along the street.
+    page.get_by_role("button", name="Top", exact=True).click()
+    car = seen(SHOWN)[FIRST_CAR]
+    settle(desk)
+    desk.press("b")
+    page.get_by_role("radio", name="Lasso").click()
+    low, high = car.min(axis=0) - 0.15, car.max(axis=0) + 0.15
+    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
+    desk.paint([[*corner, float(high[2])] for corner in [*corners, corners[0]]])
+    desk.settled()
+    for frame in range(FRAMES):
+
+        def painted(frame: int = frame) -> bool:
+            labels = server.annotation("street", frame)
+            return bool((labels[FIRST_CAR] == 1).mean() > 0.95)
+
+        eventually(painted)
+        assert (server.annotation("street", frame)[~FIRST_CAR] == 1).mean() < 0.05
+    desk.screenshot("street-painted")
+    edits = server.request("GET", "sequences/street/edits").json()
+    assert [edit["kind"] for edit in edits].count("paint") == 1
+    desk.press("Control+z")
+    eventually(lambda: not any(server.annotation("street", i).any() for i in range(FRAMES)))
+    assert not np.any([desk.labels(i).get(1, 0) for i in range(FRAMES)])

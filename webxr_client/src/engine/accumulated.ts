@@ -1,0 +1,155 @@
+/** Lays the frames around the one on screen over it while time stands: asks where, and shows them. */
+import { Matrix4 } from 'three';
+import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../accumulation';
+import type { PlacedFrame } from '../cloud/layer';
+import type { Viewer } from '../cloud/viewer';
+import { api, ApiError } from '../net/rest';
+import type { SequenceInfo } from '../protocol/messages';
+import { notify, state } from '../state';
+import { watch } from '../watch';
+import type { Playback } from './playback';
+
+/** Points of all frames together that one picture can hold. */
+export const MOST_POINTS = 8_000_000;
+/** Milliseconds: stepping through frames asks once it rests. */
+const REST_MS = 120;
+
+interface Placement {
+  readonly frame: number;
+  readonly T_shown_frame: readonly number[];
+  readonly moving: readonly { readonly label: number; readonly T_shown_frame: readonly number[] }[];
+}
+
+/** Frames around `frame`, the nearest first, as many as fit; and how many do not. */
+export function wanted(
+  info: SequenceInfo,
+  frame: number,
+  before: number,
+  after: number,
+): { frames: number[]; left: number } {
+  const frames: number[] = [];
+  let points = info.points[frame] ?? 0;
+  let left = 0;
+  for (let away = 1; away <= Math.max(before, after); away++) {
+    for (const other of [frame + away, frame - away]) {
+      const asked = other > frame ? away <= after : away <= before;
+      const count = info.points[other] ?? 0;
+      if (!asked || count === 0) continue;
+      points += count;
+      if (points <= MOST_POINTS) frames.push(other);
+      else left += 1;
+    }
+  }
+  return { frames, left };
+}
+
+/** A transform in source coordinates, row-major, as one of local coordinates (source − shift). */
+export function localMatrix(rows: readonly number[], shift: readonly number[]): Matrix4 {
+  const T = [...rows];
+  for (let row = 0; row < 3; row++) {
+    const turned = [0, 1, 2].reduce((sum, k) => sum + rows[row * 4 + k]! * shift[k]!, 0);
+    T[row * 4 + 3]! += turned - shift[row]!;
+  }
+  return new Matrix4().set(...(T as Parameters<Matrix4['set']>));
+}
+
+export class Accumulated {
+  /** Where frames lie over frame `over`, by their numbers. */
+  private placements = new Map<number, Omit<PlacedFrame, 'frame'>>();
+  private over = -1;
+  private asked = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly playback: Playback,
+  ) {
+    playback.around = (frame) => this.around(frame);
+    watch([accumulation], () => playback.lookAround());
+    watch([accumulation, state.frame, state.playing, state.sequence], () => this.forget());
+    // Tracks that are found or taken back move what they track.
+    watch([state.timeline], () => this.askSoon());
+  }
+
+  private get on(): boolean {
+    const info = state.sequence.peek();
+    return accumulation.peek().on && info !== null && !info.large && !state.playing.peek();
+  }
+
+  /** Frames that belong to one when it is shown. */
+  private around(frame: number): number[] {
+    const info = state.sequence.peek();
+    if (!info || !this.on) return [];
+    const { before, after } = accumulation.peek();
+    const { frames, left } = wanted(info, frame, before, after);
+    leftOut.value = left;
+    return frames;
+  }
+
+  private forget(): void {
+    this.asked += 1;
+    this.placements = new Map();
+    if (!this.on) leftOut.value = 0;
+    this.askSoon();
+  }
+
+  private askSoon(): void {
+    clearTimeout(this.timer);
+    if (this.on) this.timer = setTimeout(() => void this.ask(), REST_MS);
+  }
+
+  private async ask(): Promise<void> {
+    const info = state.sequence.peek();
+    if (!info || !this.on) return;
+    const asked = ++this.asked;
+    const over = state.frame.peek();
+    const { before, after } = accumulation.peek();
+    const most = (frames: number): number => Math.min(MOST_AROUND, frames);
+    const query = `before=${most(before)}&after=${most(after)}`;
+    const path = `sequences/${info.id}/frames/${over}/placements?${query}`;
+    try {
+      const found = await api<Placement[]>('GET', path);
+      if (asked !== this.asked) return;
+      this.placements = new Map(found.map((entry) => [entry.frame, placed(entry, info.shift)]));
+      this.over = over;
+      this.viewer.invalidate();
+    } catch (error) {
+      if (asked !== this.asked || !(error instanceof ApiError)) return;
+      accumulation.value = { ...accumulation.peek(), on: false };
+      notify('error', 'The frames cannot be laid over one another', error.message);
+    }
+  }
+
+  /** Before each picture: what has come is shown. */
+  update(): void {
+    const before = placedFrames.peek();
+    const shown = this.playback.frame?.index ?? -1;
+    const there = this.on && shown === this.over && shown === state.frame.peek();
+    if (!there && before.length === 0) return;
+    const frames = there ? this.loaded(shown, before) : [];
+    const same = frames.length === before.length && frames.every((one, i) => one === before[i]);
+    if (!same) placedFrames.value = frames;
+    if (this.viewer.lay(frames)) this.viewer.invalidate();
+  }
+
+  private loaded(shown: number, before: readonly PlacedFrame[]): PlacedFrame[] {
+    const frames: PlacedFrame[] = [];
+    for (const number of this.around(shown)) {
+      const frame = this.playback.store.get(number);
+      const place = this.placements.get(number);
+      if (!frame || frame.loaded === 0 || !place) continue;
+      const known = before.find((one) => one.frame === frame && one.placed === place.placed);
+      frames.push(known ?? { frame, ...place });
+    }
+    return frames;
+  }
+}
+
+function placed(entry: Placement, shift: readonly number[]): Omit<PlacedFrame, 'frame'> {
+  return {
+    placed: localMatrix(entry.T_shown_frame, shift),
+    moving: new Map(
+      entry.moving.map(({ label, T_shown_frame }) => [label, localMatrix(T_shown_frame, shift)]),
+    ),
+  };
+}
