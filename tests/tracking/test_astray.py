@@ -15,7 +15,6 @@ from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.steps import relocate as relocation
 from pointbrush.tracking.steps.claim import Findings
 from pointbrush.tracking.steps.predict import Search, crop
@@ -56,15 +55,14 @@ def shot(count: int, bat: Callable[[int], np.ndarray | None]) -> list[scenes.Fra
 def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Track, Findings]]:
     """Thing 1 of the first of two frames, and where it was found in the second."""
     seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
-    with Workers(None) as workers:
-        run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions(), workers)
-        run.start(seeds)
-        view, track = run.scene.view(1), run.tracks[1]
-        findings = Findings(view, run.background, np.ones(len(view.xyz), np.bool_))
-        search = crop(track, view, findings.background, findings.free)
-        assert search is not None
-        findings.put(1, *placed(track, view, search))
-        yield track, findings
+    run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions())
+    run.start(seeds)
+    view, track = run.scene.view(1), run.tracks[1]
+    findings = Findings(view, run.background, np.ones(len(view.xyz), np.bool_))
+    search = crop(track, view, findings.background, findings.free)
+    assert search is not None
+    findings.put(1, *placed(track, view, search))
+    yield track, findings
 
 
 def ious(frames: list[scenes.Frame]) -> list[float]:

@@ -14,7 +14,6 @@ from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, Trac
 from pointbrush.tracking.bidirectional import BothSides
 from pointbrush.tracking.interface import PAINTED, Frames, Known
 from pointbrush.tracking.options import CompanionOptions
-from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.permissions import Companions, FrameRules
 from pointbrush.tracking.tracker import Run
 
@@ -154,12 +153,11 @@ def test_who_is_painted_on_the_way_goes_along_from_there() -> None:
         return FrameKnowledge(label, source, np.zeros(len(label), np.bool_))
 
     seeds = [Seed(n, np.flatnonzero(frames[0].truth == n)) for n in (1, 2)]
-    with Workers(None) as workers:
-        order = list(range(len(frames)))
-        together = Run(frames.__getitem__, order, seeds, known, TrackOptions(), workers)
-        with closing(together.scene):
-            together.start(seeds)
-            followed = [together.step(number) and set(together.tracks) for number in order[1:]]
+    order = list(range(len(frames)))
+    together = Run(frames.__getitem__, order, seeds, known, TrackOptions())
+    with closing(together.scene):
+        together.start(seeds)
+        followed = [together.step(number) and set(together.tracks) for number in order[1:]]
     assert followed == [{1, 2}, {1, 2, 3}, {1, 2, 3}]
     assert all(set(found.tracks) == {1, 2} for found in run(frames, [1, 2], known))
 
@@ -221,13 +219,12 @@ def test_who_was_found_before_is_followed_only_while_near() -> None:
 
     seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
     followed = []
-    with Workers(None) as workers:
-        going = Run(frames.__getitem__, list(range(8)), seeds, known, TrackOptions(), workers)
-        with closing(going.scene):
-            going.start(seeds)
-            for number in range(1, 8):
-                going.step(number)
-                followed.append(2 in going.tracks)
+    going = Run(frames.__getitem__, list(range(8)), seeds, known, TrackOptions())
+    with closing(going.scene):
+        going.start(seeds)
+        for number in range(1, 8):
+            going.step(number)
+            followed.append(2 in going.tracks)
     assert followed == sorted(followed)
     assert not any(followed[:3])
     assert followed[-1]

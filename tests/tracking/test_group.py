@@ -17,7 +17,6 @@ from pointbrush.tracking.compute.graph import Paths, agreed, paths_into
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.arrivals import come_back, exchange, exchanged, mistakable
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, astray, cell_size, outcome
@@ -439,10 +438,9 @@ def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
     made = crossing(stranger=False, frames=2)
     first, order = made[0].truth, [0, 1]
     seeds = [Seed(n, np.flatnonzero(first == n)) for n in (1, 2)]
-    with Workers(None) as workers:
-        run = Run(made.__getitem__, order, seeds, lambda _: None, TrackOptions(), workers)
-        run.start(seeds)
-        run.scene.close()
+    run = Run(made.__getitem__, order, seeds, lambda _: None, TrackOptions())
+    run.start(seeds)
+    run.scene.close()
     assert run.people.group is not None
     assert len(run.people.group.people) == 2
     for person in run.people.group.people:

@@ -30,8 +30,6 @@ DEFINITIONS = {
     "interface.py": {"PAINTED"},  # code of a provenance
     "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
     "model/confidence.py": {"RATIO_LEAST"},  # keeps a logarithm finite
-    "parallel/second_process.py": {"PIPE", "KEPT"},
-    "parallel/workers.py": {"PER_POINT", "AT_LEAST", "SENDING"},
     "model/track.py": {"SIDES"},  # unit vectors
     "icp.py": {"LONE", "FINEST", "SAMPLE"},  # of the paper's method, not of `auto`
     "people/strides.py": {"GRID"},  # nodes of a search grid

@@ -98,8 +98,7 @@ class TrackOptions:
                        correction re-tracks only up to what a person has confirmed.
     ``before``         frames before the start, the farthest first, whose labels a method may
                        learn from; it yields nothing for them.
-    ``processes``      processes that a method may work in, this one included; with more than one
-                       the frames it is given have to pickle.
+    ``read_ahead``     a method may prepare the next frame in a thread of its own.
     """
 
     overwrite: Overwrite = "tracked"
@@ -107,7 +106,7 @@ class TrackOptions:
     continue_lost: bool = False
     until_painted: bool = False
     before: tuple[int, ...] = ()
-    processes: int = 1
+    read_ahead: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,11 +1,9 @@
 """`auto`: every object as a surface that moves, is hidden and comes back; all at once.
 
-In each frame: predict where each object is (objects/motion.py), register its model there in place
-and colour (fitting/, geometry/registration.py) to what did not stand still (background/), bend it
-where it is not rigid (geometry/deformation.py), let all objects claim points together against what
-is known to be unlabelled (segmentation/), judge the fit by what the sensor should have seen
-(fitting/judge.py), and learn (update/): the background, the model, the motion.  People are
-followed together (people/).
+``Run.step`` is the method: observe, predict, register, associate, label, judge, manage, learn.
+Each step is a module of steps/; the scene at rest is in scene/, what is known of a track in model/,
+people, who are followed together, in people/, and every tunable number in options/.
+Source: docs/tracking.md.
 """
 
 from __future__ import annotations
@@ -34,10 +32,8 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.parallel.workers import Workers
 from pointbrush.tracking.people.bodies import hang_together
 from pointbrush.tracking.people.group import JointTracking
 from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
@@ -45,12 +41,12 @@ from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.begin import begin_anew, begin_label, corrected
-from pointbrush.tracking.steps.claim import Claim, Findings, together
+from pointbrush.tracking.steps.claim import Findings, together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
 from pointbrush.tracking.steps.pieces import with_ground
-from pointbrush.tracking.steps.predict import crop, share_out
+from pointbrush.tracking.steps.predict import Search, crop, share_out
 from pointbrush.tracking.steps.relocate import find_astray, placed
 from pointbrush.tracking.steps.settle import settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
@@ -59,7 +55,7 @@ from pointbrush.tracking.steps.update import withheld
 
 @dataclass(frozen=True)
 class AutoTracker:
-    """The default method; ``watch`` gets how each label was found in each frame, in one process."""
+    """The default method; ``watch`` gets how each label was found in each frame."""
 
     watch: Watch | None = None
     options: TrackerOptions = field(default_factory=TrackerOptions)
@@ -74,22 +70,49 @@ class AutoTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         begun = _before(seeds, known(options.before[0])) if options.before else list(seeds)
-        if self.watch is not None:
-            options = replace(options, processes=1)
-        with Workers(frames if options.processes > 1 else None) as workers:
-            run = Run(frames, [*options.before, *order], begun, known, options, workers, self)
-            with closing(run.scene):
-                if options.before:
-                    run.recall(begun)
-                    given = {seed.label: np.sort(seed.indices) for seed in seeds}
-                    first = run.step(order[0], given).result
-                else:
-                    first = run.start(seeds)
-                back = {n: inverse(state.pose) for n, state in first.tracks.items()}
-                first = replace(first, assignments={})
-                for result in chain([first], run.through(order[1:])):
-                    asked = run.companions.without(result)
-                    yield run.scene.since(asked, back, order[0])
+        run = Run(frames, [*options.before, *order], begun, known, options, self)
+        with closing(run.scene):
+            if options.before:
+                run.recall(begun)
+                given = {seed.label: np.sort(seed.indices) for seed in seeds}
+                first = run.step(order[0], given).result
+            else:
+                first = run.start(seeds)
+            back = {n: inverse(state.pose) for n, state in first.tracks.items()}
+            first = replace(first, assignments={})
+            for result in chain([first], run.through(order[1:])):
+                asked = run.companions.without(result)
+                yield run.scene.since(asked, back, order[0])
+
+
+@dataclass(frozen=True, eq=False)
+class FrameTask:
+    """A frame to track into: ``fixed`` points of labels are known, those of labels ``aside`` too,
+    which are not followed; ``free`` (N,) may be taken by the tracks that are ``sought``."""
+
+    view: View
+    rules: FrameRules
+    fixed: dict[int, I64]
+    aside: dict[int, I64]
+    free: Mask
+    sought: list[Track]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameClaims:
+    """Points that tracks have ``grown`` beside their claims, and those of large ones that have
+    ``emerged`` from hiding, so changed that they are learnt anew; by label."""
+
+    grown: dict[int, I64]
+    emerged: dict[int, I64]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameOutcomes:
+    """Outcome and points of the tracks that were ``settled``, and points of those ``emerged``."""
+
+    settled: dict[int, tuple[TrackState, I64]]
+    emerged: dict[int, I64]
 
 
 class Run:
@@ -102,7 +125,6 @@ class Run:
         seeds: list[Seed],
         known: Known,
         asked: TrackOptions,
-        workers: Workers,
         method: AutoTracker | None = None,
     ) -> None:
         """``seeds`` of the first frame of ``order``."""
@@ -110,7 +132,7 @@ class Run:
         self.options = method.options
         self._watch, self._near = method.watch, method.options.companions
         self.known, self.asked, self.labels = known, asked, [s.label for s in seeds]
-        self.workers, self.swaps = workers, Swaps(self.options)
+        self.swaps = Swaps(self.options)
         self.tracks: dict[int, Track] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
@@ -122,7 +144,7 @@ class Run:
         labelled = [*seeds, *self.companions.beginning]
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
         self.scene = Scene(
-            frames, order, self._reach, painted, options=self.options, ahead=asked.processes > 1
+            frames, order, self._reach, painted, options=self.options, ahead=asked.read_ahead
         )
 
     @property
@@ -167,49 +189,103 @@ class Run:
         yield from smoother.rest()
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
-        """Find everything in the next frame; ``given`` labels' points are known."""
-        view, tracks = self.scene.view(number), self.tracks
-        self.workers.show(view, self.background)
+        """Track everything into the next frame; ``given`` labels' points are known."""
+        frame = self._observe(number, given or {})
+        searches = self._predict(frame)
+        findings = self._register(frame, searches)
+        hidden = self._associate(frame, findings)
+        claims = self._label(findings, hidden)
+        outcomes = self._judge(frame, findings, claims)
+        states = self._manage(frame, findings, outcomes)
+        return self._learn(frame, findings, states)
+
+    def _observe(self, number: int, given: Mapping[int, I64]) -> FrameTask:
+        """Read a frame, and find out which points are known and which may be taken."""
+        view = self.scene.view(number)
         rules = FrameRules(len(view.xyz), self.known(number), self.asked)
-        fixed = {n: k for n in tracks if (k := rules.keyframe(n)) is not None}
-        fixed |= self.companions.known(rules, view.xyz, tracks)
-        fixed |= given or {}
+        fixed = {n: k for n in self.tracks if (k := rules.keyframe(n)) is not None}
+        fixed |= self.companions.known(rules, view.xyz, self.tracks)
+        fixed |= given
         aside = self._set_aside(view, rules, fixed)
         free = rules.free(self.labels)
         for points in chain(fixed.values(), aside.values()):
             free[points] = False
-        sought = [t for n, t in tracks.items() if not (n in fixed or n in self.people)]
-        absent = [track for track in sought if track.absent]
-        findings = self._find([t for t in sought if not t.absent], view, free)
-        fits = findings.fits
-        settle_conflicts(tracks, findings)
-        find_astray(sought, self.astray, findings)
-        self.swaps.meet(tracks, fits)
-        loose = look_for(absent, tracks, findings)
-        settled, emerged = self._settle(sought, findings, loose)
-        left = free.copy()
-        for _, points in settled.values():
+        sought = [t for n, t in self.tracks.items() if not (n in fixed or n in self.people)]
+        return FrameTask(view, rules, fixed, aside, free, sought)
+
+    def _predict(self, frame: FrameTask) -> dict[int, Search]:
+        """Cut out the part of the frame around the predicted poses of each track in sight."""
+        there = [track for track in frame.sought if not (track.absent or track.lost)]
+        cut = {t.label: crop(t, frame.view, self.background, frame.free) for t in there}
+        searches = {label: search for label, search in cut.items() if search is not None}
+        share_out(list(searches.values()), options=self.options.search)
+        return searches
+
+    def _register(self, frame: FrameTask, searches: Mapping[int, Search]) -> Findings:
+        """Register each track to its part of the frame, and claim points for it."""
+        findings = Findings(frame.view, self.background, frame.free)
+        for label, search in searches.items():
+            findings.put(label, *placed(self.tracks[label], frame.view, search))
+        return findings
+
+    def _associate(self, frame: FrameTask, findings: Findings) -> dict[int, I64]:
+        """Settle what several tracks claim, search elsewhere for those that lost it, and for large
+        ones that were hidden; label → moving points of those that are not found."""
+        settle_conflicts(self.tracks, findings)
+        find_astray(frame.sought, self.astray, findings)
+        self.swaps.meet(self.tracks, findings.fits)
+        return look_for([t for t in frame.sought if t.absent], self.tracks, findings)
+
+    def _label(self, findings: Findings, hidden: Mapping[int, I64]) -> FrameClaims:
+        """Decide which points each track has beside the claimed ones."""
+        grown, taken = grow(self.tracks, findings)
+        grown |= hang_together(self.tracks, findings, taken)
+        return FrameClaims(grown, bodies_left(hidden, self.tracks, findings, grown))
+
+    def _judge(self, frame: FrameTask, findings: Findings, claims: FrameClaims) -> FrameOutcomes:
+        """Judge and update each track; people are followed together in what the others leave."""
+        outcomes = {}
+        for track in frame.sought:
+            n = track.label
+            if not (track.lost or n in claims.emerged):
+                fit, claim = findings.fits.get(n), findings.claims.get(n)
+                new = claims.grown.get(n, _EMPTY)
+                outcomes[n] = settle(track, frame.view, fit, claim, new, self.asked)
+        left = frame.free.copy()
+        for _, points in outcomes.values():
             left[points] = False
-        settled |= self.people.step(view, self.background, left, fixed)
-        view.labels = fixed | aside
-        states = self._conclude(view, rules, fixed, emerged, settled)
-        for label in fixed.keys() - tracks.keys():
-            self._begin(view, label, fixed[label])
-            states[label] = _painted(len(fixed[label]), np.eye(4))
+        outcomes |= self.people.step(frame.view, self.background, left, frame.fixed)
+        return FrameOutcomes(outcomes, claims.emerged)
+
+    def _manage(
+        self, frame: FrameTask, findings: Findings, outcomes: FrameOutcomes
+    ) -> dict[int, TrackState]:
+        """Conclude how each track fared, and begin those that a person has painted here."""
+        view = frame.view
+        view.labels = frame.fixed | frame.aside
+        states = self._conclude(view, frame.rules, frame.fixed, outcomes)
+        for label in frame.fixed.keys() - self.tracks.keys():
+            self._begin(view, label, frame.fixed[label])
+            states[label] = _painted(len(frame.fixed[label]), np.eye(4))
             tell_apart(self.tracks, view, [label])
             self.people.join(view, self.background, label)
         if self._watch is not None:
             for label in self.labels:
                 if label in states:
-                    fit, state = fits.get(label), states[label]
-                    self._watch(explain(view, self.background, tracks[label], fit, state))
-        note_beside(tracks, view, fits)
-        self.workers.learn(view, self.background, withheld(tracks, fits, view))
-        found = with_ground(view, tracks, fits, free)
+                    fit, state = findings.fits.get(label), states[label]
+                    self._watch(explain(view, self.background, self.tracks[label], fit, state))
+        return states
+
+    def _learn(self, frame: FrameTask, findings: Findings, states: dict[int, TrackState]) -> Held:
+        """Learn the background and what is beside each track; the result of the frame."""
+        view, fits = frame.view, findings.fits
+        note_beside(self.tracks, view, fits)
+        self.background.learn(view, keep=withheld(self.tracks, fits, view))
+        found = with_ground(view, self.tracks, fits, frame.free)
         found = {n: points for n, points in found.items() if n in states}
         states |= {n: replace(states[n], points=len(points)) for n, points in found.items()}
         most = {n: fit.most for n, fit in fits.items()}
-        return Held(view, free, FrameResult(number, found, states), most)
+        return Held(view, frame.free, FrameResult(view.number, found, states), most)
 
     def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
         """Labels that are not asked for, and whose stored points are far from what is: they have
@@ -241,54 +317,12 @@ class Run:
         margin = near.near_radii * track.span + near.near_units * track.unit
         return fits, margin + near.near_steps * track.motion.speed * track.motion.gap
 
-    def _find(self, tracks: list[Track], view: View, free: Mask) -> Findings:
-        """Return where objects are that were seen the last time, and what each would have there."""
-        there = [track for track in tracks if not track.lost]
-        predicted = None  # where objects are looked for
-        known, here = (self.background, free, predicted), not self.workers.learns
-        cut = self.workers.each(crop, there, lambda _: known, here=here)
-        searches = {label: search for label, search in cut.items() if search is not None}
-        share_out(list(searches.values()), options=self.options.search)
-        there = [self.tracks[label] for label in searches]
-        found = self.workers.each(placed, there, lambda track: (searches[track.label],))
-        findings = Findings(view, self.background, free)
-        for label, (fit, claim) in found.items():
-            findings.put(label, fit, claim)
-        return findings
-
-    def _settle(
-        self, sought: list[Track], findings: Findings, loose: Mapping[int, I64]
-    ) -> tuple[dict[int, tuple[TrackState, I64]], dict[int, I64]]:
-        """Let objects grow, judge and learn them: how they fared, and the points that each has.
-
-        And the points of large objects that came out of hiding so changed that they are learnt
-        anew.  What is small is judged while it is found out what hangs together with large objects.
-        """
-        tracks = self.tracks
-        grown, taken = grow(tracks, findings)
-
-        def given(track: Track) -> tuple[Registration | None, Claim | None, I64, TrackOptions]:
-            n = track.label
-            fit, claim = findings.fits.get(n), findings.claims.get(n)
-            return fit, claim, grown.get(n, _EMPTY), self.asked
-
-        alive = [track for track in sought if not track.lost]
-        small = [track for track in alive if not track.large]
-        meanwhile = small if any(tracks[label].large for label in findings.fits) else []
-        wait = self.workers.begin(settle, meanwhile, given, changes=True)
-        grown |= hang_together(tracks, findings, taken)
-        emerged = bodies_left(loose, tracks, findings, grown)
-        rest = [t for t in alive if not (t.label in emerged or t in meanwhile)]
-        settled = wait()
-        return settled | self.workers.each(settle, rest, given, changes=True), emerged
-
     def _conclude(
         self,
         view: View,
         rules: FrameRules,
         fixed: Mapping[int, I64],
-        emerged: Mapping[int, I64],
-        settled: Mapping[int, tuple[TrackState, I64]],
+        outcomes: FrameOutcomes,
     ) -> dict[int, TrackState]:
         """Return how each object fared; its points go to ``view.labels``."""
         states: dict[int, TrackState] = {}
@@ -296,11 +330,11 @@ class Run:
             if label in fixed:
                 states[label] = self._repainted(track, view, fixed[label])
                 self.people.join(view, self.background, label)
-            elif label in emerged:
-                states[label] = self._emerge(track, view, emerged[label])
-                view.labels[label] = emerged[label]
-            elif label in settled:
-                states[label], points = settled[label]
+            elif label in outcomes.emerged:
+                states[label] = self._emerge(track, view, outcomes.emerged[label])
+                view.labels[label] = outcomes.emerged[label]
+            elif label in outcomes.settled:
+                states[label], points = outcomes.settled[label]
                 points = together(points, rules.anchors(label))
                 if len(points) and states[label].state != "lost":
                     view.labels[label] = points

@@ -26,8 +26,6 @@ from pointbrush.tracking import (
 from pointbrush.tracking.permissions import FEWEST
 from pointbrush.worker import Channel
 
-PROCESSES = min(2, os.cpu_count() or 1)
-"""Processes of a run."""
 LEAD = 20
 """Frames before a run's start that a method may learn from."""
 UNSURE = 0.5
@@ -64,7 +62,7 @@ class TrackingWork:
                 order,
                 self.seeds,
                 Knowledge(store, recording),
-                replace(self.options, before=before, processes=PROCESSES),
+                replace(self.options, before=before, read_ahead=(os.cpu_count() or 1) > 1),
             )
             for done, found in enumerate(results, start=1):
                 channel.item(found)
@@ -169,12 +167,8 @@ def require_method(method: str) -> None:
 
 
 def load_default_method() -> None:
-    """Import what a run needs, and begin its second process: a worker's first run would wait."""
+    """Import what a run needs: a worker's first run would wait for it."""
     METHODS["auto"]()
-    # Here, since the server's own process does without what is compiled.
-    from pointbrush.tracking.parallel.second_process import make_ready
-
-    make_ready()
 
 
 @dataclass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -173,15 +172,6 @@ class Track:
     bending: Bending = Bending()
     carving_views: list[CarvingView] = field(default_factory=list)
     """What lay around it in some frames."""
-
-    def state(self) -> dict[str, object]:
-        """All that is known of it, for a process that has a copy; see ``become``."""
-        return dict(vars(self))
-
-    def become(self, state: Mapping[str, object]) -> None:
-        """Know what a copy of it in another process has learnt: its ``state``."""
-        for name, value in state.items():
-            setattr(self, name, value)
 
     @property
     def dyed(self) -> bool:
