@@ -5,6 +5,8 @@ import { installHook } from './engine/hook';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
+import { Flight } from './reviewing/flight';
+import { mountReview } from './reviewing/panel';
 import { state } from './state';
 import { installTheme } from './theme';
 import { follow } from './watch';
@@ -24,6 +26,8 @@ export function startPage(early: Early): void {
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
     mountPanels();
+    mountReview();
+    new Flight(engine);
     const { installHeadset } = await import('./xr/index');
     installHeadset(engine, overlays);
   });

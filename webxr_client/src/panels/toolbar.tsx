@@ -4,6 +4,7 @@ import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../state';
 import { chooseTheme, theme } from '../theme';
+import { ReviewButton } from '../reviewing/button';
 import { Button } from './controls';
 import { ExportMenu } from './export-menu';
 import { helpOpen } from './help';
@@ -62,6 +63,7 @@ export function Toolbar() {
         <History />
         <span class="spacer" />
         <TrackButton />
+        <ReviewButton />
         <ExportButton />
         <People />
         <ConnectionStatus />

@@ -1,0 +1,71 @@
+"""The review at the desk: from one suspicious thing to the next, states with pinned notes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tests.e2e.desk import Desk
+from tests.e2e.recording import PERSON, SEQUENCE, Truth
+from tests.e2e.server import LiveServer
+from tests.waiting import eventually
+
+
+def test_leads_from_finding_to_finding_and_pins_a_note(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
+    pin = server.create_label(SEQUENCE, "pin", "#3fd0ff")
+    middle = truth(1, PERSON)
+    points = np.linalg.norm(server.points(SEQUENCE, 1) - middle, axis=1)
+    speck = {"label": pin, "shape": "sphere", "radius": float(np.sort(points)[2]) + 1e-4}
+    sample = {"origin": middle, "direction": [0, 0, 1], "t": 0}
+    path = f"sequences/{SEQUENCE}/frames/1/strokes"
+    server.request("POST", path, json={**speck, "samples": [sample]})
+    server.create_label(SEQUENCE, "pin", "#ffd23f")
+
+    page = desk.page
+    page.get_by_role("button", name="Review", exact=True).click()
+    panel = page.get_by_role("complementary", name="Review")
+    panel.get_by_text("has only 3 points").wait_for()
+    following = panel.get_by_role("button", name="The next one")
+    for _ in range(3):
+        following.click()
+        if "has only" in panel.locator("[data-current]").inner_text():
+            break
+    desk.until("pb.shown().frame === 1 && pb.state.activeLabel.value === 1")
+    # The camera has flown: the place is in the middle of the picture.
+    page.locator(".review-mark").wait_for()
+    x, y = page.evaluate("[innerWidth, innerHeight]")
+
+    def centred() -> bool:
+        box = page.locator("#view").bounding_box()
+        at = desk.place(middle)
+        assert box is not None
+        return (
+            abs(at[0] - box["x"] - box["width"] / 2) < 0.05 * x
+            and abs(at[1] - box["y"] - box["height"] / 2) < 0.05 * y
+        )
+
+    eventually(centred)
+    desk.screenshot("review-findings")
+
+    panel.get_by_role("button", name="Write a note…").click()
+    note = panel.get_by_label("Note")
+    assert "3 points" in note.input_value()
+    note.fill("a slip of the brush")
+    panel.get_by_role("button", name="Pinned: pin elsewhere").click()
+    page.mouse.click(*desk.place(middle))
+    panel.get_by_role("button", name="Reject").click()
+
+    def rejected() -> Any:
+        return server.request("GET", f"sequences/{SEQUENCE}/frames/1/review").json()
+
+    found = eventually(lambda: (told := rejected())["state"] == "rejected" and told)
+    assert found["note"] == "a slip of the brush"
+    assert np.linalg.norm(np.subtract(found["place"], middle)) < 0.2
+    panel.get_by_role("button", name="a slip of the brush").wait_for()
+    desk.screenshot("review-states")
+
+    panel.get_by_role("button", name="Close the review").click()
+    panel.wait_for(state="hidden")

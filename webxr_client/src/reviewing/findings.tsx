@@ -1,0 +1,93 @@
+/** Suspicious things, and the way from one to the next. */
+import { Button } from '../panels/controls';
+import { plural } from '../panels/format';
+import { Icon } from '../panels/icon';
+import type { IconName } from '../panels/icons';
+import { canReview } from '../state';
+import { framesOf } from './order';
+import { checking, checks, current, goTo, reviewTab, settle, step, waiting } from './store';
+import type { Finding } from './types';
+import { draft } from './frame-states';
+
+const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
+  name: 'swap',
+  few: 'points',
+  stray: 'noise',
+  jump: 'track',
+  unlike: 'history',
+};
+
+export function Findings() {
+  if (!checks.value) return <p class="soft empty">Looking at the labels…</p>;
+  const { length } = waiting.value;
+  const at = waiting.value.findIndex(({ id }) => id === current.value);
+  return (
+    <>
+      <div class="review-steps" role="group" aria-label="From one to the next">
+        <Button icon="previous" tip="The one before" disabled={length === 0} onClick={back} />
+        <span class="number" aria-live="polite">
+          {at < 0 ? plural(length, 'suspicious thing') : `${at + 1} of ${length}`}
+        </span>
+        <Button icon="next" tip="The next one" disabled={length === 0} onClick={forth} />
+      </div>
+      {length === 0 && (
+        <p class="soft empty">
+          {checking.value ? 'Looking at the labels…' : 'Nothing suspicious in these labels.'}
+        </p>
+      )}
+      <ol class="findings">
+        {waiting.value.map((finding) => (
+          <Row key={finding.id} finding={finding} />
+        ))}
+      </ol>
+      {checks.value.unchecked.map((sentence) => (
+        <p key={sentence} class="soft">
+          Not looked at: {sentence}
+        </p>
+      ))}
+    </>
+  );
+}
+
+const back = (): void => step(-1);
+const forth = (): void => step(1);
+
+function Row({ finding }: { finding: Finding }) {
+  const here = finding.id === current.value;
+  return (
+    <li data-current={here || undefined}>
+      <button
+        type="button"
+        class="menu-item"
+        aria-current={here ? 'true' : undefined}
+        onClick={() => goTo(finding)}
+      >
+        <Icon name={ICONS[finding.kind]} />
+        <span class="what">
+          {finding.text}
+          <span class="soft">{framesOf(finding)}</span>
+        </span>
+      </button>
+      {here && (
+        <div class="finding-actions">
+          <Button
+            icon="check"
+            label="Right as it is"
+            kind="outlined"
+            small
+            disabled={!canReview.value}
+            onClick={() => void settle(finding)}
+          />
+          {finding.first !== null && (
+            <Button label="Write a note…" kind="outlined" small onClick={() => noteOf(finding)} />
+          )}
+        </div>
+      )}
+    </li>
+  );
+}
+
+function noteOf({ text, place, first, last }: Finding): void {
+  draft.value = { note: text, place, first, last };
+  reviewTab.value = 'frames';
+}

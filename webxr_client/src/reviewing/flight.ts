@@ -1,0 +1,88 @@
+/** Places of the recording: flying to one, marking it, pointing at one. */
+import { Vector3 } from 'three';
+import { Aim } from '../desktop/aim';
+import type { Engine } from '../engine/engine';
+import { state } from '../state';
+import { follow } from '../watch';
+import type { Place } from './types';
+import { marked, pointing } from './store';
+
+/** How near one comes, as a share of the recording's diagonal, and in metres. */
+const NEAR_SHARE = 0.1;
+const [NEAREST, FARTHEST] = [0.8, 10];
+/** Looking down at least so much shows what stands before and behind. */
+const LEAST_DOWN = 0.25;
+/** Metres within which a click meets a point. */
+const REACH = 0.1;
+
+export class Flight {
+  private readonly mark: HTMLElement;
+  private readonly at = new Vector3();
+  private readonly aim: Aim;
+
+  constructor(private readonly engine: Engine) {
+    const { canvas } = engine.viewer;
+    this.aim = new Aim(engine.viewer, () => engine.playback.frame);
+    this.mark = document.createElement('div');
+    this.mark.className = 'review-mark';
+    this.mark.hidden = true;
+    canvas.after(this.mark);
+    engine.viewer.ticks.add(() => this.draw());
+    follow(() => {
+      const place = marked.value;
+      if (place) this.fly(place);
+      engine.viewer.invalidate();
+    });
+    follow(() => canvas.classList.toggle('pointing', pointing.value !== null));
+    canvas.addEventListener('pointerdown', (event) => this.point(event), { capture: true });
+  }
+
+  /** To room coordinates. */
+  private room([x, y, z]: Place): Vector3 {
+    const [a, b, c] = state.sequence.peek()?.shift ?? [0, 0, 0];
+    return this.at.set(x - a, y - b, z - c).applyMatrix4(this.engine.viewer.room.matrixWorld);
+  }
+
+  private fly(place: Place): void {
+    const info = state.sequence.peek();
+    if (!info) return;
+    const target = this.room(place).clone();
+    const { camera } = this.engine.viewer;
+    const back = camera.position.clone().sub(target);
+    const distance = back.length();
+    if (distance < 1e-3) back.set(0, 0.5, 1);
+    back.normalize();
+    back.y = Math.max(back.y, LEAST_DOWN);
+    const diagonal = new Vector3(...info.hi).distanceTo(new Vector3(...info.lo));
+    const near = Math.min(FARTHEST, Math.max(NEAREST, NEAR_SHARE * diagonal));
+    back.normalize().multiplyScalar(Math.min(near, Math.max(distance, NEAREST)));
+    this.engine.camera.lookAt(target.clone().add(back), target);
+  }
+
+  /** A click while somebody points is theirs, and no stroke. */
+  private point(event: PointerEvent): void {
+    const take = pointing.peek();
+    if (!take || event.button !== 0) return;
+    event.stopImmediatePropagation();
+    event.preventDefault();
+    this.aim.place(event);
+    const hit = this.aim.hit(REACH);
+    if (!hit) return;
+    const [a, b, c] = state.sequence.peek()?.shift ?? [0, 0, 0];
+    const [x, y, z] = hit.position;
+    pointing.value = null;
+    take([x + a, y + b, z + c]);
+  }
+
+  private draw(): void {
+    const place = marked.peek();
+    const { camera, canvas } = this.engine.viewer;
+    const there = place && this.room(place).project(camera);
+    const shown = there !== null && there.z < 1 && state.xr.peek().session !== 'running';
+    this.mark.hidden = !shown;
+    if (!shown) return;
+    const x = ((there.x + 1) / 2) * canvas.clientWidth;
+    const y = ((1 - there.y) / 2) * canvas.clientHeight;
+    this.mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+  }
+}

@@ -1,0 +1,186 @@
+/** States of frames: what they are, who said so, and what one says oneself. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { Button } from '../panels/controls';
+import { Icon } from '../panels/icon';
+import { canEdit, canReview, state } from '../state';
+import { framesOf, notesOf, standingOf, STATE_WORDS, STATES } from './order';
+import { FrameRange } from './range';
+import { overview, pointing, put, visit } from './store';
+import type { Place, ReviewState, Standing } from './types';
+
+interface Draft {
+  readonly note: string;
+  readonly place: Place | null;
+  /** null: the frame on screen. */
+  readonly first: number | null;
+  readonly last: number | null;
+}
+
+const NOTHING: Draft = { note: '', place: null, first: null, last: null };
+/** What is being written, kept while other tabs are looked at. */
+export const draft = signal<Draft>(NOTHING);
+
+const VERBS: Readonly<Record<ReviewState, string>> = {
+  open: 'Open again',
+  review: 'Hand in',
+  accepted: 'Accept',
+  rejected: 'Reject',
+};
+
+export function FrameStates() {
+  useEffect(() => () => void (pointing.value = null), []);
+  return (
+    <>
+      <Strip />
+      <Here />
+      <Judge />
+      <Notes />
+    </>
+  );
+}
+
+/** All frames in a line, coloured by their states; a click goes there. */
+function Strip() {
+  const frames = state.sequence.value?.frames ?? 1;
+  const { counts, frames: runs } = overview.value ?? { counts: null, frames: [] };
+  const seek = (event: MouseEvent): void => {
+    const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
+    visit(Math.floor(((event.clientX - box.left) / box.width) * frames), null);
+  };
+  return (
+    <>
+      <div class="state-strip" aria-hidden="true" onClick={seek}>
+        {runs
+          .filter(({ label }) => label === null)
+          .map(({ first, last, state: kind }) => (
+            <span
+              key={first}
+              data-state={kind}
+              style={{
+                left: `${(100 * first!) / frames}%`,
+                width: `${(100 * (last! - first! + 1)) / frames}%`,
+              }}
+            />
+          ))}
+        <span class="head" style={{ left: `${(100 * (state.frame.value + 0.5)) / frames}%` }} />
+      </div>
+      <ul class="state-counts">
+        {STATES.map((kind) => (
+          <li key={kind} data-state={kind}>
+            <span class="number">{counts?.[kind] ?? '–'}</span> {STATE_WORDS[kind]}
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function Here() {
+  const frame = state.frame.value;
+  const here = standingOf(overview.value, frame);
+  return (
+    <p class="review-here">
+      Frame {frame} is{' '}
+      <strong data-state={here?.state ?? 'open'}>{STATE_WORDS[here?.state ?? 'open']}</strong>
+      {here?.by && <span class="soft"> · {here.by}</span>}
+      {here?.changed && <span class="warn"> · changed since</span>}
+      {here?.assignee && <span class="soft"> · given to {here.assignee}</span>}
+    </p>
+  );
+}
+
+function Judge() {
+  const frame = state.frame.value;
+  const { note, place, first, last } = draft.value;
+  const set = (patch: Partial<Draft>): void => {
+    draft.value = { ...draft.peek(), ...patch };
+  };
+  const say = async (kind: ReviewState): Promise<void> => {
+    const range = { first: first ?? frame, last: last ?? frame };
+    const words = note.trim() ? { note: note.trim(), ...(place ? { place } : {}) } : {};
+    if (await put({ ...range, state: kind, ...words })) draft.value = NOTHING;
+  };
+  return (
+    <form class="review-form" onSubmit={(event) => event.preventDefault()}>
+      <FrameRange first={first ?? frame} last={last ?? frame} onChange={set} />
+      <label>
+        Note
+        <textarea
+          rows={3}
+          maxLength={2000}
+          value={note}
+          placeholder="What is to be mended?"
+          onInput={(event) => set({ note: event.currentTarget.value })}
+          onKeyDown={(event) => event.stopPropagation()}
+        />
+      </label>
+      <Pin place={place} onPin={(at) => set({ place: at })} />
+      <div class="verdicts" role="group" aria-label="State">
+        {STATES.map((kind) => (
+          <Button
+            key={kind}
+            class={`verdict-${kind}`}
+            label={VERBS[kind]}
+            kind="outlined"
+            disabled={!(kind === 'accepted' || kind === 'rejected' ? canReview : canEdit).value}
+            onClick={() => void say(kind)}
+          />
+        ))}
+      </div>
+    </form>
+  );
+}
+
+function Pin({ place, onPin }: { place: Place | null; onPin: (place: Place | null) => void }) {
+  const waits = pointing.value !== null;
+  const point = (): void => {
+    pointing.value = waits ? null : onPin;
+  };
+  return (
+    <div class="review-pin">
+      <Button
+        icon="target"
+        label={waits ? 'Click on the place…' : place ? 'Pinned: pin elsewhere' : 'Pin to a place'}
+        kind="outlined"
+        small
+        pressed={waits}
+        onClick={point}
+      />
+      {place && <Button icon="close" tip="Take the pin away" small onClick={() => onPin(null)} />}
+    </div>
+  );
+}
+
+function Notes() {
+  const notes = notesOf(overview.value);
+  if (notes.length === 0) return null;
+  return (
+    <>
+      <h3>Notes</h3>
+      <ul class="findings">
+        {notes.map((each) => (
+          <li key={`${each.label}-${each.first}`}>
+            <NoteRow standing={each} />
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function NoteRow({ standing }: { standing: Standing }) {
+  const label = state.palette.value.find(({ id }) => id === standing.label)?.name;
+  const about = standing.first === null ? 'the label' : framesOf(standing);
+  return (
+    <button type="button" class="menu-item" onClick={() => visit(standing.first, standing.place)}>
+      <Icon name={standing.place ? 'target' : 'pencil'} />
+      <span class="what">
+        {standing.note}
+        <span class="soft">
+          {[label, about, STATE_WORDS[standing.state], standing.by].filter(Boolean).join(' · ')}
+        </span>
+      </span>
+    </button>
+  );
+}

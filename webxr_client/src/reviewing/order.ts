@@ -1,0 +1,87 @@
+/** Which finding comes next, and how things of the review are said; nothing here asks the server. */
+import type { Agreement, Finding, Overview, ReviewPatch, ReviewState, Standing } from './types';
+
+export const STATES: readonly ReviewState[] = ['open', 'review', 'accepted', 'rejected'];
+export const STATE_WORDS: Readonly<Record<ReviewState, string>> = {
+  open: 'open',
+  review: 'in review',
+  accepted: 'accepted',
+  rejected: 'rejected',
+};
+
+/** The findings that nobody has settled. */
+export function unsettled(findings: readonly Finding[]): readonly Finding[] {
+  return findings.filter((finding) => !finding.settled);
+}
+
+/**
+ * The finding after (1) or before (−1) the one of an id, round the end.  Without one, or when it
+ * has gone, the nearest at or beyond the frame; null when there are none.
+ */
+export function stepFrom(
+  findings: readonly Finding[],
+  current: string | null,
+  frame: number,
+  direction: 1 | -1,
+): Finding | null {
+  const { length } = findings;
+  if (length === 0) return null;
+  const at = findings.findIndex(({ id }) => id === current);
+  if (at >= 0) return findings[(at + direction + length) % length]!;
+  const order = direction === 1 ? findings : [...findings].reverse();
+  const beyond = ({ first }: Finding): boolean =>
+    first !== null && (direction === 1 ? first >= frame : first <= frame);
+  return order.find(beyond) ?? order[0]!;
+}
+
+/** The frames of a finding or a standing, in words. */
+export function framesOf({ first, last }: Pick<Standing, 'first' | 'last'>): string {
+  if (first === null || last === null) return 'palette';
+  return first === last ? `frame ${first}` : `frames ${first}–${last}`;
+}
+
+/** How a frame itself stands. */
+export function standingOf(overview: Overview | null, frame: number): Standing | null {
+  const covers = ({ first, last, label }: Standing): boolean =>
+    label === null && first !== null && last !== null && first <= frame && frame <= last;
+  return overview?.frames.find(covers) ?? null;
+}
+
+/** Frames with a note, those of labels in them too, and labels that were judged with one. */
+export function notesOf(overview: Overview | null): readonly Standing[] {
+  return [...(overview?.frames ?? []), ...(overview?.labels ?? [])].filter(({ note }) => note);
+}
+
+/** Ranges that were given to people, joined where only the state differs. */
+export function assignmentsOf(overview: Overview | null): readonly Standing[] {
+  const runs: Standing[] = [];
+  for (const each of overview?.frames ?? []) {
+    if (each.label !== null || !each.assignee) continue;
+    const before = runs.at(-1);
+    if (before?.assignee === each.assignee && before.last! + 1 === each.first) {
+      runs[runs.length - 1] = { ...before, last: each.last };
+    } else runs.push(each);
+  }
+  return runs;
+}
+
+/** What accepts a finding as it is: each of its labels in its frames, or the frames. */
+export function acceptances({ labels, first, last }: Finding): readonly ReviewPatch[] {
+  const frames = first === null || last === null ? {} : { first, last };
+  const parts = labels.map((label) => ({ ...frames, label, state: 'accepted' as const }));
+  return parts.length > 0 ? parts : [{ ...frames, state: 'accepted' }];
+}
+
+/** The frames that differ most, by share of what either labelled. */
+export function worstFrames({ frames }: Agreement, most = 6): Agreement['frames'] {
+  const share = (each: Agreement['frames'][number]): number => each.differ / each.labelled;
+  return frames
+    .filter(({ differ }) => differ > 0)
+    .sort((a, b) => share(b) - share(a))
+    .slice(0, most);
+}
+
+/** 0.5 → "50 %"; of nothing there is no share. */
+export function percent(share: number | null): string {
+  return share === null ? '–' : `${(100 * share).toFixed(share > 0.995 && share < 1 ? 1 : 0)} %`;
+}

@@ -1,0 +1,140 @@
+/** What the review panel shows, and what it asks of the server. */
+import { computed, signal } from '@preact/signals';
+import { actions } from '../actions';
+import { attempt, sequencePath } from '../engine/recordings';
+import { api } from '../net/rest';
+import { notify, state } from '../state';
+import { follow } from '../watch';
+import { acceptances, stepFrom, unsettled } from './order';
+import type { Checks, Finding, Overview, Place, ReviewPatch } from './types';
+
+export type ReviewTab = 'findings' | 'frames' | 'people' | 'agreement';
+
+export const reviewOpen = signal(false);
+export const reviewTab = signal<ReviewTab>('findings');
+/** null until the server has answered. */
+export const overview = signal<Overview | null>(null);
+export const checks = signal<Checks | null>(null);
+export const checking = signal(false);
+/** Id of the finding that one looks at. */
+export const current = signal<string | null>(null);
+/** The place that the camera flew to, source coordinates; it is marked. */
+export const marked = signal<Place | null>(null);
+/** What takes the place that the next click points at; null when nobody points. */
+export const pointing = signal<((place: Place) => void) | null>(null);
+
+export const waiting = computed(() => unsettled(checks.value?.findings ?? []));
+
+/** Others decide too, and nobody tells of it. */
+const AGAIN_MS = 20_000;
+/** Edits come one after the other: findings are looked for when there is a pause. */
+const PAUSE_MS = 1200;
+
+function path(rest: string): string {
+  return `${sequencePath(state.sequence.peek()?.id ?? '')}/${rest}`;
+}
+
+/** Ask again for states and findings of the open recording. */
+export async function refresh(): Promise<void> {
+  const id = state.sequence.peek()?.id;
+  if (!id) return;
+  checking.value = true;
+  try {
+    await attempt('The review did not load', async () => {
+      const told = await api<Overview>('GET', path('review'));
+      const found = await api<Checks>('GET', path('checks'));
+      if (state.sequence.peek()?.id !== id) return;
+      overview.value = told;
+      checks.value = found;
+    });
+  } finally {
+    checking.value = false;
+  }
+}
+
+/** What others have decided meanwhile; without a server things stay as they were. */
+async function lookAgain(): Promise<void> {
+  const id = state.sequence.peek()?.id;
+  if (!id || !reviewOpen.peek() || document.hidden) return;
+  const told = await api<Overview>('GET', path('review')).catch(() => null);
+  if (told && state.sequence.peek()?.id === id) overview.value = told;
+}
+
+/** Set state, note or person of frames, or of a label; tells whether the server took it. */
+export async function put(...patches: readonly ReviewPatch[]): Promise<boolean> {
+  let done = false;
+  await attempt('The review was not changed', async () => {
+    for (const patch of patches) overview.value = await api<Overview>('PUT', path('review'), patch);
+    done = true;
+  });
+  return done;
+}
+
+/** Go to a finding: its frame, its label, its place. */
+export function goTo(finding: Finding): void {
+  current.value = finding.id;
+  if (finding.first !== null) {
+    actions.pause();
+    actions.seek(finding.first);
+  }
+  const label = finding.labels.at(-1);
+  if (label !== undefined) actions.selectLabel(label);
+  marked.value = finding.place && [...finding.place];
+}
+
+export function step(direction: 1 | -1): void {
+  const next = stepFrom(waiting.peek(), current.peek(), state.frame.peek(), direction);
+  if (next) goTo(next);
+  else notify('info', 'Nothing suspicious is left');
+}
+
+/** A reviewer says that it is right as it is; on to the next. */
+export async function settle(finding: Finding): Promise<void> {
+  const next = stepFrom(waiting.peek(), finding.id, state.frame.peek(), 1);
+  if (!(await put(...acceptances(finding)))) return;
+  const found = checks.peek();
+  if (found) {
+    const settled = (one: Finding): Finding =>
+      one.id === finding.id ? { ...one, settled: true } : one;
+    checks.value = { ...found, findings: found.findings.map(settled) };
+  }
+  if (next && next.id !== finding.id) goTo(next);
+}
+
+/** Go to a place in a frame. */
+export function visit(frame: number | null, place: Place | null): void {
+  if (frame !== null) {
+    actions.pause();
+    actions.seek(frame);
+  }
+  marked.value = place && [...place];
+}
+
+export function closeReview(): void {
+  reviewOpen.value = false;
+  marked.value = null;
+  pointing.value = null;
+}
+
+/** Look again whenever labels changed, while the panel is open; forget another recording's. */
+export function followEdits(): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let shown = '';
+  const stop = follow(() => {
+    const id = state.sequence.value?.id ?? '';
+    const edits = [state.timeline.value, state.palette.value];
+    if (id !== shown) {
+      shown = id;
+      overview.value = checks.value = marked.value = current.value = pointing.value = null;
+    }
+    clearTimeout(timer);
+    if (!reviewOpen.value || !id || edits.length === 0) return;
+    timer = setTimeout(() => void refresh(), checks.peek() ? PAUSE_MS : 0);
+  });
+  const again = setInterval(() => void lookAgain(), AGAIN_MS);
+  return () => {
+    clearInterval(again);
+    clearTimeout(timer);
+    stop();
+  };
+}
