@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -122,9 +123,7 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def poor(search: Search) -> Registration:  # as where a side shows that is not known yet
-        place = find(search)
-        place.cost = 0.4
-        return place
+        return replace(find(search), cost=0.4)
 
     monkeypatch.setattr(relocation, "find", poor)
     at = np.array([0.0, 1.2, 1.4])
@@ -137,12 +136,11 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     rng = np.random.default_rng(3)
     frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
     with found_again(frames) as (track, findings):
-        place = findings.fits[1]
         astray: dict[int, int] = {}
-        # A second process has the thing as it was, until it is judged.
         before = dict(vars(track))
         for cost in (0.3, 0.6):
-            place.cost = cost
+            findings.note(1, cost=cost)
+            place = findings.fits[1]
             relocation.find_astray([track], astray, findings)
             assert (findings.fits[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})

@@ -114,28 +114,30 @@ class Flight:
         box = (model.min(axis=0) + [0.3, 0, 0] - 0.15, model.max(axis=0) + 0.45)
         around = self.view.box(*box)
         self.fit = Registration(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
-        self.core = own_points(self.track, self.view, self.fit)
+        self.fit, self.core = own_points(self.track, self.view, self.fit)
 
     def grown(self) -> np.ndarray:
         """New surface of the club in the second frame."""
         free = np.ones(len(self.view.xyz), np.bool_)
         found = Findings(self.view, self.background, free, {1: self.fit}, {1: self.core})
-        return grow({1: self.track}, found)[0][1]
+        new = grow({1: self.track}, found)[0][1]
+        self.fit = found.fits[1]
+        return new
 
 
 def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     flight = Flight(upper=True)
-    track, first, place = flight.track, flight.first, flight.fit
+    track, first = flight.track, flight.first
     truth = flight.view.frame.truth == 1
     track.size = 0.3 * float(truth.sum())
     flight.grown()
-    assert not place.whole  # what was not beside it may be another
+    assert not flight.fit.whole  # what was not beside it may be another
     missed = np.setdiff1d(flight.mine, flight.painted)
     track.other_movers = OtherMovers(
         first.xyz[missed].astype(np.float64), first.colour(missed), track.weight
     )
     grown = flight.grown()
-    assert place.whole
+    assert flight.fit.whole
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
 
@@ -195,7 +197,7 @@ def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> Non
 @pytest.mark.parametrize("seen_alone", [0, OPTIONS.growth.known_frames])
 def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
     flight = Flight(upper=True)
-    track, view, place = flight.track, flight.view, flight.fit
+    track, view = flight.track, flight.view
     truth = view.frame.truth == 1
     own = flight.core.indices
     flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
@@ -208,11 +210,11 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
         xyz = view.xyz[missed].astype(np.float64)
         track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
     flight.grown()
-    assert not place.whole
-    assert place.cut_short == (seen_alone == 0 and not held)
-    track.last = replace(track.last, cut_short=place.cut_short)
+    assert not flight.fit.whole
+    assert flight.fit.cut_short == (seen_alone == 0 and not held)
+    track.last = replace(track.last, cut_short=flight.fit.cut_short)
     flight.grown()
-    assert place.whole == place.cut_short
+    assert flight.fit.whole == flight.fit.cut_short
 
 
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
@@ -244,9 +246,15 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
         xyz, colour = view.xyz[points].astype(float), view.colour(points)
         found = claim(view, points, xyz, colour, track.weight, 0.1)
         place = Registration(
-            np.eye(4), xyz, (xyz.min(0), xyz.max(0)), points, points, points, cost=0.3
+            np.eye(4),
+            xyz,
+            (xyz.min(0), xyz.max(0)),
+            points,
+            points,
+            points,
+            cost=0.3,
+            whole=whole,
         )
-        place.whole = whole
         return hides(track, view, place, found)
 
     assert taken_for_another(turned)

@@ -55,10 +55,10 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
             box = (at - 1.0, at + 1.0)
             none = np.empty(0, np.int64)
             places[label] = Registration(pose, track.model.xyz, box, none, none, none, 0.05)
-        twins.meet(tracks, places)
+        most = twins.meet(tracks, places)
         for label, track in tracks.items():
             track.motion.add(places[label].pose)
-        result.append((places[1].most, places[2].most))
+        result.append((most.get(1, 1.0), most.get(2, 1.0)))
     return result
 
 

@@ -54,8 +54,9 @@ def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
             * had
         ):
             decided, claims, fits[label] = better, again, fit
-    for label, fit in fits.items():
-        fit.undisputed = len(decided[label].indices) / max(len(claims[label].indices), 1)
+    for label in fits:
+        share = len(decided[label].indices) / max(len(claims[label].indices), 1)
+        findings.note(label, undisputed=share)
     findings.claims = decided
 
 

@@ -233,7 +233,8 @@ class Run:
         ones that were hidden; label → moving points of those that are not found."""
         settle_conflicts(self.tracks, findings)
         find_astray(frame.sought, self.astray, findings)
-        self.swaps.meet(self.tracks, findings.fits)
+        for label, most in self.swaps.meet(self.tracks, findings.fits).items():
+            findings.note(label, most=most)
         return look_for([t for t in frame.sought if t.absent], self.tracks, findings)
 
     def _label(self, findings: Findings, hidden: Mapping[int, I64]) -> FrameClaims:

@@ -9,11 +9,12 @@ import numpy as np
 from pointbrush.tracking.interface import F64, I64
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Registration:
     """Registered ``pose`` (4, 4) of a track, and its model's points ``world`` (M, 3).
 
-    Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
+    A step that finds out more puts another value in its place (``Findings.note``).  Of the
+    frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
     have; ``moving``, before the background.  ``cost`` of the fit, 0 to 1.
     """
 

@@ -173,7 +173,7 @@ def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None
         had[findings.claims[label].indices] = had[new] = True
     for label in grown:
         fit = findings.fits[label]
-        fit.had = fit.moving[had[fit.moving]]
+        findings.note(label, had=fit.moving[had[fit.moving]])
 
 
 def _before_and_behind(
@@ -239,7 +239,7 @@ def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> N
     mask[points] = True
     for label in cores:
         fit = findings.fits[label]
-        fit.beside = fit.moving[mask[fit.moving]]
+        findings.note(label, beside=fit.moving[mask[fit.moving]])
 
 
 def _taken_over(findings: Findings, label: int, points: I64) -> I64:

@@ -6,6 +6,8 @@ frame, and whether what hangs together ends there, or goes on behind something n
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pointbrush.tracking.interface import I64, Mask
@@ -19,11 +21,14 @@ from pointbrush.tracking.steps.context import step_of, was_there
 
 def whole(
     track: Track, view: View, fit: Registration, core: I64, taken: Mask, free: Mask
-) -> I64 | None:
-    """The rest of a closed blob around the core, None where it is not one object."""
+) -> tuple[I64 | None, Registration]:
+    """Return the rest of a closed blob around the core, None where it is not one object.
+
+    And the registration with what that tells.
+    """
     options = track.options.growth
     if track.bends:
-        return None
+        return None, fit
     other = free.copy()
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
@@ -51,7 +56,7 @@ def whole(
     limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
     if new is None or not len(new):
-        return new
+        return new, replace(fit, whole=new is not None)
     step = step_of(track, fit)
     # What bends beyond doubt is held by a person, who goes along with it.
     before = was_there(track, view, new, step if track.surely_soft else None)
@@ -60,13 +65,13 @@ def whole(
     others = taken[new].any()
     its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
     if not (its or others):
-        fit.cut_short = _ends_all_round(track, view, core, new, before)
+        fit = replace(fit, cut_short=_ends_all_round(track, view, core, new, before))
         its = fit.cut_short and track.last.cut_short
     if its:
-        return new
+        return new, replace(fit, whole=True)
     if along:
-        fit.neutral = np.concatenate([fit.neutral, new[~before]])
-    return None
+        fit = replace(fit, neutral=np.concatenate([fit.neutral, new[~before]]))
+    return None, fit
 
 
 def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,10 @@ class Findings:
     def put(self, label: int, fit: Registration, claim: Claim) -> None:
         """An object was found, or found elsewhere."""
         self.fits[label], self.claims[label] = fit, claim
+
+    def note(self, label: int, **found: Any) -> None:
+        """Put a registration with other values of some fields in the place of an object's."""
+        self.fits[label] = replace(self.fits[label], **found)
 
     def unclaimed(self, but: Collection[int] = ()) -> Mask:
         """(N,) free points that no one claims, ``but`` for some labels."""

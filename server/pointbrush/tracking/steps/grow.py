@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,14 +23,14 @@ LABELS = 2**16
 """Labels that there can be."""
 
 
-def own_points(track: Track, view: View, fit: Registration) -> Claim:
-    """Points like the model at its place, and not more like something unlabelled."""
+def own_points(track: Track, view: View, fit: Registration) -> tuple[Registration, Claim]:
+    """Claim points like the model at its place, and not more like something unlabelled."""
     # What is beside a large object is told by what hangs together.
     options = track.options
     wide = (options.claim.reaches if track.large else options.claim.new_reaches) * track.reach
     near = claim(view, fit.near, fit.world, track.model.colour, track.weight, wide)
     not_its = contested(view, near, track, fit)
-    fit.neutral = near.indices[~not_its]
+    fit = replace(fit, neutral=near.indices[~not_its])
     not_its &= near.cost > track.reach
     moving = np.zeros(len(view.xyz), np.bool_)
     moving[fit.moving] = True
@@ -51,7 +52,7 @@ def own_points(track: Track, view: View, fit: Registration) -> Claim:
     firm = (track.model.hits[found.nearest] >= options.surface.sure_hits) & (
         found.gap < options.claim.firm_reaches * track.reach
     )
-    return found.pick(firm | ~_carved(track, view, fit, found.indices))
+    return fit, found.pick(firm | ~_carved(track, view, fit, found.indices))
 
 
 def _hardly(view: View, fit: Registration) -> Mask:
@@ -72,29 +73,32 @@ def grow(tracks: Mapping[int, Track], findings: Findings) -> tuple[dict[int, I64
     taken = ~findings.unclaimed()
     shown, hider = background.uncovered(view)
     grown: dict[int, I64] = {}
-    for label, fit in fits.items():
+    for label, fit in list(fits.items()):
         track, core = tracks[label], claims[label].indices
         rest = fit.moving[~taken[fit.moving]]
         if len(core) < findings.view.options.claim.min_claim_points or track.large:
             continue
-        new = whole(track, view, fit, core, taken, free) if len(rest) else None
-        fit.whole = new is not None
+        new = None
+        if len(rest):
+            new, fit = whole(track, view, fit, core, taken, free)
         if new is None:
             new = _adjoin(track, view, fit, core, rest)
             mine = (hider != label) & ~taken[shown]
-            fit.uncovered = together(
+            uncovered = together(
                 _shown(track, view, core, shown[mine], hider[mine]),
                 lost_pieces(track, view, fit, core, taken, background),
             )
-            new = together(new, fit.uncovered)
+            fit = replace(fit, uncovered=uncovered)
+            new = together(new, uncovered)
         taken[new] = True
-        claims[label], grown[label] = _solid(track, view, fit, claims[label], new)
+        fits[label], claims[label], grown[label] = _solid(track, view, fit, claims[label], new)
     for label in grown:
         claims[label], grown[label] = _outlined(tracks[label], findings, grown[label], taken)
     for label, new in grown.items():
         if not tracks[label].dyed:
             own, rest = np.concatenate([claims[label].indices, new]), fits[label].moving
-            fits[label].border = _border(view, own, rest[~taken[rest]], tracks[label].unit)
+            border = _border(view, own, rest[~taken[rest]], tracks[label].unit)
+            findings.note(label, border=border)
     return grown, taken
 
 
@@ -111,21 +115,21 @@ def _border(view: View, own: I64, rest: I64, unit: float) -> float:
 
 def _solid(
     track: Track, view: View, fit: Registration, found: Claim, new: I64
-) -> tuple[Claim, I64]:
+) -> tuple[Registration, Claim, I64]:
     """A claim and new surface of what is on the move without flying pixels.
 
     Thin parts and rims of what stays in its place are known; of what has just been painted little
     is known but that it is there.
     """
     if track.motion.fresh or track.motion.rests(track.unit):
-        return found, new
+        return fit, found, new
     count = len(found.indices)
     points = np.concatenate([found.indices, new])
     kept = ~flying(view, points, track.unit)
     if kept.all():
-        return found, new
-    fit.neutral = np.concatenate([fit.neutral, points[~kept]])
-    return found.pick(kept[:count]), new[kept[count:]]
+        return fit, found, new
+    fit = replace(fit, neutral=np.concatenate([fit.neutral, points[~kept]]))
+    return fit, found.pick(kept[:count]), new[kept[count:]]
 
 
 def _outlined(track: Track, findings: Findings, new: I64, taken: Mask) -> tuple[Claim, I64]:
@@ -142,11 +146,12 @@ def _outlined(track: Track, findings: Findings, new: I64, taken: Mask) -> tuple[
     rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
     flies, rim = outline(view, own, rest, track.unit)
     count = len(found.indices)
-    fit.rim = rest[rim]
+    missed = rest[rim]
     if track.painted.with_flying:
-        fit.rim = together(fit.rim, own[flies])
+        findings.note(track.label, rim=together(missed, own[flies]))
     else:
-        fit.neutral = np.concatenate([fit.neutral, own[flies]])
+        neutral = np.concatenate([fit.neutral, own[flies]])
+        findings.note(track.label, rim=missed, neutral=neutral)
         taken[own[flies]] = False
     taken[rest[rim]] = True
     return found.pick(~flies[:count]), new[~flies[count:]]

@@ -54,8 +54,10 @@ class Swaps:
         self.options = options
         self.meetings: dict[Pair, Meeting] = {}
 
-    def meet(self, tracks: Mapping[int, Track], fits: Mapping[int, Registration]) -> None:
-        """Take note of where objects were found; ``places`` take in how far that can be trusted."""
+    def meet(
+        self, tracks: Mapping[int, Track], fits: Mapping[int, Registration]
+    ) -> dict[int, float]:
+        """Take note of where objects were found; label → confidence at most of those that met."""
         at = {n: _middle(tracks[n], fit) for n, fit in fits.items() if tracks[n].hand_sized}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
@@ -67,10 +69,12 @@ class Swaps:
                         ahead[label] = _predicted(tracks[label])
                 self._compare(tracks, at, ahead, pair)
         self._go_on(at)
+        most: dict[int, float] = {}
         for pair, meeting in self.meetings.items():
             for label in pair:
                 if label in fits:
-                    fits[label].most = min(fits[label].most, meeting.most)
+                    most[label] = min(most.get(label, fits[label].most), meeting.most)
+        return most
 
     def forget(self, label: int) -> None:
         """A person has said where an object is."""

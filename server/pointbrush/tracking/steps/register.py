@@ -34,7 +34,7 @@ def find(search: Search) -> Registration:
     world = transform(pose, track.model.xyz)
     if track.bends or track.soft:
         world = bent(track, world, track.model.colour, search.target)
-    fit = Registration(
+    return Registration(
         pose,
         world,
         search.box,
@@ -45,12 +45,10 @@ def find(search: Search) -> Registration:
         predicted=search.hypotheses,
         tried=tried,
         costs=costs,
+        vain=search.vain,
+        faint=search.faint,
+        beside=search.near if search.view.roams else None,
     )
-    fit.vain = search.vain
-    fit.faint = search.faint
-    if search.view.roams:
-        fit.beside = search.near
-    return fit
 
 
 def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -96,7 +97,7 @@ def _alone(
     if search is None:
         return None
     fit = find(search)
-    claim = own_points(track, view, fit)
+    fit, claim = own_points(track, view, fit)
     seen = judge(track, view, fit.pose, fit.world, claim).found
     seen = seen and not _scrap(track, fit, claim)
     return (fit, claim) if seen and fit.cost < most else None
@@ -167,7 +168,7 @@ def _best(
         cost = fit.cost + excess(fit.world, search.target, track.unit, options=options.register)
         if cost >= most:
             continue
-        claim = own_points(track, view, fit)
+        fit, claim = own_points(track, view, fit)
         if _scrap(track, fit, claim):
             continue
         verdict = judge(track, view, fit.pose, fit.world, claim)
@@ -176,7 +177,7 @@ def _best(
             and verdict.inliers > options.relocate.matched_share
             and _looks_like(track, view, claim)
         ):
-            fit.anew = _is_elsewhere(track, fit, before)
+            fit = replace(fit, anew=_is_elsewhere(track, fit, before))
             best, most = (fit, claim), cost
     return best
 
@@ -224,7 +225,7 @@ def placed(track: Track, view: View, search: Search) -> tuple[Registration, Clai
     fit = find(search)
     if track.body and _far_off(track, search, fit):
         return fit, Claim.nothing()
-    return fit, own_points(track, view, fit)
+    return own_points(track, view, fit)
 
 
 def _far_off(track: Track, search: Search, fit: Registration) -> bool:

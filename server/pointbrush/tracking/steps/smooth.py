@@ -136,9 +136,9 @@ def _found_again(
         findings.put(label, *placed(track, view, search))
     find_astray([track], astray, findings)
     grown, taken = grow({label: track}, findings)
+    if label in findings.fits:
+        findings.note(label, most=min(findings.fits[label].most, most))
     fit, claim = findings.fits.get(label), findings.claims.get(label)
-    if fit is not None:
-        fit.most = min(fit.most, most)
     state, points = settle(track, view, fit, claim, grown.get(label, _NONE), asked)
     if fit is not None:
         taken[fit.neutral] = True
