@@ -200,7 +200,7 @@ def odd_workspace(folder: Path) -> Path:
 def test_frames_of_no_point_of_one_and_of_five_million(browser: Browser, tmp_path: Path) -> None:
     server = LiveServer(odd_workspace(tmp_path / "workspace"))
     server.start()
-    desk = launch(browser, server.page_url)
+    desk = launch(browser, server.page_url, drawn=True)  # or all five million would be sent
     try:
         label = server.create_label("odd", "ball", "#ff5d5d")
         desk.until(f"window.__pointbrush && pb.state.activeLabel.value === {label}")
