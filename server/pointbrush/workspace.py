@@ -78,6 +78,7 @@ from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
 from pointbrush.work.reviewing import Reviewing
 from pointbrush.work.runs import Runs, TrackRequest
+from pointbrush.work.splitting import Split, split_label
 from pointbrush.work.strokes import LiveStroke, edit_id
 from pointbrush.work.tracking import load_default_method
 
@@ -93,6 +94,7 @@ __all__ = [
     "Provisional",
     "Retracted",
     "SequencesChanged",
+    "Split",
     "StaleCandidateError",
     "Workspace",
 ]
@@ -445,6 +447,33 @@ class Workspace:
         """Remove a label; its points become unlabeled in the same edit."""
         self.recording(sequence)
         return self.store.delete_label(sequence, author, label_id, edit_id=edit_id)
+
+    def merge_labels(
+        self,
+        sequence: str,
+        author: str,
+        label_id: int,
+        others: Sequence[int],
+        *,
+        edit_id: str | None = None,
+    ) -> Commit:
+        """Give the points of ``others`` to a label and remove them, as one edit."""
+        self.recording(sequence)
+        return self.store.merge_labels(sequence, author, label_id, others, edit_id=edit_id)
+
+    def split_label(
+        self,
+        sequence: str,
+        author: str,
+        label_id: int,
+        frame: int,
+        *,
+        edit: str | None = None,
+        **how: Any,
+    ) -> Split:
+        """Give each connected part of a label in a frame a label of its own: ``split_label``."""
+        recording = self.recording(sequence)
+        return split_label(self.store, recording, frame, label_id, author, edit_id(edit), **how)
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
 

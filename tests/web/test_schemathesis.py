@@ -25,6 +25,8 @@ SEMANTIC = (
     "PATCH /api/v1/sequences/{seq}",
     "POST /api/v1/sequences/{seq}/floor",
     "POST /api/v1/sequences/{seq}/frames/{i}/strokes",
+    "POST /api/v1/sequences/{seq}/labels/{id}/merge",
+    "POST /api/v1/sequences/{seq}/labels/{id}/split",
     "POST /api/v1/sequences/{seq}/tracking",
     "PUT /api/v1/sequences/{seq}/frames/{i}/annotation",
     "GET /api/v1/sequences/{seq}/export",

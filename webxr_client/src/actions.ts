@@ -113,6 +113,10 @@ export interface Actions {
   toggleVisible(id: number): Promise<void>;
   toggleLock(id: number): Promise<void>;
   deleteLabel(id: number): Promise<void>;
+  /** Give a label's points in all frames to another one, and remove it. */
+  mergeLabel(id: number, into: number): Promise<void>;
+  /** Give each connected part of a label in this frame a label of its own. */
+  splitLabel(id: number): Promise<void>;
   /** Show only this label; again, or null: all of them. */
   solo(id: number | null): void;
 

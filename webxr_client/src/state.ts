@@ -46,6 +46,11 @@ export function isStroke(tool: Tool): tool is StrokeTool {
   return tool !== 'navigate' && tool !== 'pick' && tool !== 'floor';
 }
 
+/** Whether a tool can leave points alone that have a label. */
+export function sparesLabels(tool: Tool): boolean {
+  return tool === 'paint' || tool === 'delete';
+}
+
 export const RADIUS_MIN = 0.005;
 export const RADIUS_MAX = 5;
 

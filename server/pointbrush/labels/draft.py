@@ -152,6 +152,15 @@ class Draft:
             words = self.words(place, indices)
             self.put(place, indices, words, np.full(len(indices), stamp))
 
+    def give_label(self, label: int, to: int) -> None:
+        """Give all points that hold ``label``, seen or not, the label ``to``."""
+        stamp = written_by(self.revision)
+        for frame, block, indices in holders(self.connection, self.state, label):
+            place = (frame, LABELS, block)
+            words = self.words(place, indices)
+            kept = words & VALUE_BITS & ~LABEL_BITS
+            self.put(place, indices, words, kept | np.uint64(to) | stamp)
+
     def foreign_writers(self) -> NDArray[np.uint64]:
         """Revisions that the points it touches come from, each once."""
         found = [np.unique(change.before >> WRITER_SHIFT) for change in self.changes.values()]

@@ -19,6 +19,7 @@ from pointbrush.labels.writes import locked_error
 
 ID_LIMIT = 128
 AUTHOR_LIMIT = 256
+SUMMARY_LIMIT = 500
 
 Plan = Callable[[Draft], Entry]
 Tracks = dict[tuple[int, int], str | None]
@@ -110,6 +111,24 @@ def remove(entry: Entry, label_id: int) -> Plan:
         draft.labels[label_id] = None
         draft.label_fields[label_id] = {"exists": False}
         return replace(entry, summary=f"delete label '{label.name}'")
+
+    return plan
+
+
+def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
+    """Give the points of ``others`` to a label, and remove them."""
+
+    def plan(draft: Draft) -> Entry:
+        named = [palette.require(draft.palette, one) for one in (label_id, *others)]
+        for label in named:
+            if label.locked:
+                raise locked_error(draft.palette, label.id)
+        for other in others:
+            draft.give_label(other, label_id)
+            draft.labels[other] = None
+            draft.label_fields[other] = {"exists": False}
+        names = ", ".join(f"'{label.name}'" for label in named[1:])
+        return replace(entry, summary=f"merge {names} into '{named[0].name}'"[:SUMMARY_LIMIT])
 
     return plan
 

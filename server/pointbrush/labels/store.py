@@ -211,6 +211,26 @@ class LabelStore:
         entry = new_entry(edit_id, author, "label", "delete a label")
         return self._sessions.commit(sequence, entry.id, plans.remove(entry, label_id))
 
+    def merge_labels(
+        self,
+        sequence: str,
+        author: str,
+        label_id: int,
+        others: Sequence[int],
+        *,
+        edit_id: str | None = None,
+    ) -> Commit:
+        """Give the points of ``others`` in all frames to a label and remove them, as one edit.
+
+        Raises LockedLabelError.
+        """
+        if not others or label_id in others or len(set(others)) < len(others):
+            raise BadInputError(
+                f"labels: expected other labels than {label_id}, each once, got {list(others)[:20]}"
+            )
+        entry = new_entry(edit_id, author, "label", "merge labels")
+        return self._sessions.commit(sequence, entry.id, plans.merge(entry, label_id, others))
+
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     def values(

@@ -69,6 +69,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("PUT", "/sequences/{seq}/palette/order"): "annotator",
     ("PATCH", "/sequences/{seq}/labels/{id}"): "annotator",
     ("DELETE", "/sequences/{seq}/labels/{id}"): "annotator",
+    ("POST", "/sequences/{seq}/labels/{id}/merge"): "annotator",
+    ("POST", "/sequences/{seq}/labels/{id}/split"): "annotator",
     ("POST", "/sequences/{seq}/floor"): "annotator",
     ("DELETE", "/sequences/{seq}/floor"): "annotator",
     ("POST", "/sequences/{seq}/tracking"): "annotator",

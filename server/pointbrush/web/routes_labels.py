@@ -12,7 +12,15 @@ from pointbrush.streaming.messages import Uuid
 from pointbrush.web.auth import Caller
 from pointbrush.web.context import LabelPath, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import EditOut, LabelBody, LabelOut, LabelPatch
+from pointbrush.web.schemas import (
+    EditOut,
+    LabelBody,
+    LabelOut,
+    LabelPatch,
+    MergeBody,
+    SplitBody,
+    SplitOut,
+)
 
 router = APIRouter(tags=["labels"])
 EditId = Annotated[
@@ -73,3 +81,30 @@ def delete_label(
 ) -> EditOut:
     """Remove a label; its points become unlabeled in the same edit."""
     return EditOut.of(workspace.delete_label(seq, who.author, id, edit_id=edit))
+
+
+@router.post("/sequences/{seq}/labels/{id}/merge", responses=responses(404, 409))
+def merge_labels(
+    seq: SequenceId,
+    id: LabelPath,
+    body: MergeBody,
+    workspace: Ws,
+    who: Caller,
+    edit: EditId = None,
+) -> EditOut:
+    """Give all points of other labels to this one, in every frame, and remove them: one edit."""
+    return EditOut.of(workspace.merge_labels(seq, who.author, id, body.labels, edit_id=edit))
+
+
+@router.post("/sequences/{seq}/labels/{id}/split", responses=responses(404, 409))
+def split_label(
+    seq: SequenceId,
+    id: LabelPath,
+    body: SplitBody,
+    workspace: Ws,
+    who: Caller,
+    edit: EditId = None,
+) -> SplitOut:
+    """Give each connected part of a label in a frame a label of its own; the largest keeps it."""
+    how = {"gap": body.gap, "least": body.least}
+    return SplitOut.done(workspace.split_label(seq, who.author, id, body.frame, edit=edit, **how))

@@ -19,7 +19,7 @@ from pointbrush.streaming.messages import (
     Uuid,
     Vec3,
 )
-from pointbrush.workspace import Deleted, Listed
+from pointbrush.workspace import Deleted, Listed, Split
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
 PaintId = Annotated[int, Field(ge=1, le=65534)]
@@ -198,6 +198,35 @@ class EditOut(BaseModel):
     def of(cls, commit: Commit) -> EditOut:
         """From the store's commit."""
         return cls(edit=commit.edit_id, changed=commit.changed, revision=commit.revision)
+
+
+class MergeBody(Body):
+    """Labels whose points go to another one."""
+
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=1000)]
+
+
+class SplitBody(Body):
+    """How a label's points in a frame are told apart."""
+
+    frame: FrameIndex
+    gap: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = Field(
+        None, description="metres between parts; null: wider than the points' own spacing"
+    )
+    least: int = Field(10, ge=1, le=10**9, description="points of a part; fewer stay with the rest")
+
+
+class SplitOut(EditOut):
+    """What a split did: the new labels, and the gap between parts, metres."""
+
+    labels: list[int]
+    gap: float
+
+    @classmethod
+    def done(cls, split: Split) -> SplitOut:
+        """From what the workspace did."""
+        edit = EditOut.of(split.commit).model_dump()
+        return cls(**edit, labels=[label.id for label in split.labels], gap=split.gap)
 
 
 class UndoBody(Body):

@@ -4,8 +4,10 @@ import type { CloudFrame } from '../cloud/frame';
 import { layers } from '../accumulation';
 import { firstHitAmong, type LayerHit } from '../cloud/layer';
 import type { Hit } from '../cloud/pick';
+import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import type { SequenceInfo } from '../protocol/messages';
+import { state } from '../state';
 import type { PointerSample } from '../tools/sample';
 import { seenIn, type Seen } from '../tools/seen';
 
@@ -67,7 +69,10 @@ export class Aim {
     const frame = this.frame();
     if (!frame || !this.inside) return null;
     const { origin, direction } = this.ray();
-    return firstHitAmong(frame, layers.peek(), origin, direction, radius, this.seen);
+    const meet = (seen: Seen): LayerHit | null =>
+      firstHitAmong(frame, layers.peek(), origin, direction, radius, seen);
+    // Restoring reaches deleted points through all that lies before them.
+    return (state.tool.peek() === 'restore' ? meet(isDeleted) : null) ?? meet(this.seen);
   }
 
   roomPosition(hit: Hit): Vector3 {
@@ -100,4 +105,8 @@ export class Aim {
       .transpose()
       .toArray();
   }
+}
+
+function isDeleted(label: number): boolean {
+  return label === DELETED;
 }

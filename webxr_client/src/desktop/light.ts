@@ -6,7 +6,7 @@ import { placeIn } from '../cloud/layer';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
-import { isStroke, state } from '../state';
+import { isStroke, sparesLabels, state } from '../state';
 import { brushColor } from '../tools/brush';
 import { deskWay } from '../tools/ways';
 import type { Aim } from './aim';
@@ -62,7 +62,7 @@ export class BrushLight {
     this.ring.show(this.at, radius, this.color, camera, this.aim.pixelAt(hit.distance));
     // As the points' shader mixes colours: with gamma.
     uniforms.setBrushColour(this.color.convertLinearToSRGB());
-    uniforms.setOnlyUnlabeled(state.tool.peek() === 'paint' && onlyUnlabeled);
+    uniforms.setOnlyUnlabeled(sparesLabels(state.tool.peek()) && onlyUnlabeled);
     if (through && deskWay().through && state.tool.peek() !== 'floor') {
       const { origin, direction } = this.aim.ray();
       uniforms.lightRay(this.place.fromArray(origin), this.way.fromArray(direction), radius);

@@ -38,6 +38,7 @@ import { labelActions } from './labels';
 import { Pacing } from './pacing';
 import { Playback } from './playback';
 import { importActions } from './importing';
+import { partActions } from './parts';
 import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { stretchActions } from './stretch';
@@ -202,7 +203,10 @@ export class Engine {
       this.viewer.invalidate();
     });
     follow(() => {
-      this.viewer.setView(state.view.value, state.sequence.value?.fields ?? []);
+      const view = state.view.value;
+      // What is restored must be seen.
+      const showDeleted = view.showDeleted || state.tool.value === 'restore';
+      this.viewer.setView({ ...view, showDeleted }, state.sequence.value?.fields ?? []);
     });
     follow(() => {
       // A headset's room stays dark: a bright sky all around dazzles.
@@ -233,6 +237,7 @@ export class Engine {
     bindActions(recordingActions);
     bindActions(importActions);
     bindActions(labelActions);
+    bindActions(partActions);
     bindActions(brushActions);
     bindActions(reviewActions);
     bindActions(stretchActions);

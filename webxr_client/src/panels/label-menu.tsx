@@ -7,6 +7,7 @@ import { canEdit, state } from '../state';
 import { Button } from './controls';
 import { plural } from './format';
 import { Icon } from './icon';
+import { LabelParts } from './label-parts';
 import { renaming } from './renaming';
 import { Popover } from './popover';
 
@@ -49,6 +50,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
           >
             <Icon name="pencil" /> Rename
           </button>
+          <LabelParts label={label} onClose={onClose} />
           <button
             type="button"
             class="menu-item"

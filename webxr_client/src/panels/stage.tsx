@@ -1,6 +1,7 @@
 /** What lies over the canvas: states, progress, what is under the pointer. */
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
+import { DELETED } from '../cloud/piece';
 import { orthographic } from '../desktop/views';
 import { activeLabel, isStroke, state, type Unsent } from '../state';
 import { AccumulateSign } from './accumulate';
@@ -132,7 +133,7 @@ function Readout() {
       {hover && (
         <span>
           {label && <span class="swatch" style={{ '--color': label.color }} />}
-          {label?.name ?? 'Unlabeled'}
+          {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
           <span class="soft">
             {!orthographic.value && metres(hover.distance)}
             {painting && hover.points > 0 ? ` · ${plural(hover.points, 'point')} in the brush` : ''}

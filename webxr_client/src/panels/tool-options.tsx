@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { floorPlaces } from '../engine/floor';
-import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
+import { isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { OutlineKinds } from './outline-kinds';
 import { AccumulateButton } from './accumulate';
@@ -115,7 +115,7 @@ function BrushOptions() {
           onInput={(radius) => actions.setRadius(radius)}
         />
       )}
-      {state.tool.value === 'paint' && way.name !== 'object' && (
+      {sparesLabels(state.tool.value) && way.name !== 'object' && (
         <Check
           label="Only unlabeled"
           tip="Points that have a label keep it"
@@ -189,11 +189,16 @@ function AfterStroke({ path }: { path: boolean }) {
 const overlaysOpen = signal(false);
 
 /** What is drawn over the recording: the setting, its name, what it is for. */
-const OVERLAYS: readonly (readonly ['boxes' | 'trails' | 'ghost' | 'eyeDome', string, string])[] = [
+const OVERLAYS: readonly (readonly [
+  'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
+  string,
+  string,
+])[] = [
   ['boxes', 'Boxes', 'A box round each labelled object'],
   ['trails', 'Trails', 'The ways of the objects through the frames near this one'],
   ['ghost', 'Ghost of the frame before', 'Where the objects were a frame before, faintly'],
   ['eyeDome', 'Depth shading', 'Darken edges in depth, so that shapes stand out'],
+  ['showDeleted', 'Deleted points', 'Points deleted as noise, dark red; Restore shows them anyway'],
 ];
 
 function OverlayOptions() {

@@ -31,7 +31,8 @@ export function brushNow(way: Way, radius: number): Brush | null {
     tool,
     shape: way.wire,
     radius,
-    only_unlabeled: onlyUnlabeled,
+    // Of an object, "take from other labels" says the same.
+    only_unlabeled: onlyUnlabeled && way.name !== 'object',
     through: through && way.through,
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
     hidden: hiddenHere(),

@@ -83,7 +83,7 @@ class Part {
     if (tool === 'restore') return current === DELETED;
     if (!this.seen(current) || this.locked(current)) return false;
     if (tool === 'erase') return current !== 0;
-    if (tool === 'delete') return true;
+    if (tool === 'delete') return !(onlyUnlabeled && current !== 0);
     return current !== label && !(onlyUnlabeled && current !== 0);
   }
 

@@ -162,6 +162,33 @@ describe('a stroke', () => {
     expect(sent[0]).toMatchObject({ brush: { hidden: [1] } });
   });
 
+  it('deletes only unlabelled points when that is asked for', () => {
+    const { frame, strokes } = setUp();
+    frame.pieces[0]!.labels = new Uint16Array(1600).fill(1, 0, 820);
+    const stroke = strokes.begin(
+      frame,
+      { ...ray, tool: 'delete', only_unlabeled: true },
+      [0, 0, 0],
+    );
+    stroke.add(at);
+    strokes.show();
+    expect(painted(frame, 1)).toBe(820);
+    expect(painted(frame, DELETED)).toBeGreaterThan(5);
+  });
+
+  it('shows at once what an outline or a box takes, in source coordinates', () => {
+    const matrix = [5, 0, 0, -501, 0, 5, 0, -1, 0, 0, 1, 0, 0, 0, 0, 1];
+    const polygon: [number, number][] = [[-0.2, -0.2], [0.2, -0.2], [0.2, 0.2], [-0.2, 0.2]]; // prettier-ignore
+    const outline: Brush = { label: 2, tool: 'paint', shape: 'lasso', polygon, matrix };
+    const box: Brush = { ...outline, shape: 'box', center: [100.2, 0.2, 1], size: [0.09, 0.09, 1] };
+    for (const brush of [outline, box]) {
+      const { frame, strokes } = setUp();
+      strokes.begin(frame, brush, [100, 0, 0]);
+      strokes.show();
+      expect(painted(frame, 2)).toBe(81);
+    }
+  });
+
   it('deletes, and restores only what was deleted', () => {
     const { frame, strokes } = setUp();
     const stroke = strokes.begin(frame, { ...ray, tool: 'delete' }, [0, 0, 0]);

@@ -1,0 +1,60 @@
+"""Points that hang together: parts with a gap between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+NEIGHBOUR = 8
+"""The neighbour whose distance says how dense points are."""
+USUAL, BEYOND = 0.9, 1.5
+"""A gap is wider than so many times the distance to it of so large a share of the points."""
+SAMPLED = 4000
+FEWEST = 3
+
+
+def usual_gap(xyz: NDArray[np.floating]) -> float:
+    """Return a gap (metres) that points (n, 3) do not have within one of their surfaces."""
+    from scipy.spatial import cKDTree
+
+    if len(xyz) < FEWEST:
+        return 1.0
+    step = max(1, len(xyz) // SAMPLED)
+    distance, _ = cKDTree(xyz).query(xyz[::step], k=min(NEIGHBOUR, len(xyz)))
+    return max(1e-3, BEYOND * float(np.quantile(np.asarray(distance)[:, -1], USUAL)))
+
+
+def connected_parts(xyz: NDArray[np.floating], gap: float) -> NDArray[np.int64]:
+    """Return the part of each of points (n, 3): 0 is the largest, 1 the next, and so on.
+
+    Two points are of one part when a chain of points leads from one to the other without a step
+    longer than ``gap`` metres.  Steps up to 1.7 times as long may count, since space is cut into
+    cells of half a gap, and cells that touch hang together.
+    """
+    if len(xyz) == 0:
+        return np.empty(0, np.int64)
+    cells, cell = _cells(np.asarray(xyz, np.float64), gap / 2)
+    part = _joined(cells)[cell]
+    order = np.argsort(-np.bincount(part), kind="stable")
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return np.asarray(rank[part], np.int64)
+
+
+def _cells(xyz: NDArray[np.float64], size: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the cells (c, 3) that points (n, 3) are in, and the number (n,) of each point's."""
+    at = np.floor((xyz - xyz.min(axis=0)) / size).astype(np.int64)
+    cells, cell = np.unique(at, axis=0, return_inverse=True)
+    return cells, cell.reshape(-1)
+
+
+def _joined(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a number (c,) for each cell (c, 3): the same for those that touch, in chains."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    # Cells that touch at a corner have middles √3 apart.
+    pairs = cKDTree(cells).query_pairs(1.8, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs), np.bool_), pairs.T), shape=(len(cells),) * 2)
+    return np.asarray(connected_components(links, directed=False)[1], np.int64)

@@ -1,0 +1,121 @@
+"""A label's points in one frame → a label for each part of them, as one edit."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels import Commit, Label, LabelStore, Write
+from pointbrush.labels.palette import HIGHEST, default_color
+from pointbrush.labels.types import PAINTED
+from pointbrush.selection.parts import connected_parts, usual_gap
+from pointbrush.sequences import Sequence as Recording
+
+MOST_PARTS = 64
+"""Parts that get a label; further ones stay with the largest."""
+LEAST_POINTS = 10
+
+
+@dataclass(frozen=True)
+class Split:
+    """What a split made: the edit, the new ``labels``, and the ``gap`` (metres) between parts."""
+
+    commit: Commit
+    labels: tuple[Label, ...]
+    gap: float
+
+
+def split_label(
+    store: LabelStore,
+    recording: Recording,
+    frame: int,
+    label_id: int,
+    author: str,
+    edit_id: str,
+    *,
+    gap: float | None = None,
+    least: int = LEAST_POINTS,
+) -> Split:
+    """Give each connected part of a label in ``frame`` a label of its own; the largest keeps it.
+
+    Parts of fewer than ``least`` points stay with the largest.  ``gap``: metres between parts;
+    None: wider than the points' own spacing.
+
+    Raises NotFoundError, LockedLabelError, and ConflictError when the points are one part.
+    """
+    sequence = recording.manifest.id
+    repeated = store.find(sequence, edit_id)
+    if repeated is not None:
+        return _again(store, repeated, frame, gap)
+    label = next((one for one in store.palette(sequence) if one.id == label_id), None)
+    if label is None:
+        raise NotFoundError(f"label: expected the id of a label, got {label_id}")
+    store.require_paintable(sequence, label_id)
+    values = store.values(sequence, frame)
+    numbers = np.flatnonzero((values.label == label_id) & ~values.deleted)
+    xyz = recording[frame].xyz[numbers]
+    wide = usual_gap(xyz) if gap is None else gap
+    part = connected_parts(xyz, wide)
+    counts = np.bincount(part, minlength=1)
+    parts = [int(k) for k in np.flatnonzero(counts >= least) if 0 < k < MOST_PARTS]
+    if not parts:
+        raise ConflictError(
+            f"label: expected '{label.name}' to have parts of {least} points or more in frame "
+            f"{frame} with {wide:.3g} m between them, got one"
+        )
+    fresh = _new_labels(store.palette(sequence), label, len(parts))
+    commit = store.apply(
+        sequence,
+        edit_id=edit_id,
+        author=author,
+        kind="paint",
+        writes={frame: _write(numbers, part, parts, fresh)},
+        summary=f"split '{label.name}' into {len(parts) + 1} parts",
+        labels=fresh,
+        if_match=(frame, values.revision),
+        identity=recording.identity,
+    )
+    return Split(commit, tuple(fresh), wide)
+
+
+def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
+    """Return what an edit that was sent before has made."""
+    delta = commit.frames.get(frame)
+    ids = set() if delta is None else set(np.unique(delta.label).tolist())
+    labels = [label for label in store.palette(commit.sequence) if label.id in ids]
+    return Split(commit, tuple(labels), gap or 0.0)
+
+
+def _write(
+    numbers: NDArray[np.int64], part: NDArray[np.int64], parts: list[int], fresh: list[Label]
+) -> Write:
+    """Return what gives the points (n,) of ``parts`` their new labels."""
+    of_part = np.zeros(int(part.max()) + 1, np.uint16)
+    of_part[parts] = [label.id for label in fresh]
+    label = of_part[part]
+    moved = label > 0
+    return Write(numbers[moved], label=label[moved], provenance=PAINTED, living=True)
+
+
+def _new_labels(palette: Collection[Label], label: Label, count: int) -> list[Label]:
+    """Return labels named after the one that is split, with free numbers, names and colours."""
+    names = {one.name for one in palette}
+    taken = {one.id for one in palette}
+    free = (n for n in range(max(taken) + 1, HIGHEST + 1))
+    made: list[Label] = []
+    stem, _, last = label.name.rpartition(" ")
+    stem = stem if stem and last.isdigit() else label.name
+    number = 2
+    for _ in range(count):
+        while f"{stem} {number}" in names:
+            number += 1
+        names.add(f"{stem} {number}")
+        fresh = next(free, None)
+        if fresh is None:
+            raise ConflictError(f"label: expected at most {HIGHEST} labels")
+        made.append(Label(fresh, f"{stem} {number}", label.category, default_color(fresh)))
+    return made
