@@ -1,7 +1,7 @@
 /** The points' material: every slot draws with its own, all share one set of settings. */
 import { Box2, DataTexture, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
 import type { Color, IUniform, Vector3, WebGLRenderer } from 'three';
-import type { ViewSettings } from '../state';
+import type { ColorMode, ViewSettings } from '../state';
 import { MAX_CHUNKS } from '../net/segment';
 import { writeDensity, type CloudFrame } from './frame';
 import type { PlacedFrame } from './layer';
@@ -21,6 +21,14 @@ const COLOR_MODES = {
 const LABELS_ONLY: readonly string[] = ['label', 'confidence', 'provenance'];
 const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
 
+/** How a recording with these fields is coloured when `wanted` is asked for. */
+export function colorModeOf(wanted: ColorMode, fields: readonly string[]): ColorMode {
+  let mode = wanted;
+  if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
+  if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
+  return mode;
+}
+
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
 const FILL = 1.85;
 
@@ -30,6 +38,7 @@ const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
 const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
+const INTENSITY_FIT = 36;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
 
 /** What the brush lights up: a ball, or what lies round a half-line. */
@@ -48,16 +57,13 @@ export class PointUniforms {
     this.palette = { value: palette };
     const { value } = this.settings;
     value.fill(1, BRUSH_COLOUR, BRUSH_COLOUR + 3);
-    value[GAIN] = 1;
+    value[GAIN] = value[INTENSITY_FIT] = 1;
     this.setViewport(500);
   }
 
   set(view: ViewSettings, fields: readonly string[]): void {
-    let mode = view.color;
-    if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
-    if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
     const { value } = this.settings;
-    value[COLOUR_MODE] = COLOR_MODES[mode];
+    value[COLOUR_MODE] = COLOR_MODES[colorModeOf(view.color, fields)];
     value[HAS_INTENSITY] = fields.includes('intensity') ? 1 : 0;
     this.pointSize = view.pointSize;
     // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
@@ -80,7 +86,14 @@ export class PointUniforms {
     value[PIXEL_LIMITS + 1] = 26 * scale * this.pointSize;
   }
 
-  /** The height ramp runs over the room's bounds. */
+  /** The intensity ramp runs over these values, 0..1. */
+  setIntensity(low: number, high: number): void {
+    const span = Math.max(1 / 255, high - low);
+    this.settings.value[INTENSITY_FIT] = 1 / span;
+    this.settings.value[INTENSITY_FIT + 1] = -low / span;
+  }
+
+  /** The height ramp runs over these heights, metres of the room. */
   setHeight(room: Matrix4, low: number, high: number): void {
     const e = room.elements;
     const span = Math.max(1e-3, high - low);

@@ -1,7 +1,10 @@
 /** GLSL of the points and of eye-dome lighting. */
 
 /** Vectors of four numbers in the points' settings. */
-export const SETTING_ROWS = 9;
+export const SETTING_ROWS = 10;
+
+/** Part of the ramp that is too dark to be seen before the room. */
+const RAMP_START = 0.32;
 
 export const POINT_VERTEX = /* glsl */ `
 precision highp float;
@@ -44,6 +47,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define rampLow settings[8].x
 #define rampScale settings[8].y
 #define rampKind int(settings[8].z)             // 0 even, 1 grey, 2 rainbow
+#define intensityFit settings[9].xy             // intensity -> 0..1 of the ramp: factor, then sum
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
 
 out vec3 shade;
@@ -61,7 +65,8 @@ vec3 ramp(float t) {
       dot(powers, vec4(0.0914, 2.1942, 4.8430, -14.1850)) + dot(high, vec2(4.2773, 2.8296)),
       dot(powers, vec4(0.1067, 12.6419, -60.5820, 110.3628)) + dot(high, vec2(-89.9031, 27.3482)));
   }
-  // A perceptually even ramp (viridis, fitted).
+  // A perceptually even ramp (viridis, fitted), from where it is light enough for a dark room.
+  t = mix(${RAMP_START.toFixed(2)}, 1.0, t);
   vec3 c0 = vec3(0.2777, 0.0054, 0.3341), c1 = vec3(0.1051, 1.4046, 1.3846);
   vec3 c2 = vec3(-0.3309, 0.2148, 0.0951), c3 = vec3(-4.6342, -5.7991, -19.3324);
   vec3 c4 = vec3(6.2283, 14.1799, 56.6906), c5 = vec3(4.7764, -13.7451, -65.3530);
@@ -118,7 +123,7 @@ void main() {
     // Where no camera saw a lidar's point its colour is 0, 0, 0: the intensity stands in.
     if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(colour.a));
   }
-  else if (colourMode == 1) base = ramp(colour.a);
+  else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
   else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);
   else base = vec3(0.72, 0.74, 0.77);

@@ -16,6 +16,7 @@ import { ChunkTable, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
+import { spreadOf, type Spread } from './spread';
 import { Timing } from './timing';
 
 /** Layers 1 and 2 are the headset's eyes. */
@@ -54,6 +55,8 @@ export class Viewer {
   private over: PlacedFrames | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
+  /** What the ramps run over, once there are points. */
+  private fitted: Spread | null = null;
   /** The headset's pictures have reversed depth. */
   readonly reversible: boolean;
   /** Of the recording, in the room. */
@@ -146,13 +149,23 @@ export class Viewer {
     this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
     this.room.matrixWorldNeedsUpdate = true;
     const [low, high] = this.bounds(info);
-    this.uniforms.setHeight(this.room.matrix, low.y, high.y);
     const farthest = [0, 1, 2].map((k) => Math.max(Math.abs(info.lo[k]!), Math.abs(info.hi[k]!)));
     this.uniforms.setDistance(Math.hypot(...farthest));
+    this.fitted = null;
+    if (this.shown) this.fitRamps(this.shown);
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
     this.extent = low.distanceTo(high);
     this.middle.copy(low).add(high).multiplyScalar(0.5);
     this.invalidate();
+  }
+
+  /** Ramps run over what the recording's first frame on screen has, strays left out. */
+  private fitRamps(frame: CloudFrame): void {
+    const spread = spreadOf(frame, this.room.matrix);
+    if (!spread) return;
+    this.fitted = spread;
+    this.uniforms.setHeight(this.room.matrix, ...spread.height);
+    this.uniforms.setIntensity(...spread.intensity);
   }
 
   /** Corners of the recording's bounds in the room. */
@@ -198,6 +211,7 @@ export class Viewer {
   /** Show a frame as it is now. */
   show(frame: CloudFrame): void {
     this.shown = frame;
+    if (!this.fitted) this.fitRamps(frame);
     this.cloud?.update(frame);
     this.invalidate();
   }

@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
+import { colorModeOf } from '../cloud/material';
 import { floorPlaces } from '../engine/floor';
 import { isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
 import { DESK_WAYS, deskWay } from '../tools/ways';
@@ -244,7 +245,7 @@ function ViewOptions() {
         class="field"
         aria-label="Colour points by"
         data-tip="Colour points by"
-        value={view.color}
+        value={colorModeOf(view.color, fields)}
         onChange={(event) => actions.setView({ color: event.currentTarget.value as ColorMode })}
       >
         {COLOR_MODES.filter(([, , field]) => !field || fields.includes(field)).map(
