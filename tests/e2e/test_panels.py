@@ -55,7 +55,7 @@ def has_become(server: LiveServer, number: int, **fields: object) -> bool:
 
 
 def test_a_label_is_renamed_where_it_stands(desk: Desk, server: LiveServer) -> None:
-    desk.page.get_by_role("option", name="pin 1").dblclick()
+    desk.page.get_by_role("row", name="pin 1").dblclick()
     field = desk.page.get_by_role("textbox", name="Name")
     field.fill("left hand's pin")
     # Keys typed into the name are not shortcuts.
@@ -63,10 +63,10 @@ def test_a_label_is_renamed_where_it_stands(desk: Desk, server: LiveServer) -> N
     field.press("Enter")
     desk.until('pb.state.palette.value[0].name === "left hand\'s pin"')
     assert has_become(server, 1, name="left hand's pin")
-    desk.page.get_by_role("option", name="pin 2").dblclick()
+    desk.page.get_by_role("row", name="pin 2").dblclick()
     desk.page.get_by_role("textbox", name="Name").fill("other")
     desk.page.keyboard.press("Escape")
-    expect(desk.page.get_by_role("option", name="pin 2")).to_be_visible()
+    expect(desk.page.get_by_role("row", name="pin 2")).to_be_visible()
     assert label(server, 2)["name"] == "pin 2"
 
 
@@ -75,14 +75,14 @@ def test_a_label_is_recoloured_locked_hidden_and_deleted(desk: Desk, server: Liv
     page.get_by_role("button", name="Colour of pin 1").click()
     page.get_by_role("button", name="#8ddf4a").click()
     desk.until("pb.state.palette.value[0].color === '#8ddf4a'")
-    row = page.get_by_role("option", name="pin 1")
+    row = page.get_by_role("row", name="pin 1")
     row.hover()
     row.get_by_role("button", name="Lock").click()
     desk.until("pb.state.palette.value[0].locked")
     row.get_by_role("button", name="Hide").click()
     desk.until("!pb.state.palette.value[0].visible")
     assert has_become(server, 1, color="#8ddf4a", locked=True, visible=False)
-    other = page.get_by_role("option", name="pin 2")
+    other = page.get_by_role("row", name="pin 2")
     other.hover()
     other.get_by_role("button", name="Show only this label").click()
     desk.until("pb.state.solo.value === 2")

@@ -64,6 +64,11 @@ export interface Actions {
   seek(frame: number, scrubbing?: boolean): void;
   setSpeed(speed: number): void;
   toggleLoop(): void;
+  /** Next (1) or previous (−1) frame where nothing is labelled. */
+  nextUnlabelled(direction: 1 | -1): void;
+  /** The stretch of frames that is looped, tracked and exported begins, or ends, at this frame. */
+  setIn(): void;
+  setOut(): void;
   /** Next (1) or previous (−1) frame whose tracking is doubtful or lost. */
   nextDoubtful(direction: 1 | -1): void;
 
@@ -101,7 +106,7 @@ export interface Actions {
 
   // labels
   selectLabel(id: number): void;
-  /** The n-th label of the palette, from 1. */
+  /** The n-th label as the palette lists them, from 1. */
   selectNthLabel(n: number): void;
   /** Without a name or colour the next good one is taken; the new label becomes active. */
   createLabel(name?: string, color?: string, category?: string): Promise<number>;
@@ -117,6 +122,17 @@ export interface Actions {
   mergeLabel(id: number, into: number): Promise<void>;
   /** Give each connected part of a label in this frame a label of its own. */
   splitLabel(id: number): Promise<void>;
+  /** The label that was active before this one; false when there is none. */
+  lastLabel(): boolean;
+  /** Put the palette in an order of label ids; the server keeps it. */
+  arrangeLabels(order: readonly number[]): Promise<void>;
+  loadTemplates(): Promise<void>;
+  /** Add the labels of a template that are not there yet. */
+  addTemplate(name: string): Promise<void>;
+  /** Choose a palette file, and add its labels. */
+  pickPalette(): void;
+  /** Download the palette. */
+  savePalette(): Promise<void>;
   /** Show only this label; again, or null: all of them. */
   solo(id: number | null): void;
 
@@ -135,6 +151,12 @@ export interface Actions {
   clearStretch(): Promise<void>;
   /** Find it anew, from the sure frame beside them. */
   trackStretch(): void;
+  /** Take labels from all of their points in frames. */
+  clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
+  /** Label points as those at the same place in another frame are. */
+  copyLabels(labels: readonly number[], source: number, frame: number): Promise<void>;
+  /** Accept labels of a frame as they are. */
+  acceptLabels(labels: readonly number[], frame: number): Promise<void>;
   /** Track on from this frame, to where a run that stopped was to go. */
   continueRun(): void;
   /** `keep`: what was found so far stays (tracking). */

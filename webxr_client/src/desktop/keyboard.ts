@@ -1,9 +1,11 @@
-/** Listens to the keyboard by the table of `keys.ts`. */
+/** Listens to the keyboard by the table of `commands.ts`. */
 import type { DeskCamera } from './camera';
-import { KEYS, type KeyBinding } from './keys';
+import { COMMANDS } from './commands';
+import { isForControl, releaseSlider } from './focus';
+import type { KeyBinding } from './keys';
 
 const table = new Map<string, KeyBinding>();
-for (const binding of KEYS) for (const key of binding.keys) table.set(key, binding);
+for (const binding of COMMANDS) for (const key of binding.keys) table.set(key, binding);
 
 /** How `KEYS` writes the key of an event. */
 export function keyName(event: KeyboardEvent): string {
@@ -17,6 +19,19 @@ export function keyName(event: KeyboardEvent): string {
   return name;
 }
 
+/** The digit on the key that is pressed with Shift, whatever character that gives; null: none. */
+function shiftedDigit({
+  code,
+  key,
+  shiftKey,
+  ctrlKey,
+  metaKey,
+  altKey,
+}: KeyboardEvent): string | null {
+  if (!shiftKey || ctrlKey || metaKey || altKey || /\d/.test(key)) return null;
+  return /^Digit([1-9])$/.exec(code)?.[1] ?? null;
+}
+
 function typing(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target instanceof HTMLInputElement)
@@ -27,14 +42,16 @@ function typing(target: EventTarget | null): boolean {
 /** The result stops listening. */
 export function listenToKeys(camera: DeskCamera): () => void {
   const down = (event: KeyboardEvent): void => {
-    if (typing(event.target) || event.defaultPrevented) return;
+    if (typing(event.target) || event.defaultPrevented || isForControl(event)) return;
     const name = keyName(event);
-    const binding = table.get(name);
+    const digit = shiftedDigit(event);
+    // What the character itself means goes first: keyboards have / and + above digits.
+    const binding = table.get(name) ?? (digit ? table.get(`shift+${digit}`) : undefined);
     if (binding) {
-      // Space and Enter press the focused button; everywhere else they are ours.
+      // A button that was clicked does not keep Space.
       if (name === ' ' && event.target instanceof HTMLButtonElement) event.target.blur();
       const runs = !event.repeat || binding.repeats === true;
-      if (runs && binding.run(event.key.toLowerCase()) === false) return;
+      if (runs && binding.run(digit ?? event.key.toLowerCase()) === false) return;
       event.preventDefault();
       return;
     }
@@ -47,9 +64,12 @@ export function listenToKeys(camera: DeskCamera): () => void {
   addEventListener('keydown', down);
   addEventListener('keyup', up);
   addEventListener('blur', blur);
+  const view = document.getElementById('view');
+  view?.addEventListener('pointerenter', releaseSlider);
   return () => {
     removeEventListener('keydown', down);
     removeEventListener('keyup', up);
     removeEventListener('blur', blur);
+    view?.removeEventListener('pointerenter', releaseSlider);
   };
 }

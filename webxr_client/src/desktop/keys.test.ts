@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { keyName } from './keyboard';
-import { KEYS, WALK_KEYS } from './keys';
+import { COMMANDS } from './commands';
+import { WALK_KEYS } from './keys';
 
 function press(key: string, held: Partial<KeyboardEvent> = {}): string {
   const none = { shiftKey: false, altKey: false, ctrlKey: false, metaKey: false };
@@ -9,7 +10,7 @@ function press(key: string, held: Partial<KeyboardEvent> = {}): string {
 
 describe('keys', () => {
   it('each have one meaning', () => {
-    const all = KEYS.flatMap((binding) => binding.keys);
+    const all = COMMANDS.flatMap((binding) => binding.keys);
     expect(new Set(all).size).toBe(all.length);
     // Walking is done with these; a tool on one of them would walk away with the camera.
     for (const key of WALK_KEYS.shown.toLowerCase().split(' ')) expect(all).not.toContain(key);

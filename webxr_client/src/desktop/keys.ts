@@ -1,5 +1,6 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../actions';
+import { openSearch } from '../panels/palette-search';
 import { isStroke, state, type BrushShape } from '../state';
 import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';
@@ -10,9 +11,13 @@ export interface KeyBinding {
   /** What to print, e.g. "Space". */
   readonly shown: string;
   readonly what: string;
-  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit';
+  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Recordings';
   /** Also when the key is held. */
   readonly repeats?: boolean;
+  /** Whether it makes sense now; without it: whenever a recording is open. */
+  readonly when?: () => boolean;
+  /** False: the command palette does not offer it. */
+  readonly listed?: false;
   /** False: there was nothing to do, and the key is the browser's. */
   readonly run: (key: string) => unknown;
 }
@@ -131,15 +136,16 @@ export const KEYS: readonly KeyBinding[] = [
     keys: ['escape'],
     shown: 'Esc',
     what: 'Give up the stroke, lasso or object in progress',
+    listed: false,
     group: 'Tools',
     run: () => actions.cancelStroke(),
   },
   {
     keys: ['tab'],
     shown: 'Tab',
-    what: 'Complete the stroke to an object',
+    what: 'Complete the stroke to an object; else the last label again',
     group: 'Tools',
-    run: () => actions.completeObject(),
+    run: () => actions.completeObject() || actions.lastLabel(),
   },
   {
     keys: ['+', '='],
@@ -192,8 +198,24 @@ export const KEYS: readonly KeyBinding[] = [
     keys: ['1', '2', '3', '4', '5', '6', '7', '8', '9'],
     shown: '1 – 9',
     what: 'Choose a label',
+    listed: false,
     group: 'Labels',
     run: (key) => actions.selectNthLabel(Number(key)),
+  },
+  {
+    keys: [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => `shift+${digit}`),
+    shown: 'Shift 1 – 9',
+    what: 'Choose the tenth label, the eleventh, …',
+    listed: false,
+    group: 'Labels',
+    run: (key) => actions.selectNthLabel(9 + Number(key)),
+  },
+  {
+    keys: ['/'],
+    shown: '/',
+    what: 'Search the labels',
+    group: 'Labels',
+    run: () => openSearch(),
   },
   {
     keys: ['n'],

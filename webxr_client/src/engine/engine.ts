@@ -28,6 +28,7 @@ import { theme } from '../theme';
 import { follow, watch } from '../watch';
 import { addBookmark, openBookmarks } from './bookmarks';
 import { Accumulated } from './accumulated';
+import { Address } from './address';
 import { brushActions, setRadius } from './brush';
 import { Detail } from './detail';
 import { floorActions } from './floor';
@@ -36,6 +37,7 @@ import { Going } from './going';
 import { Inbox } from './inbox';
 import { labelActions } from './labels';
 import { Pacing } from './pacing';
+import { paletteActions } from './palette-files';
 import { Playback } from './playback';
 import { importActions } from './importing';
 import { partActions } from './parts';
@@ -43,6 +45,7 @@ import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, unsure } from './review';
 import { stretchActions } from './stretch';
 import { showTravel } from './travel';
+import { stripActions } from './strip-actions';
 import { timeActions } from './time';
 
 /** Run something once it is time; the result forgets it. */
@@ -62,6 +65,7 @@ export class Engine {
   readonly pacing: Pacing;
   readonly camera: DeskCamera;
   private readonly pointer: DeskPointer;
+  private readonly address: Address;
   private readonly presence: DeskPresence;
   private readonly detail: Detail;
   private readonly going: Going;
@@ -88,6 +92,7 @@ export class Engine {
       now: () => performance.now(),
     });
     this.camera = new DeskCamera(this.viewer.camera);
+    this.address = new Address(this.camera);
     const frame = (): CloudFrame | null => this.playback.frame;
     const { viewer, camera, strokes } = this;
     const send = (message: ClientMessage): void => this.link.send(message);
@@ -182,7 +187,11 @@ export class Engine {
 
   private tickDesk(now: number): void {
     if (this.viewer.renderer.xr.isPresenting) return;
-    if (this.unframed && this.playback.frame) this.viewFrom('sensor', true);
+    if (this.unframed && this.playback.frame) {
+      this.viewFrom('sensor', true);
+      this.address.framed();
+    }
+    this.address.update(now);
     const shown = state.shown.peek();
     if (this.camera.update(now) || shown !== this.seen) {
       this.seen = shown;
@@ -238,6 +247,8 @@ export class Engine {
     bindActions(importActions);
     bindActions(labelActions);
     bindActions(partActions);
+    bindActions(paletteActions);
+    bindActions(stripActions);
     bindActions(brushActions);
     bindActions(reviewActions);
     bindActions(stretchActions);

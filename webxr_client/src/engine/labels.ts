@@ -1,6 +1,7 @@
 /** The palette and the timeline: what the server says, and what the user asks for. */
 import type { Actions, LabelPatch } from '../actions';
 import { suggestColor, suggestName } from '../panels/colors';
+import { listed } from '../panels/palette-list';
 import { api } from '../net/rest';
 import type { Label, Labels, Timeline } from '../protocol/messages';
 import { CELL_STATES, isStroke, state, type HistoryEntry, type TimelineRow } from '../state';
@@ -11,6 +12,7 @@ type LabelActions = Pick<
   Actions,
   | 'selectLabel'
   | 'selectNthLabel'
+  | 'lastLabel'
   | 'createLabel'
   | 'newLabel'
   | 'updateLabel'
@@ -112,8 +114,13 @@ async function create(name?: string, color?: string, category = ''): Promise<num
   return id;
 }
 
+/** The label that was active before. */
+let last = 0;
+
 function select(id: number): void {
   if (!find(id)) return;
+  const active = state.activeLabel.peek();
+  if (active !== id) last = active;
   state.activeLabel.value = id;
   if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
 }
@@ -125,8 +132,13 @@ async function history(): Promise<void> {
 export const labelActions: LabelActions = {
   selectLabel: select,
   selectNthLabel: (n) => {
-    const label = state.palette.peek()[n - 1];
+    const label = listed.peek()[n - 1];
     if (label) select(label.id);
+  },
+  lastLabel: () => {
+    if (!find(last)) return false;
+    select(last);
+    return true;
   },
   createLabel: create,
   newLabel: () => beginLabel(create),

@@ -4,6 +4,7 @@ import type { CloudFrame } from '../cloud/frame';
 import { FrameStore } from '../cloud/store';
 import type { Viewer } from '../cloud/viewer';
 import { Listeners } from '../listeners';
+import { frameRange, ordered } from '../panels/range';
 import type { Link } from '../net/link';
 import type { Segment } from '../net/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
@@ -12,6 +13,15 @@ import { state } from '../state';
 
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
 const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).deviceMemory ?? 4);
+
+/** Where playing goes on: at the other end once it leaves the stretch that is looped. */
+function looped(frame: number, direction: 1 | -1): number {
+  const range = frameRange.peek();
+  if (!range || !state.loop.peek()) return frame;
+  const [first, last] = ordered(range);
+  if (first === last || (frame >= first && frame <= last)) return frame;
+  return direction > 0 ? first : last;
+}
 
 export class Playback {
   store = new FrameStore(1, false, CACHE_BYTES);
@@ -188,8 +198,11 @@ export class Playback {
       this.pause(this.clock.frameAt(now));
       return;
     }
-    const frame = this.clock.frameAt(now);
-    if (frame !== state.frame.peek()) state.frame.value = frame;
+    const frame = looped(this.clock.frameAt(now), this.clock.direction);
+    if (frame === state.frame.peek()) return;
+    const back = frame !== this.clock.frameAt(now);
+    state.frame.value = frame;
+    if (back) this.restart();
   }
 
   /** Put the newest frame that is here on screen, and the next one on the GPU. */

@@ -1,12 +1,23 @@
 /** Moving through time: play, step, seek, the next frame that wants a look. */
 import { actions, type Actions } from '../actions';
-import { cellKind, wantsLook } from '../panels/timeline-layout';
+import { frameRange, ordered } from '../panels/range';
+import { cellKind, nextUnlabelled, wantsLook } from '../panels/timeline-layout';
 import { notify, state } from '../state';
 import type { Playback } from './playback';
 
 type TimeActions = Pick<
   Actions,
-  'togglePlay' | 'play' | 'pause' | 'step' | 'seek' | 'setSpeed' | 'toggleLoop' | 'nextDoubtful'
+  | 'nextUnlabelled'
+  | 'setIn'
+  | 'setOut'
+  | 'togglePlay'
+  | 'play'
+  | 'pause'
+  | 'step'
+  | 'seek'
+  | 'setSpeed'
+  | 'toggleLoop'
+  | 'nextDoubtful'
 >;
 
 const FASTEST = 16;
@@ -31,6 +42,18 @@ export function timeActions(playback: Playback): TimeActions {
       state.loop.value = !state.loop.peek();
       playback.restart();
     },
+    nextUnlabelled: (direction) => {
+      const rows = [...state.timeline.peek().rows.values()];
+      const frames = state.sequence.peek()?.frames ?? 0;
+      const frame = nextUnlabelled(rows, state.frame.peek(), frames, direction);
+      if (frame === null) notify('info', 'Every other frame has labels');
+      else {
+        playback.pause();
+        playback.seek(frame);
+      }
+    },
+    setIn: () => setEdge('from'),
+    setOut: () => setEdge('to'),
     nextDoubtful: (direction) => {
       const found = doubtful(direction);
       if (!found) {
@@ -42,6 +65,17 @@ export function timeActions(playback: Playback): TimeActions {
       actions.goToObject(found.label, found.frame);
     },
   };
+}
+
+/** Set one end of the chosen stretch here; the other one stays, or is the recording's. */
+function setEdge(edge: 'from' | 'to'): void {
+  const frame = state.frame.peek();
+  const range = frameRange.peek();
+  const [first, last] = range ? ordered(range) : [0, (state.sequence.peek()?.frames ?? 1) - 1];
+  frameRange.value =
+    edge === 'from'
+      ? { from: frame, to: Math.max(frame, last) }
+      : { from: Math.min(first, frame), to: frame };
 }
 
 function wrapped(frame: number, frames: number): number {

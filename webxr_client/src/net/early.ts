@@ -1,4 +1,5 @@
 /** What goes out before the rest of the page has come: the socket, and which recording to open. */
+import { forgetPlace, placeIn } from './address';
 import { Link } from './link';
 import { api } from './rest';
 
@@ -29,10 +30,13 @@ export class Early {
   }
 
   private async open(): Promise<string | null> {
-    const id = firstOf(await listSequences());
+    const list = await listSequences();
+    const id = firstOf(list);
     if (id !== null) {
       nameInAddress(id);
-      this.link.open({ type: 'open', sequence: id, frame: 0, revision: null });
+      const frames = list.find((row) => row.id === id)?.frames ?? 1;
+      const frame = Math.min(placeIn(location.search).frame, Math.max(0, frames - 1));
+      this.link.open({ type: 'open', sequence: id, frame, revision: null });
     }
     return id;
   }
@@ -52,6 +56,7 @@ export function firstOf(list: readonly { readonly id: string }[]): string | null
 /** Reloading the page opens the same recording again, or the list of them (null). */
 export function nameInAddress(id: string | null): void {
   const url = new URL(location.href);
+  if (id !== url.searchParams.get('sequence')) forgetPlace(url);
   if (id === null) url.searchParams.delete('sequence');
   else url.searchParams.set('sequence', id);
   history.replaceState(null, '', url);

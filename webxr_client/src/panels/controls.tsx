@@ -15,6 +15,7 @@ export interface ButtonProps {
   disabled?: boolean | undefined;
   kind?: 'plain' | 'outlined' | 'primary' | 'danger';
   small?: boolean;
+  tabIndex?: number;
   class?: string;
   buttonRef?: RefObject<HTMLButtonElement | null>;
   onClick: (event: MouseEvent) => void;
@@ -28,6 +29,7 @@ export function Button(props: ButtonProps) {
       type="button"
       ref={props.buttonRef ?? null}
       class={`button${kind}${shape} ${props.class ?? ''}`}
+      tabIndex={props.tabIndex}
       aria-label={props.label === undefined ? props.tip : undefined}
       aria-pressed={props.pressed}
       aria-expanded={props.expanded}

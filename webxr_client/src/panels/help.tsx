@@ -1,10 +1,10 @@
-/** The keyboard and the mouse, on one page. */
-import { signal } from '@preact/signals';
-import { useEffect, useRef } from 'preact/hooks';
-import { KEYS, WALK_KEYS } from '../desktop/keys';
+/** The keyboard and the mouse, on one page that can be searched. */
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { COMMANDS } from '../desktop/commands';
+import { WALK_KEYS } from '../desktop/keys';
+import { found } from './command-search';
 import { Button } from './controls';
-
-export const helpOpen = signal(false);
+import { helpOpen } from './open';
 
 const MOUSE = [
   ['Left drag', 'Use the tool'],
@@ -13,72 +13,74 @@ const MOUSE = [
   ['Wheel', 'Come closer, go away'],
   ['Drag on the ruler', 'Scrub through time'],
   ['Drag on the strips', 'Choose a range of frames'],
-] as const;
+].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Mouse' }));
 
-const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'View'] as const;
+const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'View', 'Mouse'] as const;
+
+const ROWS = [...COMMANDS.filter(({ shown }) => shown !== ''), WALK_KEYS, ...MOUSE];
 
 export function Help() {
+  return helpOpen.value ? <Opened /> : null;
+}
+
+function Opened() {
   const dialog = useRef<HTMLDialogElement>(null);
-  const open = helpOpen.value;
-  useEffect(() => {
-    if (open) dialog.current?.showModal();
-  }, [open]);
-  if (!open) return null;
-  const close = (): void => {
-    helpOpen.value = false;
-  };
+  const [query, setQuery] = useState('');
+  useEffect(() => dialog.current?.showModal(), []);
+  const rows = found(ROWS, query);
   return (
     <dialog
       ref={dialog}
       class="help"
       aria-label="Keyboard and mouse"
-      onClose={close}
+      onClose={() => (helpOpen.value = false)}
       onClick={(event) => event.target === dialog.current && dialog.current?.close()}
     >
       <div class="help-body">
         <header>
           <h2>Keyboard and mouse</h2>
+          <input
+            class="field"
+            type="search"
+            aria-label="Search"
+            placeholder="Search"
+            autofocus
+            value={query}
+            onInput={(event) => setQuery(event.currentTarget.value)}
+          />
           <Button icon="close" tip="Close" keys="Esc" onClick={() => dialog.current?.close()} />
         </header>
         <div class="help-columns">
           {GROUPS.map((group) => (
-            <section key={group}>
-              <h3>{group}</h3>
-              <KeyList group={group} />
-            </section>
+            <KeyList key={group} group={group} rows={rows.filter((row) => row.group === group)} />
           ))}
-          <section>
-            <h3>Mouse</h3>
-            <dl>
-              {MOUSE.map(([what, does]) => (
-                <div key={what}>
-                  <dt>{does}</dt>
-                  <dd class="faint">{what}</dd>
-                </div>
-              ))}
-            </dl>
-          </section>
         </div>
+        {rows.length === 0 && <p class="soft">Nothing has these words.</p>}
       </div>
     </dialog>
   );
 }
 
-function KeyList({ group }: { group: (typeof GROUPS)[number] }) {
-  const rows = [
-    ...KEYS.filter((key) => key.group === group),
-    ...(group === 'View' ? [WALK_KEYS] : []),
-  ];
+interface KeyListProps {
+  group: string;
+  rows: readonly { readonly shown: string; readonly what: string }[];
+}
+
+function KeyList({ group, rows }: KeyListProps) {
+  if (rows.length === 0) return null;
   return (
-    <dl>
-      {rows.map(({ shown, what }) => (
-        <div key={shown}>
-          <dt>{what}</dt>
-          <dd>
-            <span class="kbd">{shown}</span>
-          </dd>
-        </div>
-      ))}
-    </dl>
+    <section>
+      <h3>{group}</h3>
+      <dl>
+        {rows.map(({ shown, what }) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>
+              <span class={group === 'Mouse' ? 'faint' : 'kbd'}>{shown}</span>
+            </dd>
+          </div>
+        ))}
+      </dl>
+    </section>
   );
 }

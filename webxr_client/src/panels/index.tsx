@@ -1,7 +1,8 @@
 /** The desk's panels, around the canvas of `index.html`. */
 import { render, type ComponentChild } from 'preact';
 import { state } from '../state';
-import { Help, helpOpen } from './help';
+import { CommandPalette } from './command-palette';
+import { Help } from './help';
 import { ImportDialog } from './import-dialog';
 import { acceptDrops } from './import-files';
 import { Palette } from './palette';
@@ -24,7 +25,7 @@ export function mountPanels(): () => void {
     ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
     ['timeline', <AtTheDesk panel={Timeline} />],
-    ['panels', [<Tooltip />, <Help />, <ImportDialog />]],
+    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />]],
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {
@@ -32,12 +33,7 @@ export function mountPanels(): () => void {
     page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
   });
   const drops = acceptDrops();
-  const help = (event: KeyboardEvent): void => {
-    if (event.key === '?' && !(event.target instanceof HTMLInputElement)) helpOpen.value = true;
-  };
-  page.addEventListener('keydown', help);
   return () => {
-    page.removeEventListener('keydown', help);
     drops();
     layout();
     for (const [id] of places) render(null, page.getElementById(id)!);

@@ -8,6 +8,7 @@ import { Button } from './controls';
 import { plural } from './format';
 import { Icon } from './icon';
 import { LabelParts } from './label-parts';
+import { shiftLabel } from './palette-drag';
 import { renaming } from './renaming';
 import { Popover } from './popover';
 
@@ -51,6 +52,18 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
             <Icon name="pencil" /> Rename
           </button>
           <LabelParts label={label} onClose={onClose} />
+          {([-1, 1] as const).map((by) => (
+            <button
+              key={by}
+              type="button"
+              class="menu-item"
+              disabled={!canEdit.value}
+              onClick={() => shiftLabel(label.id, by)}
+            >
+              <Icon name="chevron" /> {by < 0 ? 'Move up' : 'Move down'}
+              <span class="end">Alt {by < 0 ? '↑' : '↓'}</span>
+            </button>
+          ))}
           <button
             type="button"
             class="menu-item"

@@ -8,10 +8,11 @@ import { Button } from './controls';
 import { count, plural, shortCount } from './format';
 import { Icon } from './icon';
 import { LabelMenu } from './label-menu';
+import { onRowFocus, onRowKey, tabStop } from './label-keys';
 import { NameField } from './name-field';
+import { dragged, onRowDown } from './palette-drag';
+import { keyOf } from './palette-list';
 import { renaming } from './renaming';
-
-const NUMBER_KEYS = 9;
 
 export function LabelRow({ label, number }: { label: Label; number: number }) {
   const [menu, setMenu] = useState(false);
@@ -20,20 +21,27 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
   const solo = state.solo.value === label.id;
   const dimmed = !label.visible || (state.solo.value !== null && !solo);
   const editing = renaming.value === label.id;
+  const key = keyOf(number);
   const choose = (): void => actions.selectLabel(label.id);
   return (
     <li
       class={`label-row${dimmed ? ' dimmed' : ''}`}
-      role="option"
+      data-label={label.id}
+      data-drop={dropOf(label.id)}
+      role="row"
       aria-selected={active}
       aria-label={label.name}
-      tabIndex={0}
+      tabIndex={tabStop.value === label.id ? 0 : -1}
+      onPointerDown={(event) => onRowDown(event, label.id)}
       onClick={choose}
       onDblClick={() => canEdit.peek() && (renaming.value = label.id)}
-      onKeyDown={(event) => onKey(event, label.id)}
+      onKeyDown={(event) => onRowKey(event, label.id)}
+      onFocusIn={() => onRowFocus(label.id)}
     >
-      <ColorButton label={label} />
-      <div class="label-text">
+      <span role="gridcell">
+        <ColorButton label={label} />
+      </span>
+      <div class="label-text" role="gridcell">
         {editing ? (
           <NameField name={label.name} onFinish={(name) => rename(label, name)} />
         ) : (
@@ -42,14 +50,14 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
         {!editing && label.category && <span class="category">{label.category}</span>}
       </div>
       {!editing && (
-        <span class="label-state">
+        <span class="label-state" role="gridcell">
           {label.locked && <Icon name="lock" />}
           {!label.visible && <Icon name="hidden" />}
           {solo && <Icon name="solo" />}
           <Counts id={label.id} />
         </span>
       )}
-      <div class="label-tools">
+      <div class="label-tools" role="gridcell">
         <Toggle
           on={label.locked}
           icon={label.locked ? 'lock' : 'unlock'}
@@ -74,6 +82,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
           icon="more"
           tip={`More for ${label.name}`}
           small
+          tabIndex={-1}
           expanded={menu}
           onClick={(event) => {
             event.stopPropagation();
@@ -81,27 +90,22 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
           }}
         />
       </div>
-      {number <= NUMBER_KEYS ? <span class="kbd">{number}</span> : <span />}
+      <span role="gridcell">{key && <span class="kbd">{key}</span>}</span>
       {menu && <LabelMenu label={label} anchor={more} onClose={() => setMenu(false)} />}
     </li>
   );
 }
 
+/** How a row shows that one is being dragged: it is the one, or the one comes before it. */
+function dropOf(id: number): string | undefined {
+  const at = dragged.value;
+  if (at?.id === id) return 'moves';
+  return at?.before === id ? 'before' : undefined;
+}
+
 function rename(label: Label, name: string | null): void {
   renaming.value = null;
   if (name && name !== label.name) void actions.renameLabel(label.id, name);
-}
-
-function onKey(event: KeyboardEvent, id: number): void {
-  if (event.target !== event.currentTarget) return;
-  const row = event.currentTarget as HTMLElement;
-  if (event.key === 'Enter') actions.selectLabel(id);
-  else if (event.key === 'F2') renaming.value = id;
-  else if (event.key === 'ArrowDown') (row.nextElementSibling as HTMLElement | null)?.focus();
-  else if (event.key === 'ArrowUp') (row.previousElementSibling as HTMLElement | null)?.focus();
-  else return;
-  event.preventDefault();
-  event.stopPropagation();
 }
 
 function ColorButton({ label }: { label: Label }) {
@@ -113,6 +117,7 @@ function ColorButton({ label }: { label: Label }) {
         ref={anchor}
         type="button"
         class="color-button"
+        tabIndex={-1}
         style={{ '--color': label.color }}
         aria-label={`Colour of ${label.name}`}
         data-tip="Change the colour"
@@ -127,7 +132,7 @@ function ColorButton({ label }: { label: Label }) {
   );
 }
 
-/** Points in this frame over points in all frames. */
+/** Points in this frame over points in all frames; the head of the list says which is which. */
 function Counts({ id }: { id: number }) {
   const here = state.timeline.value.rows.get(id)?.points[state.frame.value] ?? 0;
   const all = state.counts.value.get(id) ?? 0;
@@ -155,6 +160,7 @@ function Toggle({ on, icon, tip, disabled, onClick }: ToggleProps) {
     <button
       type="button"
       class="button icon-only small"
+      tabIndex={-1}
       aria-label={tip}
       aria-pressed={on}
       data-tip={tip}

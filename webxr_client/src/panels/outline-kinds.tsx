@@ -1,32 +1,21 @@
 /** How the lasso is drawn. */
 import { outlineKind, type OutlineKind } from '../tools/lasso';
-import { Icon } from './icon';
-import type { IconName } from './icons';
+import { RadioGroup, type RadioOption } from './radio-group';
 
-const KINDS: readonly (readonly [OutlineKind, IconName, string, string])[] = [
-  ['free', 'lasso', 'Free', 'Draw the outline with the button held'],
-  ['rectangle', 'rectangle', 'Rectangle', 'Drag from corner to corner'],
-  ['polygon', 'polygon', 'Polygon', 'Click the corners; Enter, a double click or the first corner closes it, Backspace takes one back'],
+const KINDS: readonly RadioOption<OutlineKind>[] = [
+  { value: 'free', icon: 'lasso', label: 'Free', tip: 'Draw the outline with the button held', keys: 'O' },
+  { value: 'rectangle', icon: 'rectangle', label: 'Rectangle', tip: 'Drag from corner to corner', keys: 'O' },
+  { value: 'polygon', icon: 'polygon', label: 'Polygon', tip: 'Click the corners; Enter, a double click or the first corner closes it, Backspace takes one back', keys: 'O' },
 ]; // prettier-ignore
 
 export function OutlineKinds() {
   return (
-    <div class="segmented" role="radiogroup" aria-label="Outline">
-      {KINDS.map(([kind, icon, label, tip]) => (
-        <button
-          key={kind}
-          type="button"
-          role="radio"
-          class="button"
-          aria-checked={outlineKind.value === kind}
-          data-tip={tip}
-          data-keys="O"
-          onClick={() => (outlineKind.value = kind)}
-        >
-          <Icon name={icon} />
-          {label}
-        </button>
-      ))}
-    </div>
+    <RadioGroup
+      label="Outline"
+      class="segmented"
+      options={KINDS}
+      value={outlineKind.value}
+      onChoose={(kind) => (outlineKind.value = kind)}
+    />
   );
 }

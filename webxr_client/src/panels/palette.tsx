@@ -2,12 +2,16 @@
 import { computed } from '@preact/signals';
 import { actions } from '../actions';
 import { finishLabel, isNew, newLabel } from '../engine/new-label';
+import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { Button } from './controls';
 import { count, plural } from './format';
 import { Icon } from './icon';
 import { LabelRow } from './label-row';
 import { NameField } from './name-field';
+import { listed, search, shownGroups } from './palette-list';
+import { PaletteMenuButton } from './palette-menu';
+import { PaletteSearch } from './palette-search';
 
 export function Palette() {
   if (!state.sequence.value) return null;
@@ -18,6 +22,7 @@ export function Palette() {
         <h2>Labels</h2>
         <span class="faint number">{palette.length > 0 ? palette.length : ''}</span>
         <span class="spacer" />
+        <PaletteMenuButton />
         <Button
           icon="plus"
           tip="New label"
@@ -27,17 +32,57 @@ export function Palette() {
           onClick={() => void actions.newLabel()}
         />
       </div>
-      <ul class="labels" role="listbox" aria-label="Labels">
-        {palette.map((label, index) =>
-          isNew(newLabel.value, label) ? null : (
-            <LabelRow key={label.id} label={label} number={index + 1} />
-          ),
-        )}
-        <NewRow />
-        {palette.length === 0 && !newLabel.value && <NoLabels />}
-      </ul>
+      {palette.length > 0 && <PaletteSearch />}
+      {palette.length === 0 && !newLabel.value ? <NoLabels /> : <LabelList />}
       <Unlabeled />
     </>
+  );
+}
+
+function LabelList() {
+  const groups = shownGroups.value;
+  const numbers = new Map(listed.value.map((label, index) => [label.id, index + 1]));
+  return (
+    <div class="labels" role="grid" aria-label="Labels">
+      {groups.map(({ category, labels }) => (
+        <ul
+          key={category ?? ''}
+          role="rowgroup"
+          aria-label={category === null ? 'All labels' : category || 'No category'}
+        >
+          {category !== null && <GroupHead category={category} labels={labels} />}
+          {labels.map((label) =>
+            isNew(newLabel.value, label) ? null : (
+              <LabelRow key={label.id} label={label} number={numbers.get(label.id) ?? 0} />
+            ),
+          )}
+        </ul>
+      ))}
+      <NewRow />
+      {groups.length === 0 && !newLabel.value && <NothingFound />}
+    </div>
+  );
+}
+
+function GroupHead({ category, labels }: { category: string; labels: readonly Label[] }) {
+  const points = labels.reduce((sum, { id }) => sum + (state.counts.value.get(id) ?? 0), 0);
+  return (
+    <li class="group-head" role="row">
+      <span role="gridcell" class="name">
+        {category || 'No category'}
+      </span>
+      <span role="gridcell" class="number" data-tip={`${plural(points, 'point')} in all frames`}>
+        {labels.length}
+      </span>
+    </li>
+  );
+}
+
+function NothingFound() {
+  return (
+    <div role="row" class="no-labels">
+      <span role="gridcell">No label has “{search.value}”.</span>
+    </div>
   );
 }
 
@@ -46,16 +91,18 @@ function NewRow() {
   const draft = newLabel.value;
   if (!draft) return null;
   return (
-    <li class="label-row" role="option" aria-selected aria-label={draft.name}>
-      <span class="color-button" style={{ '--color': draft.color }} />
-      <NameField name={draft.name} onFinish={(name) => void finishLabel(name)} />
-    </li>
+    <div class="label-row" role="row" aria-selected aria-label={draft.name}>
+      <span role="gridcell" class="color-button" style={{ '--color': draft.color }} />
+      <span role="gridcell">
+        <NameField name={draft.name} onFinish={(name) => void finishLabel(name)} />
+      </span>
+    </div>
   );
 }
 
 function NoLabels() {
   return (
-    <li class="no-labels">
+    <div class="labels no-labels">
       <p>A label is one thing to follow: a pin, a hand, a person.</p>
       <Button
         icon="plus"
@@ -64,7 +111,7 @@ function NoLabels() {
         disabled={!canEdit.value}
         onClick={() => void actions.newLabel()}
       />
-    </li>
+    </div>
   );
 }
 

@@ -21,10 +21,13 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
     const focusable = box.current.querySelector<HTMLElement>(
       '[data-autofocus], button, input, select',
     );
-    focusable?.focus({ preventScroll: true });
+    (focusable ?? box.current).focus({ preventScroll: true });
     const opener = anchor.current;
+    const opened = box.current;
     return () => {
-      if (document.activeElement === document.body) opener.focus({ preventScroll: true });
+      const { activeElement } = document;
+      if (activeElement === document.body || opened.contains(activeElement))
+        opener.focus({ preventScroll: true });
     };
   }, [anchor]);
   useEffect(() => {
@@ -41,6 +44,7 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
       class={`popover ${extra}`}
       role="dialog"
       aria-label={label}
+      tabIndex={-1}
       onKeyDown={(event) => keys(event, box.current!, onClose)}
     >
       {children}

@@ -2,7 +2,7 @@
 import type { Label } from '../protocol/messages';
 import type { LoadedRange, TimelineRow } from '../state';
 import type { FrameRange } from './range';
-import { frameToX, runs, ticks, type CellKind, type Span } from './timeline-layout';
+import { frameToX, runs, ticks, type CellKind, type Run, type Span } from './timeline-layout';
 
 export interface TimelinePicture {
   readonly span: Span;
@@ -50,12 +50,17 @@ export const HIDDEN = 0.75;
 
 const SOLIDITY: Record<CellKind, number> = {
   none: 0,
-  tracked: 0.5,
+  tracked: 0.8,
   painted: 1,
   occluded: 0.22,
   doubtful: 0.5,
   lost: 0.22,
 };
+
+/** How solid a tracked stretch is of the most that it can be: half where it is least sure. */
+function shadeOf(sure: number): number {
+  return Math.max(0.4, 0.3 + 0.7 * sure);
+}
 
 type Pen = CanvasRenderingContext2D;
 
@@ -85,6 +90,19 @@ export function drawTimeline(pen: Pen, sizes: TimelineSizes, picture: TimelinePi
   pen.restore();
 }
 
+/** A stretch of each kind, as the legend shows it. */
+export function drawSample(
+  pen: Pen,
+  run: Pick<Run, 'kind' | 'sure'>,
+  color: string,
+  width: number,
+  height: number,
+): void {
+  pen.fillStyle = STRIP_INK.lane;
+  pen.fillRect(0, 0, width, height);
+  drawRun(pen, run, color, 0, 0, width, height);
+}
+
 function drawLane(
   pen: Pen,
   sizes: TimelineSizes,
@@ -108,7 +126,7 @@ function drawLane(
   for (const run of runs(cells, picture.span, picture.frames, inner)) {
     const left = gutter + frameToX(run.from, picture.span, inner);
     const right = gutter + frameToX(run.to, picture.span, inner);
-    drawRun(pen, run.kind, label.color, left, top + gap, Math.max(1, right - left), row - gap);
+    drawRun(pen, run, label.color, left, top + gap, Math.max(1, right - left), row - gap);
   }
   pen.restore();
   pen.font = `500 ${fontSize}px ${font}`;
@@ -138,14 +156,14 @@ function drawName(
 
 function drawRun(
   pen: Pen,
-  kind: CellKind,
+  { kind, sure }: Pick<Run, 'kind' | 'sure'>,
   color: string,
   left: number,
   top: number,
   width: number,
   height: number,
 ): void {
-  pen.globalAlpha = SOLIDITY[kind];
+  pen.globalAlpha = SOLIDITY[kind] * (sure === undefined ? 1 : shadeOf(sure));
   pen.fillStyle = kind === 'lost' ? STRIP_INK.bad : color;
   pen.fillRect(left, top, width, height);
   pen.globalAlpha = 1;

@@ -1,6 +1,15 @@
 import { describe, expect, it } from 'vitest';
 import type { TimelineRow } from '../state';
-import { cellKind, doubtfulFrames, reveal, runs, ticks, xToFrame, zoom } from './timeline-layout';
+import {
+  cellKind,
+  doubtfulFrames,
+  nextUnlabelled,
+  reveal,
+  runs,
+  ticks,
+  xToFrame,
+  zoom,
+} from './timeline-layout';
 
 /** One character a frame: p painted, t tracked, ? doubtful, x lost, o occluded. */
 function row(text: string): TimelineRow {
@@ -25,8 +34,8 @@ describe('strips', () => {
   it('join equal frames', () => {
     expect(runs(row('pttt..tt'), { first: 0, length: 8 }, 8, 100)).toEqual([
       { from: 0, to: 1, kind: 'painted' },
-      { from: 1, to: 4, kind: 'tracked' },
-      { from: 6, to: 8, kind: 'tracked' },
+      { from: 1, to: 4, kind: 'tracked', sure: 0.8 },
+      { from: 6, to: 8, kind: 'tracked', sure: 0.8 },
     ]);
   });
 
@@ -34,6 +43,21 @@ describe('strips', () => {
     const text = `${'t'.repeat(500)}?${'t'.repeat(499)}`;
     const found = runs(row(text), { first: 0, length: 1000 }, 1000, 100);
     expect(found.map((run) => run.kind)).toEqual(['tracked', 'doubtful', 'tracked']);
+  });
+
+  it('are shaded by confidence', () => {
+    const cells = row('tttt');
+    cells.confidence.set([1, 0.99, 0.61, 0.6]);
+    const shades = runs(cells, { first: 0, length: 4 }, 4, 100).map(({ to, sure }) => [to, sure]);
+    expect(shades).toEqual([[1, 1], [2, 0.8], [4, 0.6]]); // prettier-ignore
+  });
+
+  it('lead to the next frame without a label', () => {
+    const rows = [row('pp..p.'), row('p.p.t.')];
+    expect(nextUnlabelled(rows, 0, 6, 1)).toBe(3);
+    expect(nextUnlabelled(rows, 3, 6, 1)).toBe(5);
+    expect(nextUnlabelled(rows, 3, 6, -1)).toBe(5);
+    expect(nextUnlabelled([row('pp')], 0, 2, 1)).toBeNull();
   });
 
   it('know which frames want a look', () => {

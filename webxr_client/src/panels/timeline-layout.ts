@@ -51,6 +51,17 @@ export interface Run {
   readonly from: number;
   readonly to: number;
   readonly kind: CellKind;
+  /** Least confidence of tracked frames, in fifths: how solid they are drawn. */
+  readonly sure?: number;
+}
+
+const SHADES = 5;
+
+/** Confidence of what was tracked in frames [from, to), rounded down to a shade. */
+function sureness(row: TimelineRow, from: number, to: number): number {
+  let least = 1;
+  for (let frame = from; frame < to; frame++) least = Math.min(least, row.confidence[frame] || 1);
+  return Math.floor(least * SHADES + 1e-6) / SHADES;
 }
 
 /** Runs of equal cells in a span, frames grouped so that there are at most `columns` of them. */
@@ -67,14 +78,29 @@ export function runs(row: TimelineRow, span: Span, frames: number, columns: numb
     }
     const kind = SEVERITY[worst]!;
     if (kind === 'none') continue;
+    const shade = kind === 'tracked' ? { sure: sureness(row, at, to) } : {};
     const previous = found.at(-1);
-    if (previous?.to === at && previous.kind === kind) {
+    if (previous?.to === at && previous.kind === kind && previous.sure === shade.sure) {
       found[found.length - 1] = { ...previous, to };
     } else {
-      found.push({ from: at, to, kind });
+      found.push({ from: at, to, kind, ...shade });
     }
   }
   return found;
+}
+
+/** The nearest frame in a direction where no label has a point, or null. */
+export function nextUnlabelled(
+  rows: readonly TimelineRow[],
+  from: number,
+  frames: number,
+  direction: 1 | -1,
+): number | null {
+  for (let away = 1; away < frames; away++) {
+    const frame = (((from + away * direction) % frames) + frames) % frames;
+    if (rows.every((row) => row.points[frame] === 0)) return frame;
+  }
+  return null;
 }
 
 /** Frames of any label that need a look, ascending. */

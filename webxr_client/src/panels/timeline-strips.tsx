@@ -4,6 +4,8 @@ import { useEffect, useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { state } from '../state';
 import { frameRange, type FrameRange } from './range';
+import { stripHover } from './strip-hover';
+import { stripPlace } from './strip-menu';
 import { drawTimeline, type TimelineSizes } from './timeline-draw';
 import { pan, reveal, xToFrame, zoom, type Span } from './timeline-layout';
 import { follow } from '../watch';
@@ -89,7 +91,7 @@ export function Strips({ frames }: { frames: number }) {
     };
   }, [frames, scroll, size, span]);
 
-  const frameAt = (event: PointerEvent): number => {
+  const frameAt = (event: MouseEvent): number => {
     const { gutter, width } = sizesOf(size.peek());
     return xToFrame(event.offsetX - gutter, span.peek(), width - gutter, frames);
   };
@@ -125,8 +127,30 @@ export function Strips({ frames }: { frames: number }) {
       aria-valuenow={state.frame.value}
       onPointerDown={(event) => drag(event, frameAt, rows, scroll.peek())}
       onDblClick={() => (frameRange.value = null)}
+      onPointerMove={(event) => {
+        if (event.pointerType === 'touch' || event.offsetX < GUTTER_NARROW) return;
+        const bottom = innerHeight - event.currentTarget.getBoundingClientRect().top + 6;
+        const label = labelAt(event.offsetY, scroll.peek())?.id ?? null;
+        stripHover.value = { frame: frameAt(event), label, x: event.clientX, bottom };
+      }}
+      onPointerLeave={() => (stripHover.value = null)}
+      onContextMenu={(event) => {
+        event.preventDefault();
+        const label = labelAt(event.offsetY, scroll.peek());
+        const frame = frameAt(event);
+        stripHover.value = null;
+        if (!label) return;
+        actions.selectLabel(label.id);
+        stripPlace.value = { label: label.id, frame, x: event.clientX, y: event.clientY };
+      }}
     />
   );
+}
+
+/** The label of the strip at a height, or undefined on the ruler and below the last. */
+function labelAt(offsetY: number, scroll: number) {
+  const row = Math.floor((offsetY - RULER) / ROW) + scroll;
+  return offsetY < RULER ? undefined : shownLabels()[row];
 }
 
 /** Strips that a height has room for. */

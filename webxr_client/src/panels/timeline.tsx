@@ -8,6 +8,9 @@ import { frameRange, ordered } from './range';
 import { doubtfulFrames } from './timeline-layout';
 import { TimelineHandle } from './timeline-height';
 import { Strips } from './timeline-strips';
+import { StripCard } from './strip-hover';
+import { StripLegend } from './strip-legend';
+import { StripMenu } from './strip-menu';
 import { trackOpen } from './track-form';
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -26,8 +29,11 @@ export function Timeline() {
         <Doubt />
         <RangeChip />
         <Doubtful frames={sequence.frames} />
+        <StripLegend />
       </div>
       <Strips frames={sequence.frames} />
+      <StripCard />
+      <StripMenu />
     </>
   );
 }

@@ -14,6 +14,7 @@ import { Button, Check, Slider } from './controls';
 import { metres } from './format';
 import { Icon } from './icon';
 import { Popover } from './popover';
+import { RadioGroup } from './radio-group';
 
 const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['rgb', 'Colour', 'rgb'],
@@ -80,28 +81,26 @@ function FloorOptions() {
   );
 }
 
+const SHAPES = DESK_WAYS.map(({ shape, icon, desk }) => ({
+  value: shape,
+  icon,
+  label: desk.label,
+  tip: desk.tip,
+  keys: desk.key,
+}));
+
 function BrushOptions() {
   const brush = state.brush.value;
   const way = deskWay(brush.shape);
   return (
     <>
-      <div class="segmented" role="radiogroup" aria-label="Shape">
-        {DESK_WAYS.map(({ shape, icon, desk }) => (
-          <button
-            key={shape}
-            type="button"
-            role="radio"
-            class="button"
-            aria-checked={brush.shape === shape}
-            data-tip={desk.tip}
-            data-keys={desk.key}
-            onClick={() => actions.setShape(shape)}
-          >
-            <Icon name={icon} />
-            {desk.label}
-          </button>
-        ))}
-      </div>
+      <RadioGroup
+        label="Shape"
+        class="segmented"
+        options={SHAPES}
+        value={brush.shape}
+        onChoose={(shape) => actions.setShape(shape)}
+      />
       {way.name === 'lasso' && <OutlineKinds />}
       {way.size !== null && (
         <Slider

@@ -1,49 +1,39 @@
 /** Above the canvas: recording, tools, history, tracking, export, people. */
 import { useRef } from 'preact/hooks';
-import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../state';
 import { chooseTheme, theme } from '../theme';
 import { ReviewButton } from '../reviewing/button';
 import { Button } from './controls';
 import { ExportMenu } from './export-menu';
-import { helpOpen } from './help';
 import { HistoryMenu } from './history-menu';
-import { Icon } from './icon';
-import type { IconName } from './icons';
+import { exportOpen, helpOpen, historyOpen } from './open';
 import { ConnectionStatus, People } from './people';
+import { RadioGroup, type RadioOption } from './radio-group';
 import { SequenceMenu } from './sequence-menu';
 import { ToolOptions } from './tool-options';
 import { TrackForm, trackOpen } from './track-form';
 
-interface ToolEntry {
-  tool: Tool;
-  icon: IconName;
-  label: string;
-  tip: string;
-  keys: string;
-}
-
-const TOOLS: readonly ToolEntry[] = [
+const TOOLS: readonly RadioOption<Tool>[] = [
   {
-    tool: 'navigate',
+    value: 'navigate',
     icon: 'navigate',
     label: 'Look',
     tip: 'Look around: drag to turn',
     keys: 'V',
   },
-  { tool: 'paint', icon: 'brush', label: 'Paint', tip: 'Paint the active label', keys: 'B' },
-  { tool: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'C' },
+  { value: 'paint', icon: 'brush', label: 'Paint', tip: 'Paint the active label', keys: 'B' },
+  { value: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'C' },
   {
-    tool: 'pick',
+    value: 'pick',
     icon: 'picker',
     label: 'Pick',
     tip: 'Take the label under the pointer',
     keys: 'I',
   },
-  { tool: 'delete', icon: 'noise', label: 'Delete', tip: 'Delete noise points', keys: 'X' },
+  { value: 'delete', icon: 'noise', label: 'Delete', tip: 'Delete noise points', keys: 'X' },
   {
-    tool: 'restore',
+    value: 'restore',
     icon: 'restore',
     label: 'Restore',
     tip: 'Bring deleted points back',
@@ -89,30 +79,20 @@ function WelcomeBar() {
 }
 
 function Tools() {
+  const options = TOOLS.map((entry) => ({
+    ...entry,
+    disabled: entry.value !== 'navigate' && !canEdit.value,
+  }));
   return (
-    <div class="group tools" role="radiogroup" aria-label="Tool">
-      {TOOLS.map(({ tool, icon, label, tip, keys }) => (
-        <button
-          key={tool}
-          type="button"
-          role="radio"
-          class="button"
-          aria-checked={state.tool.value === tool}
-          aria-label={label}
-          data-tip={tip}
-          data-keys={keys || undefined}
-          disabled={tool !== 'navigate' && !canEdit.value}
-          onClick={() => actions.setTool(tool)}
-        >
-          <Icon name={icon} />
-          <span class="button-label">{label}</span>
-        </button>
-      ))}
-    </div>
+    <RadioGroup
+      label="Tool"
+      class="group tools"
+      options={options}
+      value={state.tool.value}
+      onChoose={(tool) => actions.setTool(tool)}
+    />
   );
 }
-
-const historyOpen = signal(false);
 
 function History() {
   const anchor = useRef<HTMLButtonElement>(null);
@@ -165,8 +145,6 @@ function TrackButton() {
     </>
   );
 }
-
-const exportOpen = signal(false);
 
 function ExportButton() {
   const anchor = useRef<HTMLButtonElement>(null);

@@ -1,0 +1,172 @@
+/**
+ * Everything that can be asked for, as one table: the keyboard listens by it, the help lists its
+ * shortcuts, and the command palette offers all of it.
+ */
+import { actions, type ViewPreset } from '../actions';
+import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/open';
+import { pickFiles } from '../panels/import-files';
+import { frameRange } from '../panels/range';
+import { renaming } from '../panels/renaming';
+import { trackOpen } from '../panels/track-form';
+import {
+  activeLabel,
+  canEdit,
+  canManage,
+  patch,
+  state,
+  trackingJob,
+  type BrushSettings,
+  type ColorMode,
+  type Tool,
+  type ViewSettings,
+} from '../state';
+import { KEYS, type KeyBinding } from './keys';
+
+type Group = KeyBinding['group'];
+
+const inRecording = (): boolean => state.sequence.peek() !== null;
+const edits = (): boolean => inRecording() && canEdit.peek();
+const hasLabel = (): boolean => edits() && activeLabel.peek() !== null;
+
+/** A command that has no shortcut. */
+function plain(
+  group: Group,
+  what: string,
+  run: () => unknown,
+  when: () => boolean = inRecording,
+): KeyBinding {
+  return { keys: [], shown: '', group, what, run, when };
+}
+
+function tool(name: Tool, what: string): KeyBinding {
+  return plain('Tools', what, () => actions.setTool(name), edits);
+}
+
+function key(
+  name: string,
+  shown: string,
+  group: Group,
+  what: string,
+  run: () => unknown,
+): KeyBinding {
+  return { keys: [name], shown, group, what, run, when: inRecording };
+}
+
+type Switches<T> = { [K in keyof T]: T[K] extends boolean ? K : never }[keyof T];
+
+function brushSwitch(name: Switches<BrushSettings>, what: string): KeyBinding {
+  return plain(
+    'Tools',
+    `${what}: on or off`,
+    () => patch(state.brush, { [name]: !state.brush.peek()[name] }),
+    edits,
+  );
+}
+
+function viewSwitch(name: Switches<ViewSettings>, what: string): KeyBinding {
+  return plain('View', `${what}: show or hide`, () =>
+    actions.setView({ [name]: !state.view.peek()[name] }),
+  );
+}
+
+function from(preset: ViewPreset, what: string): KeyBinding {
+  return plain('View', what, () => actions.viewFrom(preset));
+}
+
+function colour(color: ColorMode, what: string, field = ''): KeyBinding {
+  return plain(
+    'View',
+    `Colour points by ${what}`,
+    () => actions.setView({ color }),
+    () => inRecording() && (!field || (state.sequence.peek()?.fields ?? []).includes(field)),
+  );
+}
+
+function label(what: string, run: (id: number) => unknown): KeyBinding {
+  return plain('Labels', what, () => run(state.activeLabel.peek()), hasLabel);
+}
+
+const MORE: readonly KeyBinding[] = [
+  {
+    keys: ['ctrl+k'],
+    shown: 'Ctrl K',
+    group: 'Edit',
+    what: 'All commands',
+    listed: false,
+    run: () => (commandsOpen.value = true),
+  },
+  {
+    keys: ['?'],
+    shown: '?',
+    group: 'View',
+    what: 'Keyboard and mouse',
+    when: () => true,
+    run: () => (helpOpen.value = true),
+  },
+  key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
+  key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
+    actions.nextUnlabelled(-1),
+  ),
+  key('shift+i', 'Shift I', 'Time', 'In point: the loop begins here', () => actions.setIn()),
+  key('shift+o', 'Shift O', 'Time', 'Out point: the loop ends here', () => actions.setOut()),
+  plain('Time', 'Forget in and out points', () => (frameRange.value = null)),
+  ...[0.1, 0.25, 0.5, 1, 2, 4].map((speed) =>
+    plain('Time', `Play at ${speed}×`, () => actions.setSpeed(speed)),
+  ),
+  tool('paint', 'Paint with the shape chosen last'),
+  tool('restore', 'Restore deleted points'),
+  tool('floor', 'Set the floor'),
+  plain('Tools', 'Stand the recording as found at import', () => actions.resetFloor(), edits),
+  brushSwitch('onlyUnlabeled', 'Only unlabeled points'),
+  brushSwitch('through', 'Through the first surface'),
+  brushSwitch('takeLabelled', 'Take objects from other labels'),
+  brushSwitch('complete', 'Offer objects after a stroke'),
+  brushSwitch('follow', 'Follow what is painted'),
+  label('Rename the label', (id) => (renaming.value = id)),
+  label('Hide or show the label', (id) => actions.toggleVisible(id)),
+  label('Lock or unlock the label', (id) => actions.toggleLock(id)),
+  label('Show only the label, or all', (id) => actions.solo(id)),
+  label('Delete the label', (id) => actions.deleteLabel(id)),
+  plain('Labels', 'Add the labels of a palette file…', () => actions.pickPalette(), edits),
+  plain('Labels', 'Save the palette as a file', () => actions.savePalette()),
+  viewSwitch('hideUnlabeled', 'Only labeled points'),
+  viewSwitch('boxes', 'Boxes'),
+  viewSwitch('trails', 'Trails'),
+  viewSwitch('ghost', 'Ghost of the frame before'),
+  viewSwitch('eyeDome', 'Depth shading'),
+  viewSwitch('grid', 'Grid'),
+  viewSwitch('showDeleted', 'Deleted points'),
+  colour('rgb', 'their own colour', 'rgb'),
+  colour('intensity', 'intensity', 'intensity'),
+  colour('height', 'height'),
+  colour('plain', 'one colour'),
+  from('front', 'Look from the front'),
+  from('left', 'Look from the left'),
+  from('right', 'Look from the right'),
+  from('fit', 'Show everything'),
+  plain(
+    'Edit',
+    'Track labels…',
+    () => (trackOpen.value = true),
+    () => edits() && trackingJob.peek() === null,
+  ),
+  plain('Edit', 'Accept what is doubtful in this frame', () => actions.acceptHere(), edits),
+  plain('Edit', 'Track on from this frame', () => actions.continueRun(), edits),
+  plain('Edit', 'History: who changed what', () => (historyOpen.value = true)),
+  plain('Recordings', 'Export points and labels…', () => (exportOpen.value = true)),
+  plain('Recordings', 'All recordings', () => actions.closeSequence()),
+  plain(
+    'Recordings',
+    'Import files…',
+    () => pickFiles(),
+    () => canManage.peek(),
+  ),
+  plain(
+    'View',
+    'Enter VR',
+    () => actions.enterVR(),
+    () => inRecording() && state.xr.peek().supported === true,
+  ),
+];
+
+export const COMMANDS: readonly KeyBinding[] = [...KEYS, ...MORE];

@@ -1,0 +1,91 @@
+/** The whole palette: labels of a template or a file, and the palette as a file. */
+import { signal } from '@preact/signals';
+import { useEffect, useRef } from 'preact/hooks';
+import { actions } from '../actions';
+import { canEdit, state } from '../state';
+import { templates } from '../engine/palette-files';
+import { Button } from './controls';
+import { plural } from './format';
+import { Icon } from './icon';
+import { Popover } from './popover';
+
+const open = signal(false);
+const close = (): void => {
+  open.value = false;
+};
+
+export function PaletteMenuButton() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  return (
+    <>
+      <Button
+        buttonRef={anchor}
+        icon="more"
+        tip="Templates and palette files"
+        small
+        expanded={open.value}
+        onClick={() => (open.value = !open.value)}
+      />
+      {open.value && (
+        <Popover anchor={anchor} label="Palette" onClose={close}>
+          <Menu />
+        </Popover>
+      )}
+    </>
+  );
+}
+
+const NAMES: Readonly<Record<string, string>> = {
+  semantickitti: 'SemanticKITTI',
+  nuscenes: 'nuScenes',
+  las: 'LAS',
+  scannet: 'ScanNet',
+};
+
+function Menu() {
+  useEffect(() => void actions.loadTemplates(), []);
+  const cannot = !canEdit.value;
+  return (
+    <>
+      <h2>Add the labels of</h2>
+      {templates.value.map(({ name, labels }) => (
+        <button
+          key={name}
+          type="button"
+          class="menu-item"
+          disabled={cannot}
+          onClick={() => {
+            close();
+            void actions.addTemplate(name);
+          }}
+        >
+          <Icon name="layers" /> {NAMES[name] ?? name}
+          <span class="end number">{plural(labels, 'label')}</span>
+        </button>
+      ))}
+      <button
+        type="button"
+        class="menu-item"
+        disabled={cannot}
+        onClick={() => {
+          close();
+          actions.pickPalette();
+        }}
+      >
+        <Icon name="import" /> A palette file…
+      </button>
+      <hr />
+      <button
+        type="button"
+        class="menu-item"
+        disabled={state.palette.value.length === 0}
+        onClick={() => {
+          close();
+          void actions.savePalette();
+        }}
+      >
+        <Icon name="export" /> Save the palette as a file
+      </button>
+    </>
+  );
+}
