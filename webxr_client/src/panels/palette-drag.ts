@@ -22,15 +22,16 @@ export function onRowDown(event: PointerEvent, id: number): void {
   if ((event.target as Element).closest('button, input')) return;
   const row = event.currentTarget as HTMLElement;
   const { clientY: start } = event;
+  // A fast drag leaves the row at once.
+  row.setPointerCapture(event.pointerId);
   const abort = new AbortController();
   const { signal } = abort;
   const end = (): void => {
     abort.abort();
     dragged.value = null;
   };
-  const move = ({ clientY, pointerId }: PointerEvent): void => {
+  const move = ({ clientY }: PointerEvent): void => {
     if (!dragged.peek() && Math.abs(clientY - start) < SLACK) return;
-    row.setPointerCapture(pointerId);
     dragged.value = { id, before: rowBelow(row, clientY) };
   };
   const drop = (): void => {
