@@ -76,7 +76,7 @@ function KeyList({ group, rows }: KeyListProps) {
           <div key={what}>
             <dt>{what}</dt>
             <dd>
-              <span class={group === 'Mouse' ? 'faint' : 'kbd'}>{shown}</span>
+              <span class={group === 'Mouse' ? 'soft' : 'kbd'}>{shown}</span>
             </dd>
           </div>
         ))}
