@@ -1,16 +1,12 @@
-/** Light or dark: chosen here, else as the system is; kept for the next visit. */
-import { computed, signal, type ReadonlySignal } from '@preact/signals';
+/** Light or dark: dark, on which points are legible, unless chosen; kept for the next visit. */
+import { signal } from '@preact/signals';
 import { follow } from './watch';
 
 export type Theme = 'light' | 'dark';
 
 const KEY = 'pointbrush.theme';
 
-/** What was chosen; null: as the system is. */
-export const chosenTheme = signal<Theme | null>(kept());
-const system = signal<Theme>('dark');
-
-export const theme: ReadonlySignal<Theme> = computed(() => chosenTheme.value ?? system.value);
+export const theme = signal<Theme>(kept() ?? 'dark');
 
 function kept(): Theme | null {
   try {
@@ -22,7 +18,7 @@ function kept(): Theme | null {
 }
 
 export function chooseTheme(wanted: Theme): void {
-  chosenTheme.value = wanted;
+  theme.value = wanted;
   try {
     localStorage.setItem(KEY, wanted);
   } catch {
@@ -32,12 +28,6 @@ export function chooseTheme(wanted: Theme): void {
 
 /** Put the theme on the page, now and whenever it changes. */
 export function installTheme(): void {
-  const light = matchMedia('(prefers-color-scheme: light)');
-  const hear = (): void => {
-    system.value = light.matches ? 'light' : 'dark';
-  };
-  hear();
-  light.addEventListener('change', hear);
   follow(() => {
     document.documentElement.dataset['theme'] = theme.value;
     const meta = document.querySelector<HTMLMetaElement>('meta[name="color-scheme"]');
