@@ -188,7 +188,7 @@ function ImportBox() {
           Import
         </button>
       </form>
-      <p class="faint">
+      <p class="soft">
         In a terminal: <code>pointbrush import PATH…</code>
       </p>
     </section>
