@@ -15,7 +15,7 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """How frames ``first`` to ``last`` stand; None: ``label`` as a whole.
+    """State of frames ``first`` to ``last``; None: of ``label`` as a whole.
 
     ``label`` None: the frames themselves; ``place`` that the note is pinned to, source metres;
     ``at`` ISO 8601; ``changed``: labels changed after the state was given.

@@ -72,7 +72,7 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
 
 
 def labelled_frames(connection: Connection) -> dict[str, int]:
-    """How many frames of each live sequence have points with a label, where any has."""
+    """Count the frames with labelled points of each live sequence that has any."""
     counts, sequences = schema.counts, schema.sequences
     query = (
         select(sequences.c.id, func.count(distinct(counts.c.frame)))

@@ -352,7 +352,7 @@ class LabelStore:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
     def labelled_frames(self) -> dict[str, int]:
-        """How many frames of each sequence have labelled points, where any has."""
+        """Count the frames with labelled points of each sequence that has any."""
         with self._database.read() as connection:
             return reading.labelled_frames(connection)
 

@@ -13,14 +13,17 @@ LEAST_REACH = 0.005
 """Metres, about a depth camera's noise."""
 
 
-def reach_of(xyz: NDArray[np.float64]) -> float:
-    """How far from points (N, 3) the same surface's other points lie, metres."""
+def reach_of(xyz: NDArray[np.float64], spacings: float = REACH) -> float:
+    """Return metres within which a point counts as one of the surface of points (N, 3).
+
+    As many ``spacings``, the median distance between neighbours; at least ``LEAST_REACH``.
+    """
     from scipy.spatial import cKDTree
 
     if len(xyz) < 2:
         return LEAST_REACH
     apart = np.asarray(cKDTree(xyz).query(xyz, k=2)[0])[:, 1]
-    return max(LEAST_REACH, REACH * float(np.median(apart)))
+    return max(LEAST_REACH, spacings * float(np.median(apart)))
 
 
 def near(points: Points, xyz: NDArray[np.float64], reach: float) -> NDArray[np.int64]:

@@ -7,10 +7,14 @@ from numpy.typing import NDArray
 
 NEIGHBOUR = 8
 """The neighbour whose distance says how dense points are."""
-USUAL, BEYOND = 0.9, 1.5
-"""A gap is wider than so many times the distance to it of so large a share of the points."""
+USUAL_SHARE = 0.9
+"""Share of the points whose distance to that neighbour is usual."""
+GAP_FACTOR = 1.5
+"""Times that distance from which a gap is none of a surface."""
 SAMPLED = 4000
+"""Points of which it is asked."""
 FEWEST = 3
+"""Points that have a usual distance."""
 
 
 def usual_gap(xyz: NDArray[np.floating]) -> float:
@@ -21,7 +25,7 @@ def usual_gap(xyz: NDArray[np.floating]) -> float:
         return 1.0
     step = max(1, len(xyz) // SAMPLED)
     distance, _ = cKDTree(xyz).query(xyz[::step], k=min(NEIGHBOUR, len(xyz)))
-    return max(1e-3, BEYOND * float(np.quantile(np.asarray(distance)[:, -1], USUAL)))
+    return max(1e-3, GAP_FACTOR * float(np.quantile(np.asarray(distance)[:, -1], USUAL_SHARE)))
 
 
 def connected_parts(xyz: NDArray[np.floating], gap: float) -> NDArray[np.int64]:

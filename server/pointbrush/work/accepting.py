@@ -43,14 +43,14 @@ def accept_range(
     def vouched(track: Track) -> Track:
         return {**track, "confidence": 1.0, "state": "painted"}
 
-    _require(store, sequence, frames, labels)
+    require(store, sequence, frames, labels)
     return store.apply(
         sequence,
         edit_id=edit,
         author=author,
         kind="accept",
         writes={frame: theirs(frame) for frame in frames},
-        summary=f"accepted {len(labels)} labels in {_called(frames)}",
+        summary=f"accepted {len(labels)} labels in {called(frames)}",
         tracks=list(map(vouched, _tracks(store, sequence, frames, labels))),
     )
 
@@ -104,7 +104,7 @@ def _take_back(
         theirs = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
         return Write(np.flatnonzero(theirs), label=0, provenance=0, living=True)
 
-    _require(store, sequence, frames, labels)
+    require(store, sequence, frames, labels)
     tracks = _tracks(store, sequence, frames, labels)
     return store.apply(
         sequence,
@@ -112,7 +112,7 @@ def _take_back(
         author=author,
         kind=kind,
         writes={frame: found(frame) for frame in frames},
-        summary=f"{_DONE[kind]} {len(labels)} labels in {_called(frames)}",
+        summary=f"{_DONE[kind]} {len(labels)} labels in {called(frames)}",
         tracks=[{**track, **left} for track in tracks if track["state"] != "painted"],
     )
 
@@ -131,9 +131,8 @@ def _tracks(
     ]
 
 
-def _require(
-    store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]
-) -> None:
+def require(store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]) -> None:
+    """Raise BadInputError (no labels, no frames), NotFoundError or LockedLabelError (a label)."""
     if not labels:
         raise BadInputError("labels: expected at least one, got none")
     if not frames:
@@ -142,5 +141,6 @@ def _require(
         store.require_paintable(sequence, label)
 
 
-def _called(frames: Sequence[int]) -> str:
+def called(frames: Sequence[int]) -> str:
+    """Return words for one frame or several that follow each other."""
     return f"frame {frames[0]}" if len(frames) == 1 else f"frames {frames[0]} to {frames[-1]}"

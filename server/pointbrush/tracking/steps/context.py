@@ -79,7 +79,7 @@ def step_of(track: Track, fit: Registration) -> F64 | None:
 def set_other_movers_around(track: Track, view: View, world: F64) -> None:
     """Let what is unlabelled beside an object, whose surface is at ``world`` (M, 3), be known."""
     box = _beside(track, world)
-    set_rivals(track, view, _unlabelled(view, box), box)
+    set_other_movers(track, view, _unlabelled(view, box), box)
 
 
 def _beside(track: Track, world: F64) -> tuple[F64, F64]:
@@ -100,7 +100,7 @@ def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
     return near[~view.labelled()[near]]
 
 
-def set_rivals(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
+def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
     """Let the points (M,) be known as all that is unlabelled in a ``box`` about an object; what it
     missed of itself is not.
 
@@ -121,7 +121,7 @@ def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Regi
         before = taken[fit.neutral]
         taken[fit.neutral] = True
         beside = fit.moving if fit.beside is None else fit.beside
-        set_rivals(tracks[label], view, beside[~taken[beside]], fit.box)
+        set_other_movers(tracks[label], view, beside[~taken[beside]], fit.box)
         taken[fit.neutral] = before
 
 

@@ -21,7 +21,7 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Findings, together
-from pointbrush.tracking.steps.context import set_rivals
+from pointbrush.tracking.steps.context import set_other_movers
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.predict import crop
 from pointbrush.tracking.steps.relocate import find_astray, placed
@@ -142,7 +142,7 @@ def _found_again(
     state, points = settle(track, view, fit, claim, grown.get(label, _NONE), asked)
     if fit is not None:
         taken[fit.neutral] = True
-        set_rivals(track, view, fit.moving[~taken[fit.moving]], fit.box)
+        set_other_movers(track, view, fit.moving[~taken[fit.moving]], fit.box)
     return state, points
 
 

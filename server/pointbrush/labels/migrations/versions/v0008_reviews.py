@@ -1,4 +1,4 @@
-"""What people decided about frames and labels, and who is to do which frames."""
+"""Decisions of people about frames and labels, and the frames assigned to each."""
 
 import sqlalchemy as sa
 from alembic import op
