@@ -13,6 +13,8 @@ GAP_FACTOR = 1.5
 """Times that distance from which a gap is none of a surface."""
 SAMPLED = 4000
 """Points of which it is asked."""
+TOUCHING = 1.8
+"""Cells between the middles of two that touch: those at a corner are √3 apart."""
 FEWEST = 3
 """Points that have a usual distance."""
 
@@ -37,28 +39,24 @@ def connected_parts(xyz: NDArray[np.floating], gap: float) -> NDArray[np.int64]:
     """
     if len(xyz) == 0:
         return np.empty(0, np.int64)
-    cells, cell = _cells(np.asarray(xyz, np.float64), gap / 2)
-    part = _joined(cells)[cell]
+    at = np.asarray(xyz, np.float64)
+    part = touching(np.floor((at - at.min(axis=0)) / (gap / 2)).astype(np.int64))
     order = np.argsort(-np.bincount(part), kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     return np.asarray(rank[part], np.int64)
 
 
-def _cells(xyz: NDArray[np.float64], size: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the cells (c, 3) that points (n, 3) are in, and the number (n,) of each point's."""
-    at = np.floor((xyz - xyz.min(axis=0)) / size).astype(np.int64)
-    cells, cell = np.unique(at, axis=0, return_inverse=True)
-    return cells, cell.reshape(-1)
+def touching(at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a number (n,) for each point's cell ``at`` (n, 3): the same for cells that touch.
 
-
-def _joined(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return a number (c,) for each cell (c, 3): the same for those that touch, in chains."""
+    In chains, corners included.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    # Cells that touch at a corner have middles √3 apart.
-    pairs = cKDTree(cells).query_pairs(1.8, output_type="ndarray")
+    cells, cell = np.unique(at, axis=0, return_inverse=True)
+    pairs = cKDTree(cells).query_pairs(TOUCHING, output_type="ndarray")
     links = coo_array((np.ones(len(pairs), np.bool_), pairs.T), shape=(len(cells),) * 2)
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    return np.asarray(connected_components(links, directed=False)[1][cell.reshape(-1)], np.int64)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.selection.parts import touching
 from pointbrush.work.reviewing.checks.options import CheckOptions
 
 F64 = NDArray[np.float64]
-BESIDE = 1.8
-"""Cells of a grid touch, corners included, when their middles are so many cells apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +52,4 @@ def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
 
 def pieces(xyz: F64, cell: float) -> NDArray[np.int64]:
     """Return the piece (N,) that each point is of: points in touching cells of ``cell`` metres."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    grid, place = np.unique(np.floor(xyz / cell).astype(np.int64), axis=0, return_inverse=True)
-    pairs = cKDTree(grid).query_pairs(BESIDE, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(grid), len(grid)))
-    _, component = connected_components(links, directed=False)
-    return component[place.reshape(-1)].astype(np.int64)
+    return touching(np.floor(xyz / cell).astype(np.int64))
