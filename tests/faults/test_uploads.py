@@ -44,4 +44,5 @@ def test_a_second_server_leaves_the_uploads_of_the_first(tmp_path: Path) -> None
             eventually(lambda: not list((workspace / "uploads").iterdir()), 60)
             eventually(lambda: len(list((workspace / "servers").iterdir())) == 1, 60)
             assert ended(other, upload(other, "next.npy", scan()))["state"] == "done"
-        assert not list((workspace / "uploads").iterdir())
+            # A job's files go once it has said that it ended.
+            eventually(lambda: not list((workspace / "uploads").iterdir()), 60)
