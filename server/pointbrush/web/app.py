@@ -16,46 +16,16 @@ from pointbrush import __version__
 from pointbrush.settings import Settings
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
-from pointbrush.web import (
-    page,
-    problems,
-    routes_agreement,
-    routes_annotations,
-    routes_cameras,
-    routes_checks,
-    routes_edits,
-    routes_export,
-    routes_frames,
-    routes_imports,
-    routes_jobs,
-    routes_labels,
-    routes_meta,
-    routes_objects,
-    routes_palette,
-    routes_placements,
-    routes_report,
-    routes_review,
-    routes_sequences,
-    routes_taxonomy,
-    routes_tracking,
-    routes_trust,
-    socket,
-)
+from pointbrush.web import page, problems, socket
 from pointbrush.web.auth import Gate, caller
 from pointbrush.web.exports import Exports
 from pointbrush.web.kept_uploads import KeptUploads
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
+from pointbrush.web.routes import RESOURCES, meta, objects, trust
 from pointbrush.work.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
-
-RESOURCES = (
-    routes_meta, routes_sequences, routes_imports, routes_frames, routes_cameras, routes_labels,
-    routes_palette, routes_placements, routes_taxonomy, routes_edits, routes_objects,
-    routes_annotations, routes_tracking, routes_export, routes_jobs,
-    routes_review, routes_checks, routes_agreement, routes_report,
-)  # fmt: skip
 
 
 def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
@@ -80,15 +50,15 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
-    app.add_exception_handler(StaleCandidateError, routes_objects.stale_candidate)
+    app.add_exception_handler(StaleCandidateError, objects.stale_candidate)
     api = APIRouter(prefix=PREFIX, dependencies=[Depends(caller)])
     for resource in RESOURCES:
         api.include_router(resource.router)
     app.include_router(api)
-    app.include_router(routes_meta.sign_in_router, prefix=PREFIX)
+    app.include_router(meta.sign_in_router, prefix=PREFIX)
     app.include_router(socket.router, prefix=PREFIX)
-    app.include_router(routes_meta.open_router)
-    app.include_router(routes_trust.router)
+    app.include_router(meta.open_router)
+    app.include_router(trust.router)
     app.include_router(page.router)
     app.add_middleware(Guard, settings=settings, gate=app.state.gate, metrics=app.state.metrics)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

@@ -16,7 +16,7 @@ from pointbrush.errors import NotFoundError, TooManyRequestsError, UnauthorizedE
 from pointbrush.streaming.status import status_of
 from pointbrush.web.auth import Gate
 from pointbrush.web.problems import EXTRA_HEADERS, problem
-from pointbrush.web.routes_meta import set_cookie
+from pointbrush.web.routes.meta import set_cookie
 
 router = APIRouter(include_in_schema=False)
 PAGE = Path(__file__).parent / "page"

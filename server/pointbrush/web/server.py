@@ -22,7 +22,7 @@ from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.clients import is_loopback
 from pointbrush.web.patience import patient_protocol
-from pointbrush.web.routes_trust import fingerprint
+from pointbrush.web.routes.trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.web.uncopied import UncopiedProtocol
 from pointbrush.workspace import Event, Workspace

@@ -13,7 +13,7 @@ from pointbrush.streaming.messages import Color, LabelId
 from pointbrush.web.auth import Caller
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.routes_labels import EditId
+from pointbrush.web.routes.labels import EditId
 from pointbrush.web.schemas import Body, EditOut, Name
 from pointbrush.workspace import NamedLabel
 
