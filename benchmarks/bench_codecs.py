@@ -26,7 +26,7 @@ from PIL import Image
 
 from pointbrush.samples import generate
 from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
-from pointbrush.sequences.order import morton_order, progressive
+from pointbrush.sequences.octree.order import morton_order, progressive
 
 STEP = 1 / 1024
 """Metres between two values of a coordinate, as for a room."""

@@ -30,10 +30,10 @@ from pointbrush.sequences import import_large, open_sequence
 from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_vertices
-from pointbrush.sequences.grid import GridChooser
 from pointbrush.sequences.kdtree import build, pack, unpack
-from pointbrush.sequences.order import morton_order, progressive
-from pointbrush.sequences.quantise import ROOM_STEP
+from pointbrush.sequences.octree.grid import GridChooser
+from pointbrush.sequences.octree.order import morton_order, progressive
+from pointbrush.sequences.octree.quantise import ROOM_STEP
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000

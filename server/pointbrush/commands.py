@@ -22,8 +22,8 @@ from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
+from pointbrush.work.imports.previewing import Preview, PreviewRequest, preview
 from pointbrush.work.place import own_url
-from pointbrush.work.previewing import Preview, PreviewRequest, preview
 from pointbrush.work.reviewing import to_csv, to_html
 from pointbrush.workspace import Listed, Workspace
 

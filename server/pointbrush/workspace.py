@@ -39,18 +39,11 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
-from pointbrush.work import (
-    accepting,
-    checking,
-    copying,
-    exporting,
-    flooring,
-    layers,
-    palettes,
-    place,
-    thumbnails,
-)
-from pointbrush.work.annotating import LabelImports, LabelRequest
+from pointbrush.work import checking, exporting, palettes, place, thumbnails
+from pointbrush.work.annotate import accepting, copying, flooring, layers
+from pointbrush.work.annotate.placing import Placement, placements
+from pointbrush.work.annotate.splitting import Split, split_label
+from pointbrush.work.annotate.strokes import LiveStroke, edit_id
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
 from pointbrush.work.deletion import Deleted, Deletion
@@ -62,7 +55,9 @@ from pointbrush.work.events import (
     Retracted,
     SequencesChanged,
 )
-from pointbrush.work.imports import Imports
+from pointbrush.work.imports.annotating import LabelImports, LabelRequest
+from pointbrush.work.imports.previewing import Preview, PreviewRequest, Previews
+from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listed, entry, listing, problems_of
 from pointbrush.work.objects import (
@@ -73,14 +68,10 @@ from pointbrush.work.objects import (
     StaleCandidateError,
 )
 from pointbrush.work.palettes import NamedLabel
-from pointbrush.work.placing import Placement, placements
-from pointbrush.work.previewing import Preview, PreviewRequest, Previews
 from pointbrush.work.readiness import require_room
 from pointbrush.work.reviewing import Reviewing
-from pointbrush.work.runs import Runs, TrackRequest
-from pointbrush.work.splitting import Split, split_label
-from pointbrush.work.strokes import LiveStroke, edit_id
-from pointbrush.work.tracking import load_default_method
+from pointbrush.work.tracking.job import load_default_method
+from pointbrush.work.tracking.runs import Runs, TrackRequest
 
 __all__ = [
     "Answer",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
 from pointbrush.sequences import importer
-from pointbrush.work import importing
+from pointbrush.work.imports import importing
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import Headset, wear
 from tests.e2e.server import LiveServer

@@ -12,10 +12,10 @@ from pointbrush.sequences.budget import BUDGET, FEW
 from pointbrush.sequences.chunk import Grid, encode_chunk
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_points
-from pointbrush.sequences.grid import GridChooser
-from pointbrush.sequences.order import morton_order
+from pointbrush.sequences.octree.grid import GridChooser
+from pointbrush.sequences.octree.order import morton_order
+from pointbrush.sequences.octree.quantise import ROOM_STEP, coarsest_step, dequantise
 from pointbrush.sequences.path import short_path
-from pointbrush.sequences.quantise import ROOM_STEP, coarsest_step, dequantise
 
 
 def lidar(beams: int, turn: int, *, colour: bool, seed: int = 0) -> PointFrame:

@@ -16,7 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_points
-from pointbrush.sequences.quantise import ROOM_STEP, dequantise
+from pointbrush.sequences.octree.quantise import ROOM_STEP, dequantise
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 

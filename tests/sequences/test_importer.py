@@ -36,7 +36,7 @@ from pointbrush.sequences import (
 )
 from pointbrush.sequences import importer as importer_module
 from pointbrush.sequences.decoder import decode_points
-from pointbrush.sequences.quantise import dequantise
+from pointbrush.sequences.octree.quantise import dequantise
 
 
 def frame(count: int, seed: int = 0, far: float = 0.0, dtype: type = np.float32) -> PointFrame:

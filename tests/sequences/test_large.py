@@ -18,15 +18,15 @@ from pointbrush.sequences import (
     import_frames,
     import_large,
     importer,
-    octree,
     open_sequence,
-    partition,
     verify,
 )
 from pointbrush.sequences.decoder import decode_points
-from pointbrush.sequences.octree import build, hand_up, sort_codes
-from pointbrush.sequences.order import morton_codes
-from pointbrush.sequences.quantise import dequantise
+from pointbrush.sequences.octree import nodes as octree
+from pointbrush.sequences.octree import partition
+from pointbrush.sequences.octree.nodes import build, hand_up, sort_codes
+from pointbrush.sequences.octree.order import morton_codes
+from pointbrush.sequences.octree.quantise import dequantise
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from pointbrush.sequences.order import MAX_POINTS, morton_codes, morton_order, progressive
+from pointbrush.sequences.octree.order import MAX_POINTS, morton_codes, morton_order, progressive
 
 
 def room(count: int, seed: int = 0) -> np.ndarray:

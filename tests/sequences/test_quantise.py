@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pointbrush.sequences.quantise import ROOM_STEP, base_step, dequantise, quantise
+from pointbrush.sequences.octree.quantise import ROOM_STEP, base_step, dequantise, quantise
 
 finite = st.floats(-(2.0**100), 2.0**100, width=32)
 

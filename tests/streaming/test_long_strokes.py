@@ -12,7 +12,7 @@ import pytest
 
 from pointbrush.selection import Stroke, select
 from pointbrush.streaming import edits
-from pointbrush.work.painted_frame import frame_points
+from pointbrush.work.annotate.painted_frame import frame_points
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer

@@ -16,7 +16,7 @@ import pytest
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames, importer, source_order
-from pointbrush.work import kept, layers
+from pointbrush.work.annotate import kept, layers
 from tests.serving import Served, serving, settings_in
 
 POINTS = 24_000

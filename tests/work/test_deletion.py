@@ -21,7 +21,7 @@ from pointbrush.labels import KEPT_SECONDS, schema
 from pointbrush.labels.guards import EXPIRY_SECONDS
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackState
-from pointbrush.work.tracking import PendingEdit
+from pointbrush.work.tracking.job import PendingEdit
 from pointbrush.workspace import Workspace
 from tests.labels.conftest import postgres_server, postgres_url, url  # noqa: F401  # fixtures
 from tests.serving import add_sequence, settings_in

@@ -14,7 +14,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 from pointbrush.cli import main
 from pointbrush.errors import NotFoundError
 from pointbrush.settings import Settings
-from pointbrush.work.uploads import Uploads
+from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

@@ -11,7 +11,7 @@ import pytest
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import Write
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions, TrackState
-from pointbrush.work.tracking import TrackingWork
+from pointbrush.work.tracking.job import TrackingWork
 from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
@@ -73,7 +73,7 @@ def test_a_run_stops_at_the_frame_it_is_unsure_of(
             for frame in order:
                 yield FrameResult(frame, {1: POINTS}, {1: found if frame == 2 else state(0.9)})
 
-    monkeypatch.setattr("pointbrush.work.tracking.METHODS", {**METHODS, "doubts": Doubts})
+    monkeypatch.setattr("pointbrush.work.tracking.job.METHODS", {**METHODS, "doubts": Doubts})
     recording = workspace.recording(SEQUENCE)
     notes = Notes()
     TrackingWork(

@@ -18,7 +18,7 @@ from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work.tracking import LEAD, PendingEdit, TrackingWork, lead, prepare
+from pointbrush.work.tracking.job import LEAD, PendingEdit, TrackingWork, lead, prepare
 from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in

@@ -11,7 +11,7 @@ from pointbrush.tracking import TrackOptions
 from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
 from pointbrush.tracking.registry import watched
-from pointbrush.work.tracking import Knowledge, prepare
+from pointbrush.work.tracking.job import Knowledge, prepare
 from pointbrush.workspace import Workspace
 
 

@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences.codec import Bytes
+from pointbrush.sequences.octree.quantise import Quantised, quantise
 from pointbrush.sequences.path import short_path
-from pointbrush.sequences.quantise import Quantised, quantise
 from pointbrush.sequences.vertices import MOST_DROPPED, PACKED, are_related, encode, runs_of
 
 BUDGET = 6.0

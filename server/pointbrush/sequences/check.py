@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 
 from pointbrush.errors import DamagedError, PointbrushError
-from pointbrush.sequences.arrays import file_digest, read_array, read_layout
 from pointbrush.sequences.files import replace_file
 from pointbrush.sequences.manifest import FILE, read_manifest
+from pointbrush.sequences.octree.arrays import file_digest, read_array, read_layout
 
 CHECKSUMS = "checksums.json"
 

@@ -13,7 +13,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import blocks, kdtree
 from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
-from pointbrush.sequences.order import morton_order, progressive
+from pointbrush.sequences.octree.order import morton_order, progressive
 
 CHUNK_POINTS = 65536
 _ROWS = 1 << 15

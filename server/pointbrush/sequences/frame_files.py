@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
-from pointbrush.sequences.arrays import (
+from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.octree.arrays import (
     Arrays,
     Layout,
     map_file,
@@ -32,7 +33,6 @@ from pointbrush.sequences.arrays import (
     read_rows,
     release,
 )
-from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.verification import stamp_of, verifier
 
 COPIED_BYTES = 256 << 20

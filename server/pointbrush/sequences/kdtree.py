@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.order import bounds
+from pointbrush.sequences.octree.order import bounds
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree

@@ -15,8 +15,8 @@ from typing import Any
 
 from pointbrush.errors import DamagedError, NotFoundError
 from pointbrush.formats.pictures import Picture
-from pointbrush.sequences.arrays import digest
 from pointbrush.sequences.files import write_file
+from pointbrush.sequences.octree.arrays import digest
 
 CAMERAS = "cameras"
 MEDIA_TYPES = {".jpg": "image/jpeg", ".png": "image/png", ".webp": "image/webp"}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences.codec import Bytes, encode_vertices
-from pointbrush.sequences.quantise import Quantised
+from pointbrush.sequences.octree.quantise import Quantised
 
 WIRE_STRIDE = 12
 RELATIVE = 1

@@ -21,8 +21,8 @@ from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
+from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects import ObjectStroke
-from pointbrush.work.strokes import LiveStroke
 
 Edit = (
     messages.StrokeBegin

@@ -14,7 +14,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Delta, FrameValues
 from pointbrush.sequences import Chunk, StoredFrame
 from pointbrush.streaming.messages import ClientMessage, Message
-from pointbrush.streaming.status import MalformedError
+from pointbrush.streaming.shared.status import MalformedError
 
 DELETED = 65535
 """Wire value of a deleted point."""

@@ -15,13 +15,13 @@ from pointbrush.errors import NotFoundError, PointbrushError
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
-from pointbrush.streaming.cache import MessageCache
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.load import Load
 from pointbrush.streaming.metrics import Metrics
-from pointbrush.streaming.presence import Presence
 from pointbrush.streaming.room import Room
-from pointbrush.streaming.shelf import Shelf
+from pointbrush.streaming.shared.cache import MessageCache
+from pointbrush.streaming.shared.presence import Presence
+from pointbrush.streaming.shared.shelf import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.workspace import (
     Event,

@@ -10,16 +10,16 @@ from typing import Any, Protocol
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit, Delta, GapError
 from pointbrush.sequences import Sequence
-from pointbrush.streaming.board import Board, Place
-from pointbrush.streaming.cache import MessageCache, Versioned
 from pointbrush.streaming.encoding import (
     encode_delta,
     encode_provisional,
     encode_whole,
 )
 from pointbrush.streaming.outbox import Outbox, QueuedDelta
-from pointbrush.streaming.shelf import Shelf
-from pointbrush.streaming.stock import PointsMessage, Stock
+from pointbrush.streaming.shared.board import Board, Place
+from pointbrush.streaming.shared.cache import MessageCache, Versioned
+from pointbrush.streaming.shared.shelf import Shelf
+from pointbrush.streaming.shared.stock import PointsMessage, Stock
 from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 

@@ -14,10 +14,10 @@ from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.load import Load
 from pointbrush.streaming.outbox import Outbox
 from pointbrush.streaming.plan import Plan
-from pointbrush.streaming.presence import color_of
 from pointbrush.streaming.rate import Link
 from pointbrush.streaming.room import Room
-from pointbrush.streaming.status import status_of
+from pointbrush.streaming.shared.presence import color_of
+from pointbrush.streaming.shared.status import status_of
 
 CREDITS = 8
 """Frame messages that may be on their way to a viewer; their bytes are bounded besides."""

@@ -24,7 +24,7 @@ from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
 from pointbrush.web.routes import RESOURCES, meta, objects, trust
-from pointbrush.work.uploads import Uploads
+from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from pointbrush.errors import BadInputError
 from pointbrush.streaming.encoding import describe
-from pointbrush.streaming.status import MalformedError
+from pointbrush.streaming.shared.status import MalformedError
 
 Model = TypeVar("Model", bound=BaseModel)
 

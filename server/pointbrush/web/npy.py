@@ -13,7 +13,7 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.streaming.status import MalformedError
+from pointbrush.streaming.shared.status import MalformedError
 
 MEDIA_TYPE = "application/x-npy"
 BLOCK = 1 << 18

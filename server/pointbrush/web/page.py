@@ -13,7 +13,7 @@ from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.datastructures import URL
 
 from pointbrush.errors import NotFoundError, TooManyRequestsError, UnauthorizedError
-from pointbrush.streaming.status import status_of
+from pointbrush.streaming.shared.status import status_of
 from pointbrush.web.auth import Gate
 from pointbrush.web.problems import EXTRA_HEADERS, problem
 from pointbrush.web.routes.meta import set_cookie

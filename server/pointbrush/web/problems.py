@@ -18,7 +18,7 @@ from starlette.routing import compile_path
 from pointbrush import errors
 from pointbrush.shortage import shortage
 from pointbrush.streaming.encoding import describe
-from pointbrush.streaming.status import status_of
+from pointbrush.streaming.shared.status import status_of
 
 logger = logging.getLogger(__name__)
 

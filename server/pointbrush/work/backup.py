@@ -12,8 +12,8 @@ from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import LabelStore, move, restore
 from pointbrush.sequences.manifest import rename_sequence
 from pointbrush.work import place
+from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
-from pointbrush.work.uploads import any_alive
 
 DATABASE = "labels.sqlite"
 RECORDINGS = "sequences"

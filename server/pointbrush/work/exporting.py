@@ -14,8 +14,8 @@ from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence, source_blocks
-from pointbrush.work.kept import KeptAnnotation
-from pointbrush.work.layers import require_layer
+from pointbrush.work.annotate.kept import KeptAnnotation
+from pointbrush.work.annotate.layers import require_layer
 
 Columns = dict[str, NDArray[Any]]
 

@@ -10,7 +10,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.sequences import Manifest, verify
 from pointbrush.work import checking
 from pointbrush.work.deletion import Deletion
-from pointbrush.work.imports import Imports
+from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
 
 

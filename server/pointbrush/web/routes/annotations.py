@@ -24,8 +24,8 @@ from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 from pointbrush.web.schemas_work import JobOut
 from pointbrush.web.upload_files import save
-from pointbrush.work.roots import allowed
-from pointbrush.work.uploads import Uploads
+from pointbrush.work.imports.roots import allowed
+from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["annotations"])

@@ -18,7 +18,7 @@ from pointbrush.web.auth import Caller
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
-from pointbrush.work.layers import require_layer
+from pointbrush.work.annotate.layers import require_layer
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["frames"])

@@ -26,8 +26,8 @@ from pointbrush.web.kept_uploads import KeptUploads, Upload
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
 from pointbrush.web.upload_files import relative_path, save
-from pointbrush.work.roots import allowed
-from pointbrush.work.uploads import Uploads
+from pointbrush.work.imports.roots import allowed
+from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 router = APIRouter(tags=["imports"])

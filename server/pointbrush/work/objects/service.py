@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import FrameValues, LabelStore
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.painted_frame import frame_points
+from pointbrush.work.annotate.seen import Seen
 from pointbrush.work.events import Prepared
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.clicks import Clicks, surface_hits
 from pointbrush.work.objects.options import ObjectOptions
 from pointbrush.work.objects.states import States
-from pointbrush.work.painted_frame import frame_points
-from pointbrush.work.seen import Seen
 
 Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -15,10 +15,10 @@ from pointbrush.selection import Stroke
 from pointbrush.selection.near import near, reach_of
 from pointbrush.selection.rigid import inverse, transformed
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.painted_frame import PaintedFrame
+from pointbrush.work.annotate.placing import placements
+from pointbrush.work.annotate.strokes import write_of
 from pointbrush.work.objects.service import Level, Objects
-from pointbrush.work.painted_frame import PaintedFrame
-from pointbrush.work.placing import placements
-from pointbrush.work.strokes import write_of
 
 REPLACED = uuid.UUID("6f0a6f9e-7d0e-5a3c-9c77-6f626a656374")
 """Namespace of the undo that goes before a stroke that replaces another one."""

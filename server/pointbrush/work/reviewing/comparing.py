@@ -13,7 +13,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
-from pointbrush.work.kept import KeptAnnotation
+from pointbrush.work.annotate.kept import KeptAnnotation
 from pointbrush.work.reviewing.confusion import Agreement, agreement, pairs
 from pointbrush.work.reviewing.picture import Difference, draw
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences.files import write_all, write_file
-from pointbrush.sequences.segment import Segment
+from pointbrush.sequences.octree.segment import Segment
 
 _COPY = 1 << 24
 _DIRTY = 1 << 28

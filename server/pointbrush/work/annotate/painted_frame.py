@@ -12,9 +12,9 @@ from pointbrush.selection.overlay import Layer
 from pointbrush.selection.ray import Alive
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.changing import Changing
-from pointbrush.work.placing import Placement
-from pointbrush.work.seen import LAYER_BLOCK, Seen
+from pointbrush.work.annotate.changing import Changing
+from pointbrush.work.annotate.placing import Placement
+from pointbrush.work.annotate.seen import LAYER_BLOCK, Seen
 
 
 def frame_points(frame: StoredFrame) -> Points:

@@ -29,7 +29,7 @@ from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.work.importing import IMPORTED, learn_own
+from pointbrush.work.imports.importing import IMPORTED, learn_own
 from pointbrush.worker import Channel
 
 Key = tuple[int, int]

@@ -16,8 +16,8 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work import importing
 from pointbrush.work.events import Event, SequencesChanged
+from pointbrush.work.imports import importing
 from pointbrush.work.library import Library, ids_for
 from pointbrush.worker import Work
 

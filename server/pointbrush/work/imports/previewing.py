@@ -29,7 +29,7 @@ from pointbrush.formats.source import open_source
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import axis_of
-from pointbrush.work.importing import DEFAULT_FPS, PART_POINTS, large_scan
+from pointbrush.work.imports.importing import DEFAULT_FPS, PART_POINTS, large_scan
 from pointbrush.worker import local_processes
 
 FRAMES = 3

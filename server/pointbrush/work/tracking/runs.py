@@ -12,8 +12,9 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
-from pointbrush.work import told, tracking
 from pointbrush.work.events import Event, Provisional, Retracted
+from pointbrush.work.tracking import job as tracking
+from pointbrush.work.tracking import told
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED, FrameValues
 from pointbrush.ranges import by_block
 from pointbrush.selection import PointSet, Stroke
-from pointbrush.work.seen import LAYER_BLOCK
+from pointbrush.work.annotate.seen import LAYER_BLOCK
 
 
 class Changing:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from pointbrush.sequences import blocks
 from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.columns import POINT_FIELDS, gather, residual, to_local
-from pointbrush.sequences.octree import Node, build, hand_up, sort_codes
-from pointbrush.sequences.order import morton_codes
-from pointbrush.sequences.rows import Rows
+from pointbrush.sequences.octree.nodes import Node, build, hand_up, sort_codes
+from pointbrush.sequences.octree.order import morton_codes
+from pointbrush.sequences.octree.rows import Rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,8 +8,8 @@ from typing import Any
 
 from pointbrush.labels import Cell, Commit, Label, LabelStore
 from pointbrush.streaming import messages
-from pointbrush.streaming.cache import MessageCache, Versioned
 from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
 Place = tuple[int, int]
 """Frame and label: a cell of the timeline."""

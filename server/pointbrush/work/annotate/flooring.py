@@ -19,8 +19,8 @@ from pointbrush.selection import Points, Stroke, first_hits, fit_plane
 from pointbrush.selection.ray import Alive
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.painted_frame import frame_points
-from pointbrush.work.seen import Seen
+from pointbrush.work.annotate.painted_frame import frame_points
+from pointbrush.work.annotate.seen import Seen
 
 Vector = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from pointbrush.tracking import FrameResult
-from pointbrush.work.tracking import doubtful
+from pointbrush.work.tracking.job import doubtful
 
 MOST_NAMED = 4
 """Labels that are told of one by one; of those beyond only their number."""

@@ -11,9 +11,9 @@ from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED
 from pointbrush.selection.near import near, reach_of
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.accepting import called, require
-from pointbrush.work.painted_frame import frame_points
-from pointbrush.work.placing import placements
+from pointbrush.work.annotate.accepting import called, require
+from pointbrush.work.annotate.painted_frame import frame_points
+from pointbrush.work.annotate.placing import placements
 
 SPACINGS = 1.5
 """Points belong to an object within this many times the spacing of its points."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences.columns import gather, to_local
-from pointbrush.sequences.order import bounds
+from pointbrush.sequences.octree.order import bounds
 
 Key = tuple[int, int, int]
 

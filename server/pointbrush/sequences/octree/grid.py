@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
-from pointbrush.sequences.quantise import base_step, coarsest_step
+from pointbrush.sequences.octree.quantise import base_step, coarsest_step
 
 FAR = 1024.0
 """Coordinates beyond this (metres) are shifted: float32 has less than 0.1 mm left there."""

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import LabelStore
-from pointbrush.work.layers import LAYERS
-from pointbrush.work.packed import Packed
+from pointbrush.work.annotate.layers import LAYERS
+from pointbrush.work.annotate.packed import Packed
 
 PIECE_POINTS = 1_000_000
 

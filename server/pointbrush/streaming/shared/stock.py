@@ -9,7 +9,7 @@ from typing import Any
 from pointbrush.sequences import Sequence
 from pointbrush.sequences.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.encoding import encode_frame
-from pointbrush.streaming.shelf import OpenFrame, Shelf
+from pointbrush.streaming.shared.shelf import OpenFrame, Shelf
 from pointbrush.streaming.table import FrameTable, Piece
 
 PointsMessage = tuple[bytes, memoryview]

@@ -15,8 +15,8 @@ from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Stroke
 from pointbrush.selection.overlay import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.painted_frame import PaintedFrame
-from pointbrush.work.placing import placements
+from pointbrush.work.annotate.painted_frame import PaintedFrame
+from pointbrush.work.annotate.placing import placements
 
 
 def edit_id(given: object) -> str:

@@ -17,12 +17,12 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.ahead import WORKERS, ahead
 from pointbrush.sequences.chunk import Grid
-from pointbrush.sequences.growing import LargeWriter
-from pointbrush.sequences.partition import Cell, Key, Partition
-from pointbrush.sequences.rows import Part, Parts, Rows
-from pointbrush.sequences.segment import Segment, encode_cube
+from pointbrush.sequences.octree.ahead import WORKERS, ahead
+from pointbrush.sequences.octree.growing import LargeWriter
+from pointbrush.sequences.octree.partition import Cell, Key, Partition
+from pointbrush.sequences.octree.rows import Part, Parts, Rows
+from pointbrush.sequences.octree.segment import Segment, encode_cube
 
 _SCAN_SHARE = 0.5
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.order import AXIS_BITS
+from pointbrush.sequences.octree.order import AXIS_BITS
 
 NODE_POINTS = 65536
 """Most points in a node, which is one chunk."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.order import bounds
+from pointbrush.sequences.octree.order import bounds
 
 ROOM_STEP = 2.0**-10
 """Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera."""

@@ -13,7 +13,7 @@ from pointbrush.errors import BadInputError, LockedLabelError
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.packing import BLOCK
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.packed import Packed
+from pointbrush.work.annotate.packed import Packed
 
 LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
 IMPORTED = 3

@@ -1,0 +1,1 @@
+"""Edits of points: strokes, erasing, copying, splitting, the layers of an annotated frame."""

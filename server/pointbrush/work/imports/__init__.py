@@ -1,0 +1,1 @@
+"""Recordings and labels that come in: previews, import jobs, uploads, allowed folders."""

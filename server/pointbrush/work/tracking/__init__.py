@@ -1,0 +1,1 @@
+"""Tracking runs as jobs, and how their findings reach the label store."""
