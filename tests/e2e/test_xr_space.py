@@ -137,6 +137,7 @@ def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
 
 
 def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: Truth) -> None:
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
     headset = put_on(VIVE)
     headset.until("hs.headset.cockpit.hands.right.device?.id === 'vive'")
 
@@ -175,6 +176,32 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset.paint([truth(0, PERSON)])
     headset.settled()
     assert painted(server, 0) > 5
+
+    # With the grip held the pad is the buttons that the wand has not, and the room stays.
+    def gripped(x: float, y: float, hand: str = "right") -> None:
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 1)")
+        headset.frames()
+        quadrant(x, y, hand)
+        headset.move(hand, [0.1, 1.4, -0.3])
+        headset.ask(f"device.controllers.{hand}.updateButtonValue('squeeze', 0)")
+        headset.frames()
+
+    gripped(0, -0.8)
+    headset.until("pb.state.tool.value === 'erase'")
+    gripped(0, -0.8)
+    headset.until("pb.state.tool.value === 'paint'")
+    gripped(-0.8, 0)
+    headset.settled()
+    assert painted(server, 0) == 0
+    gripped(-0.8, 0, "left")
+    headset.settled()
+    assert painted(server, 0) > 5
+    assert headset.ask("pb.engine.viewer.world.position.length()") == 0
+    # The other hand's pad, down, walks through the labels.
+    quadrant(0, 0.8, "left")
+    headset.until("pb.state.activeLabel.value === 2")
+    quadrant(0, 0.8, "left")
+    headset.until("pb.state.activeLabel.value === 1")
 
 
 def test_a_pinch_paints_and_presses_all_that_a_trigger_does(

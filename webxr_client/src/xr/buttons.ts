@@ -17,6 +17,7 @@ export class Buttons {
     private readonly pulse: (pulse: Pulse) => void,
   ) {}
 
+  /** After the labels had their part of the other hand's pad. */
   update(brush: Hand, other: Hand, seconds: Float64Array, now: number): void {
     this.time(brush, now);
     this.size(brush, seconds, now);

@@ -29,6 +29,7 @@ import { xrSettings } from './settings';
 import { TimelinePanel } from './timeline-panel';
 import { SIZES } from './sizes';
 import { layLow, standBefore } from './standing';
+import { LabelSwitch } from './label-switch';
 import { Lessons } from './lessons';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 import { follow, watch } from '../watch';
@@ -52,6 +53,7 @@ export class Cockpit {
   private readonly locomotion = new Locomotion(this.rig);
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
+  private readonly labelSwitch = new LabelSwitch();
   private readonly hud = new Hud();
   private readonly objectSign = new ObjectSign();
   private readonly presence: Presence;
@@ -61,6 +63,7 @@ export class Cockpit {
   private readonly panels: readonly Panel[];
   private readonly farPanels: readonly Panel[];
   private readonly parts = new Listeners<number>();
+  private readonly paletteAt = new Vector3();
   private standing = false;
   /** Of the rig, when the hand was last looked at. */
   private jumps = 0;
@@ -138,6 +141,14 @@ export class Cockpit {
     mesh.updateMatrixWorld();
   }
 
+  private switchLabels(now: number): void {
+    const { mesh } = this.palette;
+    const at = mesh.visible ? this.paletteAt.setFromMatrixPosition(mesh.matrixWorld) : null;
+    if (this.labelSwitch.update(this.controllers.other, this.rig, at, now)) {
+      this.lessons.done('label');
+    }
+  }
+
   private listen(): void {
     const { undo } = this;
     this.controllers.listen();
@@ -202,6 +213,7 @@ export class Cockpit {
     parts.add(() => this.moveWorld());
     parts.add(() => this.place.update());
     parts.add(() => controllers.point(this.panels, this.farPanels, this.painter));
+    parts.add((now) => this.switchLabels(now));
     parts.add((now) => this.buttons.update(controllers.brush, controllers.other, seconds, now));
     parts.add(() => this.locomotion.update(controllers.other, seconds));
     parts.add((now) => this.paint(now));

@@ -141,7 +141,7 @@ export class Controllers {
    * takes hold, unless it is needed for something else.
    */
   holds(hand: Hand, busy: boolean): boolean {
-    if (hand.hasGrip) return hand.squeeze.down;
+    if (hand.hasGrip) return hand.squeeze.down && !hand.chorded;
     if (hand === this.brush || busy || this.bodyOf(hand).on) return false;
     return hand.tracked && hand.click.down;
   }

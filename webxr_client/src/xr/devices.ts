@@ -111,6 +111,11 @@ export const DEVICES: readonly Device[] = [
   },
 ]; // prettier-ignore
 
+/** Without buttons of its own the pad is two more while the grip is held. */
+export function chords({ primary, squeeze, pad }: Device): boolean {
+  return primary < 0 && squeeze >= 0 && pad !== 'none';
+}
+
 /**
  * The row for an input source.  `profiles` begins with the most specific name; what no row has is
  * told apart by its number of axes.

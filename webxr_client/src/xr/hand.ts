@@ -1,8 +1,8 @@
 /** One controller or hand as it is at this moment: poses in the scene, buttons as switches. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import { pulse } from './actuators';
-import { deviceFor, type Device, type PadPlace } from './devices';
-import { readPad, Repeat, Switch, type Pad } from './pad';
+import { chords, deviceFor, type Device, type PadPlace } from './devices';
+import { readPad, Repeat, Switch, takeChord, type Chord, type Pad } from './pad';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';
 import type { Side } from './settings';
@@ -42,6 +42,9 @@ export class Hand {
   readonly repeatY = new Repeat();
   /** Edges of this frame: 1 down, −1 up. */
   readonly edge = { click: 0, squeeze: 0, press: 0, primary: 0, secondary: 0 };
+  /** The grip that is held was for the pad's buttons: it moves nothing until it is let go. */
+  chorded = false;
+  private readonly chord: Chord = { primary: 0, secondary: 0 };
   private pinching = false;
   private readonly matrix = new Matrix4();
 
@@ -123,16 +126,31 @@ export class Hand {
     if (idle && device.second) readThumb(device.second, gamepad, pad);
     edge.click = this.click.update(this.trigger);
     edge.squeeze = this.squeeze.update(value(gamepad, device.squeeze));
+    this.readChord(gamepad);
     edge.press = this.press.update(this.pad.click ? 1 : 0);
-    edge.primary = this.primary.update(value(gamepad, device.primary));
-    edge.secondary = this.secondary.update(value(gamepad, device.secondary));
+    edge.primary = this.primary.update(this.chord.primary);
+    edge.secondary = this.secondary.update(this.chord.secondary);
+  }
+
+  /** Two buttons: its own, or the pad's while the grip is held. */
+  private readChord(gamepad: Gamepad | null): void {
+    const { chord, squeeze } = this;
+    const device = this.device!;
+    if (!squeeze.down) this.chorded = false;
+    if (chords(device) && squeeze.down) {
+      takeChord(this.pad, chord);
+      if (chord.primary > 0 || chord.secondary > 0) this.chorded = true;
+      return;
+    }
+    chord.primary = value(gamepad, device.primary);
+    chord.secondary = value(gamepad, device.secondary);
   }
 
   /** Nothing is pressed on a controller that is not there. */
   private rest(): void {
     const { edge, pad } = this;
     this.trigger = pad.x = pad.y = 0;
-    pad.click = false;
+    pad.click = this.chorded = false;
     edge.click = this.click.update(0);
     edge.squeeze = this.squeeze.update(0);
     edge.press = this.press.update(0);

@@ -1,7 +1,7 @@
 /** What each button does, in words, and how often it was used: what is learnt needs no words. */
-import type { Device } from './devices';
+import { chords, type Device } from './devices';
 
-export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt'; // prettier-ignore
+export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
 const LEARNT = 3;
 const KEY = 'pointbrush.learnt';
@@ -33,11 +33,14 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
   } else {
     tip(`${pad} ↑: go there`, 'teleport');
     tip(`${pad} ← →: turn`, 'turn');
+    tip(`${pad} ↓: next label`, 'label');
     tip(`${pad} pressed: doubtful`, 'doubt');
   }
   if (device.squeeze >= 0) tip('Grip: move the room', 'grab');
   else if (!paints) tip('Trigger: move the room', 'grab');
-  const [first, second] = [device.primaryName[side], device.secondaryName[side]];
+  const chord = chords(device);
+  const first = chord ? `Grip + ${pad} ↑` : device.primaryName[side];
+  const second = chord ? `Grip + ${pad} ←` : device.secondaryName[side];
   if (first) tip(`${first}: ${paints ? 'eraser' : 'timeline'}`, paints ? 'erase' : 'panel');
   if (second) tip(`${second}: ${paints ? 'undo' : 'redo'}`, paints ? 'undo' : 'redo');
   return tips;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { readPad, Repeat, Switch } from './pad';
+import { readPad, Repeat, Switch, takeChord } from './pad';
 import { Pressure } from './pressure';
 
 const out = { x: 0, y: 0, click: false };
@@ -30,6 +30,21 @@ describe('a touchpad', () => {
     expect(pad('touchpad', 0.1, -0.8, true)).toEqual([0, 1, false]);
     expect(pad('touchpad', 0.1, 0.8, true)).toEqual([0, -1, false]);
     expect(pad('touchpad', 0.1, 0.1, true)).toEqual([0, 0, true]);
+  });
+});
+
+describe('a pad while the grip is held', () => {
+  it('is two buttons and nothing else', () => {
+    const buttons = { primary: 0, secondary: 0 };
+    const chord = (x: number, y: number): number[] => {
+      readPad('touchpad', x, y, true, out);
+      takeChord(out, buttons);
+      return [buttons.primary, buttons.secondary, out.x, out.y, out.click ? 1 : 0];
+    };
+    expect(chord(0, -0.8)).toEqual([1, 0, 0, 0, 0]);
+    expect(chord(-0.8, 0)).toEqual([0, 1, 0, 0, 0]);
+    expect(chord(0, 0.8)).toEqual([0, 0, 0, 0, 0]);
+    expect(chord(0, 0)).toEqual([0, 0, 0, 0, 0]);
   });
 });
 

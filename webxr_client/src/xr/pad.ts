@@ -40,6 +40,23 @@ export function readPad(kind: PadKind, x: number, y: number, pressed: boolean, o
   else out.y = lean(-y);
 }
 
+/** The buttons that a pad stands in for. */
+export interface Chord {
+  primary: number;
+  secondary: number;
+}
+
+/**
+ * Take a pad as two buttons, as it is while the grip of a controller without buttons is held: forward
+ * the first, to the left the second.  The pad itself says nothing then.
+ */
+export function takeChord(pad: Pad, out: Chord): void {
+  out.primary = Math.max(0, pad.y);
+  out.secondary = Math.max(0, -pad.x);
+  pad.x = pad.y = 0;
+  pad.click = false;
+}
+
 const PRESS = 0.35;
 const RELEASE = 0.2;
 const FIRST_MS = 350;

@@ -12,6 +12,8 @@ export class LabelsPage {
   top = 0;
   row = 0;
   private first = 0;
+  /** The active label when this was drawn last: another one is brought into sight. */
+  private active = 0;
 
   constructor(
     private readonly touch: () => void,
@@ -27,6 +29,7 @@ export class LabelsPage {
   draw(ui: Ui, x: number, top: number, inner: number): void {
     const { em } = ui;
     const palette = state.palette.peek();
+    this.follow(palette);
     this.first = Math.min(this.first, Math.max(0, palette.length - ROWS));
     const row = em * 2.35;
     this.top = top;
@@ -40,6 +43,14 @@ export class LabelsPage {
       });
     }
     this.drawBelow(ui, x, top + ROWS * row + em * 0.2, inner, palette.length > ROWS);
+  }
+
+  private follow(palette: readonly Label[]): void {
+    const active = state.activeLabel.peek();
+    const place = palette.findIndex(({ id }) => id === active);
+    if (active === this.active || place < 0) return;
+    this.active = active;
+    this.first = Math.min(place, Math.max(this.first, place - ROWS + 1));
   }
 
   private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
