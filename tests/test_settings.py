@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from pointbrush.cli import parser
 from pointbrush.errors import BadInputError
-from pointbrush.settings import Settings, options
+from pointbrush.settings import DOCS, Settings, documented, options
 
 
 def test_command_line_over_environment_over_default() -> None:
@@ -41,8 +42,29 @@ def test_the_database_defaults_into_the_workspace(tmp_path: Path) -> None:
     assert Settings(workspace=tmp_path).database_url == f"sqlite:///{tmp_path}/labels.sqlite"
 
 
-def test_every_option_is_in_the_readme_of_options() -> None:
-    text = (Path(__file__).parent.parent / "docs" / "options.md").read_text()
+@pytest.mark.parametrize("command", ["import", "info", "serve", "track"])
+def test_flags_variables_and_docs_agree(
+    command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "1000")  # no help is broken into lines
+    with pytest.raises(SystemExit, match="0"):
+        parser().parse_args([command, "--help"])
+    shown = capsys.readouterr().out.split()
+    rows = {row.split("`")[1]: row for row in DOCS.read_text().splitlines() if row[:4] == "| `-"}
+    assert rows.keys() == {option.flag for option in options()}
     for option in options():
-        assert f"`{option.name.replace('_', '-')}`" in text, option.name
-        assert option.metadata["help"] in text, option.name
+        assert option.variable in rows[option.flag]
+        assert option.definition.help in rows[option.flag]
+        assert (option.flag in shown) == option.taken_by(command), option.flag
+        assert not option.taken_by(command) or option.definition.help in " ".join(shown)
+
+
+def test_limits_of_a_server_are_flags() -> None:
+    limits = ("--max-body", "--max-message", "--requests-per-second", "--wrong-tokens-per-minute")
+    given = parser().parse_args(["serve", *(part for flag in limits for part in (flag, "7"))])
+    assert (given.max_body, given.max_message, given.requests_per_second) == (7, 7, 7)
+
+
+def test_the_page_of_options_is_fresh() -> None:
+    text = DOCS.read_text(encoding="utf-8")
+    assert text == documented(text), "run `python -m pointbrush.settings`"

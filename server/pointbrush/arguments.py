@@ -7,8 +7,9 @@ import sys
 from urllib.parse import parse_qs, urlsplit
 
 from pointbrush.errors import BadInputError
+from pointbrush.options import PREFIX
 
-VARIABLE = "POINTBRUSH_DATABASE"
+VARIABLE = f"{PREFIX}DATABASE"
 
 
 def has_password(url: str) -> bool:

@@ -7,7 +7,6 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import Field
 from functools import partial
 from importlib import import_module
 from keyword import iskeyword
@@ -18,9 +17,10 @@ from pointbrush import __version__
 from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
+from pointbrush.options import UNBOUNDED, Option
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
-from pointbrush.settings import UNBOUNDED, Settings, options, parse
+from pointbrush.settings import Settings, options
 
 Command = Callable[[argparse.Namespace, Settings], None]
 SEQUENCE = "a recording's id, as `pointbrush info` lists it"
@@ -62,7 +62,6 @@ def parser() -> argparse.ArgumentParser:
         default=90,
         help="frames of the sample",
     )
-    _settings(demo_, *SERVE)
 
     import__ = _command(commands, "import", "import files as one recording")
     import__.add_argument(
@@ -74,7 +73,6 @@ def parser() -> argparse.ArgumentParser:
     import__.add_argument(
         "--dry-run", action="store_true", help="say what would be imported, write nothing"
     )
-    _settings(import__, "workspace", "database", "database_password_file", "max_frame_points")
 
     labels_ = _command(commands, "import-labels", "import labels made elsewhere, as one edit")
     labels_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -88,9 +86,8 @@ def parser() -> argparse.ArgumentParser:
     )
     labels_.add_argument("--field", help="the field of the points that is labels")
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
-    _settings(labels_, "workspace", "database", "database_password_file", "max_frame_points")
 
-    _settings(_command(commands, "serve", "serve the page, REST and the socket"), *SERVE)
+    _command(commands, "serve", "serve the page, REST and the socket")
 
     track_ = _command(commands, "track", "carry labels through the following frames")
     track_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -119,25 +116,21 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument(
         "--stop-unsure", action="store_true", help="end the run where a label is doubtful"
     )
-    _settings(track_, "workspace", "database", "database_password_file", "workers", "scheduler")
 
     export_ = _command(commands, "export", "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
-    _settings(export_, "workspace", "database", "database_password_file")
 
     info_ = _command(commands, "info", "what is in the workspace")
     info_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
-    _settings(info_, "workspace", "database", "database_password_file")
 
     token_ = _command(commands, "token", "who gets in")
     token_.add_argument("action", choices=("add", "list", "revoke"), help="what to do")
     token_.add_argument("name", nargs="?", help="the person (add) or the token's id (revoke)")
     token_.add_argument("--role", default="annotator", help=f"one of {', '.join(ROLES)}")
     token_.add_argument("--days", type=_positive, help="days until it expires")
-    _settings(token_, "workspace", "database", "database_password_file")
 
     review_ = _command(commands, "review", "step through labels and doubts in viser")
     review_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -156,7 +149,6 @@ def parser() -> argparse.ArgumentParser:
     review_.add_argument(
         "--method", choices=("auto", "icp", "color-icp"), default="auto", help="that finds it"
     )
-    _settings(review_, "workspace", "database", "database_password_file")
 
     check_ = _command(commands, "check", "verify recordings, database, journal and annotations")
     check_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)
@@ -166,13 +158,11 @@ def parser() -> argparse.ArgumentParser:
         help="make anew what can be (indexes, snapshots, counts, palette, tracks, missing "
         "checksums) and say what cannot; stop servers first",
     )
-    _settings(check_, "workspace", "database", "database_password_file")
 
     suspicious = _command(commands, "check-labels", "list suspicious labels, frame by frame")
     suspicious.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     suspicious.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
     suspicious.add_argument("--all", action="store_true", help="what a reviewer has accepted too")
-    _settings(suspicious, "workspace", "database", "database_password_file")
 
     report_ = _command(commands, "report", "write how far a recording is, and who spent what")
     report_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -180,36 +170,27 @@ def parser() -> argparse.ArgumentParser:
     report_.add_argument(
         "--table", choices=("frames", "labels", "people"), default="frames", help="of a .csv"
     )
-    _settings(report_, "workspace", "database", "database_password_file")
 
     backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
-    _settings(backup_, "workspace", "database", "database_password_file")
 
     restore_ = _command(commands, "restore", "make a workspace from a backup")
     restore_.add_argument("source", type=Path, help="the folder of a backup")
     restore_.add_argument(
         "--only", metavar="SEQ", help="bring this recording alone back, into a workspace in use"
     )
-    _settings(restore_, "workspace", "database", "database_password_file")
 
     move_ = _command(commands, "move", "move the labels into another database")
     move_.add_argument(
         "target", metavar="URL", help="postgresql://host/name, or 'sqlite': in the workspace"
     )
-    _settings(move_, "workspace", "database", "database_password_file")
+
+    for name, command in commands.choices.items():
+        _add_settings(name, command)
 
     bench_ = _command(commands, "bench", "run the benchmarks of a checkout")
     bench_.add_argument("name", nargs="?", help="one of them; all unless given")
     return top
-
-
-SERVE = (
-    "workspace", "host", "port", "token", "database", "workers", "scheduler", "tls", "certfile",
-    "keyfile", "insecure", "import_roots", "allowed_hosts", "trusted_proxies", "max_upload",
-    "max_frame_points", "exports", "exports_per_person", "stall_seconds", "body_seconds",
-    "upload_seconds", "statement_seconds", "keepalive_seconds", "database_password_file",
-)  # fmt: skip
 
 
 def _corrections(command: argparse.ArgumentParser) -> None:
@@ -261,22 +242,22 @@ def _command(
     return command
 
 
-def _settings(command: argparse.ArgumentParser, *names: str) -> None:
+def _add_settings(name: str, command: argparse.ArgumentParser) -> None:
+    """Add the flags that a command takes, see ``Settings``."""
     for option in options():
-        if option.name not in names:
+        if not option.taken_by(name):
             continue
-        flag = f"--{option.name.replace('_', '-')}"
-        text = option.metadata["help"]
-        if isinstance(option.default, bool):
-            command.add_argument(flag, action="store_true", default=None, help=text)
+        text = option.definition.help
+        if option.kind is bool:
+            command.add_argument(option.flag, action="store_true", default=None, help=text)
             continue
-        text += f" (default: {option.default})" if option.default != "" else ""
-        command.add_argument(flag, type=partial(_setting, option), default=None, help=text)
+        text += f" (default: {option.shown_default})" if option.shown_default else ""
+        command.add_argument(option.flag, type=partial(_setting, option), default=None, help=text)
 
 
-def _setting(option: Field[Any], text: str) -> Any:
+def _setting(option: Option, text: str) -> Any:
     try:
-        return parse(option, text)
+        return option.parse(text)
     except BadInputError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 

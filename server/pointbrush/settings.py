@@ -1,145 +1,144 @@
-"""Every option, once: its name, default and help; the environment and the command line read it."""
+"""The options of pointbrush, each once; ``options.py`` says what an option is.
+
+``python -m pointbrush.settings`` writes the tables of docs/options.md; a test fails when they are
+stale.
+"""
 
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import dataclass
 from getpass import getuser
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 from urllib.parse import quote
 
 from pointbrush.errors import BadInputError
+from pointbrush.options import Option, markdown, option, options_of
 
-PREFIX = "POINTBRUSH_"
+EVERYWHERE: tuple[str, ...] = ()
+SERVERS = ("demo", "serve")
+READERS = ("import", "import-labels", *SERVERS)
+"""Commands that read points of files."""
+RUNNERS = ("track", *SERVERS)
+"""Commands that run jobs."""
 
-
-UNBOUNDED = sys.maxsize
-
-
-def _help(text: str, least: int = 1, most: int = UNBOUNDED) -> dict[str, Any]:
-    """What an option is for; an integer is from ``least`` to ``most``."""
-    return {"help": text, "least": least, "most": most}
+DOCS = Path(__file__).parents[2] / "docs" / "options.md"
+BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End. -->\n"
 
 
 @dataclass(frozen=True)
 class Settings:
     """The options of one run; ``Settings.load`` reads them."""
 
-    workspace: Path = field(
-        default=Path("pointbrush-workspace"),
-        metadata=_help("folder of recordings and labels; may be read-only"),
+    workspace: Path = option(
+        Path("pointbrush-workspace"),
+        "folder of recordings and labels; may be read-only",
+        where=EVERYWHERE,
     )
-    host: str = field(default="127.0.0.1", metadata=_help("address to listen on"))
-    port: int = field(
-        default=8080, metadata=_help("port to listen on; 0 takes a free one", 0, 65_535)
+    database: str = option(
+        "", "database URL; empty is SQLite inside the workspace", where=EVERYWHERE
     )
-    token: str = field(
-        default="", metadata=_help("admin token; empty makes a new one at each start")
+    database_password_file: str = option(
+        "", "file that holds the password of the database's user", where=EVERYWHERE
     )
-    database: str = field(
-        default="", metadata=_help("database URL; empty is SQLite inside the workspace")
+    max_frame_points: int = option(
+        500_000_000, "greatest number of points in a frame", where=READERS
     )
-    database_password_file: str = field(
-        default="", metadata=_help("file that holds the password of the database's user")
+    workers: int = option(2, "local processes for jobs", where=RUNNERS)
+    scheduler: str = option(
+        "", "Dask scheduler (tcp://host:port) whose workers run jobs instead", where=RUNNERS
     )
-    workers: int = field(default=2, metadata=_help("local processes for jobs"))
-    selector: str = field(
-        default="tree",
-        metadata=_help(
-            "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
-            "http(s) address of a service; RECORDING=NAME for one recording, several with commas"
-        ),
+    host: str = option("127.0.0.1", "address to listen on", where=SERVERS)
+    port: int = option(
+        8080, "port to listen on; 0 takes a free one", where=SERVERS, least=0, most=65_535
     )
-    scheduler: str = field(
-        default="",
-        metadata=_help("Dask scheduler (tcp://host:port) whose workers run jobs instead"),
+    token: str = option("", "admin token; empty makes a new one at each start", where=SERVERS)
+    selector: str = option(
+        "tree",
+        "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
+        "http(s) address of a service; RECORDING=NAME for one recording, several with commas",
+        where=SERVERS,
     )
-    tls: bool = field(
-        default=False,
-        metadata=_help("serve HTTPS with a certificate of pointbrush's own authority"),
+    tls: bool = option(
+        False, "serve HTTPS with a certificate of pointbrush's own authority", where=SERVERS
     )
-    certfile: str = field(
-        default="", metadata=_help("certificate to serve HTTPS with, in place of our own")
+    certfile: str = option(
+        "", "certificate to serve HTTPS with, in place of our own", where=SERVERS
     )
-    keyfile: str = field(default="", metadata=_help("private key of the certificate"))
-    insecure: bool = field(
-        default=False, metadata=_help("listen off loopback without TLS all the same")
+    keyfile: str = option("", "private key of the certificate", where=SERVERS)
+    insecure: bool = option(False, "listen off loopback without TLS all the same", where=SERVERS)
+    import_roots: str = option(
+        "",
+        f"folders REST may import from, separated by '{os.pathsep}'; empty is the current "
+        "folder and the home folder, for the admin token on this machine only",
+        where=SERVERS,
     )
-    import_roots: str = field(
-        default="",
-        metadata=_help(
-            f"folders REST may import from, separated by '{os.pathsep}'; empty is the current "
-            "folder and the home folder, for the admin token on this machine only"
-        ),
+    allowed_hosts: str = option(
+        "", "further host names the page may be reached by, with commas", where=SERVERS
     )
-    allowed_hosts: str = field(
-        default="", metadata=_help("further host names the page may be reached by, with commas")
+    trusted_proxies: str = option(
+        "",
+        "addresses or networks of proxies whose X-Forwarded-For is believed, with commas",
+        where=SERVERS,
     )
-    trusted_proxies: str = field(
-        default="",
-        metadata=_help(
-            "addresses or networks of proxies whose X-Forwarded-For is believed, with commas"
-        ),
+    max_body: int = option(
+        64 * 2**20, "greatest body of a request (uploads apart)", where=SERVERS, unit="bytes"
     )
-    max_body: int = field(
-        default=64 * 2**20, metadata=_help("greatest body of a request, bytes (uploads apart)")
+    max_upload: int = option(8 * 2**30, "greatest upload", where=SERVERS, unit="bytes")
+    max_message: int = option(
+        4 * 2**20, "greatest WebSocket message from a client", where=SERVERS, unit="bytes"
     )
-    max_upload: int = field(default=8 * 2**30, metadata=_help("greatest upload, bytes"))
-    max_message: int = field(
-        default=4 * 2**20, metadata=_help("greatest WebSocket message from a client, bytes")
+    wrong_tokens_per_minute: int = option(
+        20, "wrong tokens that one address may try in a minute until it has to wait", where=SERVERS
     )
-    max_frame_points: int = field(
-        default=500_000_000, metadata=_help("greatest number of points in a frame")
+    requests_per_second: int = option(
+        200, "requests a second that one client may sustain", where=SERVERS
     )
-    wrong_tokens_per_minute: int = field(
-        default=20,
-        metadata=_help("wrong tokens that one address may try in a minute until it has to wait"),
+    body_seconds: int = option(
+        600,
+        "time in which a body must have come whole (uploads apart)",
+        where=SERVERS,
+        unit="seconds",
     )
-    requests_per_second: int = field(
-        default=200, metadata=_help("requests a second that one client may sustain")
+    upload_seconds: int = option(
+        14_400, "time in which an upload must have come whole", where=SERVERS, unit="seconds"
     )
-    body_seconds: int = field(
-        default=600, metadata=_help("seconds in which a body must have come whole (uploads apart)")
+    stall_seconds: int = option(
+        60,
+        "time for which a client may read nothing of an answer until it is given up",
+        where=SERVERS,
+        unit="seconds",
     )
-    upload_seconds: int = field(
-        default=14_400, metadata=_help("seconds in which an upload must have come whole")
+    exports: int = option(4, "exports under way at once, in all", where=SERVERS)
+    exports_per_person: int = option(2, "exports under way at once, of one person", where=SERVERS)
+    statement_seconds: int = option(
+        60, "time that one statement of PostgreSQL may take", where=SERVERS, unit="seconds"
     )
-    stall_seconds: int = field(
-        default=60,
-        metadata=_help("seconds a client may read nothing of an answer until it is given up"),
-    )
-    exports: int = field(default=4, metadata=_help("exports under way at once, in all"))
-    exports_per_person: int = field(
-        default=2, metadata=_help("exports under way at once, of one person")
-    )
-    statement_seconds: int = field(
-        default=60, metadata=_help("seconds that one statement of PostgreSQL may take")
-    )
-    keepalive_seconds: int = field(
-        default=30,
-        metadata=_help("seconds of silence until a connection to PostgreSQL is probed"),
+    keepalive_seconds: int = option(
+        30,
+        "silence after which a connection to PostgreSQL is probed",
+        where=SERVERS,
+        unit="seconds",
     )
 
     @classmethod
     def load(
         cls, given: Mapping[str, Any] | None = None, environment: Mapping[str, str] | None = None
     ) -> Settings:
-        """``given`` (the command line; None = not given) over the environment over defaults.
+        """Return ``given`` (the command line; None = not given) over the environment over defaults.
 
         Raises BadInputError for a value of the wrong form.
         """
         environment = os.environ if environment is None else environment
         values: dict[str, Any] = {}
-        for option in fields(cls):
-            variable = PREFIX + option.name.upper()
-            if variable in environment:
+        for each in options():
+            if each.variable in environment:
                 try:
-                    values[option.name] = parse(option, environment[variable])
+                    values[each.name] = each.parse(environment[each.variable])
                 except BadInputError as error:
-                    raise BadInputError(f"{variable}: {error}") from None
+                    raise BadInputError(f"{each.variable}: {error}") from None
         values |= {name: value for name, value in (given or {}).items() if value is not None}
         return cls(**values)
 
@@ -176,36 +175,17 @@ class Settings:
         return [Path.cwd().resolve(), Path.home().resolve()]
 
 
-def options() -> list[Field[Any]]:
-    """All options, for the command line and the docs."""
-    assert all(option.default is not MISSING for option in fields(Settings))  # noqa: S101
-    return list(fields(Settings))
+def options() -> tuple[Option, ...]:
+    """Return all options, for the command line and the docs."""
+    return options_of(Settings)
 
 
-def parse(option: Field[Any], text: str) -> Any:
-    """The value that ``text`` gives to ``option``; raises BadInputError, which does not name it."""
-    kind = get_type_hints(Settings)[option.name]
-    if kind is bool:
-        return _flag(text)
-    if kind is int:
-        return _integer(text, option.metadata["least"], option.metadata["most"])
-    return kind(text)
+def documented(text: str) -> str:
+    """Return docs/options.md, now ``text``, with fresh tables between its two marks."""
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    return before + begin + markdown(options()) + end + after
 
 
-def _flag(text: str) -> bool:
-    if text.lower() in ("1", "true", "yes", "on"):
-        return True
-    if text.lower() in ("", "0", "false", "no", "off"):
-        return False
-    raise BadInputError(f"expected 1 or 0, got {text!r}")
-
-
-def _integer(text: str, least: int, most: int) -> int:
-    wanted = f"an integer from {least}" + (f" to {most}" if most < UNBOUNDED else "")
-    try:
-        value = int(text)
-    except ValueError:
-        raise BadInputError(f"expected {wanted}, got {text!r}") from None
-    if not least <= value <= most:
-        raise BadInputError(f"expected {wanted}, got {value}")
-    return value
+if __name__ == "__main__":
+    DOCS.write_text(documented(DOCS.read_text(encoding="utf-8")), encoding="utf-8")
