@@ -12,9 +12,9 @@ from pointbrush.tracking.interface import TrackOptions
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.begin import begin
 from pointbrush.tracking.steps.claim import claim
 from pointbrush.tracking.steps.settle import settle
+from pointbrush.tracking.steps.update import begin
 
 FRAMES = 6
 

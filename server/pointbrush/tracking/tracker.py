@@ -40,7 +40,6 @@ from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.begin import begin_anew, begin_label, corrected
 from pointbrush.tracking.steps.claim import Findings, together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
@@ -50,7 +49,7 @@ from pointbrush.tracking.steps.predict import Search, crop, share_out
 from pointbrush.tracking.steps.relocate import find_astray, placed
 from pointbrush.tracking.steps.settle import settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
-from pointbrush.tracking.steps.update import withheld
+from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected, withheld
 
 
 @dataclass(frozen=True)

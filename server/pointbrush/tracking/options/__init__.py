@@ -12,10 +12,12 @@ from pointbrush.tracking.options.people import (
     StatureOptions,
     StrideOptions,
 )
-from pointbrush.tracking.options.scene import BackgroundOptions, DepthNoiseOptions, MappingOptions
 from pointbrush.tracking.options.sensors import (
+    BackgroundOptions,
+    DepthNoiseOptions,
     GroundOptions,
     LensOptions,
+    MappingOptions,
     RangeImageOptions,
     ScanOdometryOptions,
     SwayOptions,
