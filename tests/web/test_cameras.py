@@ -34,10 +34,10 @@ def test_pictures_and_projections_come_back_as_they_were(served: Served, tmp_pat
     with Client(served.url, TOKEN) as client:
         room = client.import_path(str(folder))
         (camera,) = room.frames[0].cameras()
-        assert (camera["name"], camera["width"], camera["height"]) == ("front", 64, 48)
-        assert np.array_equal(camera["K"], K)
-        assert np.array_equal(camera["T_camera_frame"], AHEAD)
-        assert camera["distortion"] == [0.1, -0.2, 0, 0, 0.05]
+        assert (camera.name, camera.width, camera.height) == ("front", 64, 48)
+        assert np.array_equal(camera.K, K)
+        assert np.array_equal(camera.T_camera_frame, AHEAD)
+        assert camera.distortion == (0.1, -0.2, 0, 0, 0.05)
         assert room.frames[0].image("front") == jpeg(0)
         assert room.frames[1].cameras() == []
         with pytest.raises(NotFoundError, match="expected one of frame 1"):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
 
-from pointbrush.client import Client
+from pointbrush.client import AsyncClient, Client
 from pointbrush.errors import (
     BadInputError,
     ConflictError,
@@ -42,8 +44,10 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         assert wall.undo().changed == edit.changed
         wall.redo()
         found = wall.track([label.id], 0, 2, method="icp", progress=False)
-        assert found["edit"]
-        assert {track["frame"] for track in wall.tracks()} >= {1}
+        assert found.edit == wall.edits()[0].id
+        (first, *_) = wall.tracks()
+        assert (first.label, first.pose.shape) == (label.id, (4, 4))
+        assert {track.frame for track in wall.tracks()} >= {1}
         packed = np.where(np.arange(len(xyz)) % 2, 40, 0).astype("<u4")
         (tmp_path / "000000.label").write_bytes(packed.tobytes())
         report = wall.import_labels([tmp_path / "000000.label"], dry_run=True)
@@ -52,6 +56,88 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         with zipfile.ZipFile(out) as archive:
             assert "000000.npz" in archive.namelist()
         assert [each.index for each in wall.frames[1:]] == [1, 2]
+        assert wall.update_label(label.id, name="stone").name == wall.label("stone").name
+        assert (wall.delete_label(label.id).changed > 0, wall.labels()) == (True, [])
+        wall.delete()
+        assert [each.id for each in client.deleted()] == ["wall"]
+        assert client.restore("wall").name == "wall"
+
+
+def test_the_whole_way_awaited(served: Served, tmp_path: Path) -> None:
+    async def work() -> None:
+        async with AsyncClient(served.url, TOKEN) as client:
+            wall = await client["wall"]
+            brick, stone = await asyncio.gather(
+                wall.create_label("brick"), wall.create_label("stone")
+            )
+            places = await asyncio.gather(*(frame.points() for frame in wall.frames))
+            edits = await asyncio.gather(
+                *(
+                    frame.stroke(label=brick.id, radius=0.3, samples=points["xyz"][:1])
+                    for frame, points in zip(wall.frames, places, strict=True)
+                )
+            )
+            assert len({edit.revision for edit in edits}) == len(wall.frames)
+            values = await wall.frames[0].annotation()
+            await wall.frames[0].annotate(values, if_match=values.etag)
+            run = await wall.track([brick.id], 0, 1, method="icp", progress=False)
+            assert run.frames == 2
+            out = await wall.export("npz", tmp_path / "out.zip")
+            assert zipfile.is_zipfile(out)
+            assert (await wall.review.counts())["open"] == 3
+            with pytest.raises(NotFoundError, match="nothing"):
+                await client["nothing"]
+            with pytest.raises(BadInputError):
+                await wall.export("nothing", tmp_path / "none.zip")
+            assert [path.name for path in tmp_path.glob("*.zip")] == ["out.zip"]
+            assert stone.id in [label.id for label in await wall.labels()]
+
+    asyncio.run(work())
+
+
+def test_folders_are_uploaded_as_they_are(served: Served, tmp_path: Path) -> None:
+    folder = tmp_path / "drift" / "points"
+    folder.mkdir(parents=True)
+    for i in range(3):
+        np.save(folder / f"{i}.npy", np.full((50, 3), i, np.float32))
+    (folder / ".hidden").write_text("no part of it")
+    with Client(served.url, TOKEN) as client:
+        preview = client.preview([folder.parent])
+        assert (preview["frames"], preview["format"]) == (3, "npy")
+        recording = client.import_files([folder.parent], fps=5.0, drop_invalid=True)
+        assert (recording.name, recording.manifest.fps) == ("drift", 5.0)
+        assert (recording.frames[2].points()["xyz"] == 2).all()
+        (tmp_path / "empty").mkdir()
+        with pytest.raises(BadInputError, match="none in"):
+            client.import_files([tmp_path / "empty"])
+
+
+def test_a_lost_answer_is_asked_for_again_where_that_is_safe(served: Served) -> None:
+    class Losing(httpx.HTTPTransport):
+        """A network that loses the first answer to each call on its way back."""
+
+        lost: set[str]
+
+        def handle_request(self, request: httpx.Request) -> httpx.Response:
+            answer = super().handle_request(request)
+            if f"{request.method} {request.url}" not in self.lost:
+                self.lost.add(f"{request.method} {request.url}")
+                answer.close()
+                raise httpx.ReadError("lost on the way")
+            return answer
+
+    network = Losing()
+    network.lost = set()
+    with Client(served.url, TOKEN, transport=network) as client:
+        wall = client["wall"]
+        label = wall.create_label("brick")
+        samples = wall.frames[0].points()["xyz"][:1]
+        edit = wall.frames[0].stroke(label=label.id, radius=0.3, samples=samples)
+        assert (wall.frames[0].annotation() == label.id).sum() == edit.changed > 0
+        assert wall.undo().changed == edit.changed
+        assert [each.undone for each in wall.edits() if each.id == edit.edit] == [True]
+        with pytest.raises(UnavailableError, match="lost on the way"):
+            wall.delete()
 
 
 def test_an_annotation_is_replaced_only_as_it_was_read(served: Served) -> None:
@@ -98,7 +184,7 @@ def test_the_review(served: Served, tmp_path: Path) -> None:
         ]
         assert [line["state"] for line in wall.review.history(2)] == ["accepted", "rejected"]
         assert [each.settled for each in wall.review.checks()] == [True]
-        assert wall.review.agreement("wall")["same"] is None
+        assert wall.review.agreement("wall").same is None
         assert wall.review.difference("wall", 0).startswith(b"\x89PNG")
         page = wall.review.report(tmp_path / "wall.html").read_text()
         assert page.startswith("<!doctype html>")

@@ -9,24 +9,60 @@
         room.track([car.id], start=0, stop=len(room.frames) - 1)
         values = room.frames[5].annotation()
 
+``AsyncClient`` has the same calls as coroutines: ``room = await client["juggling"]``.
+
 Arrays are NumPy's, in the order of the source's points.  What the server refuses raises the errors
 of ``pointbrush.errors``.
 """
 
-from pointbrush.client.connection import Client
-from pointbrush.client.recording import Edit, Frame, Frames, Label, Recording
-from pointbrush.client.review import Finding, Review, Standing
-from pointbrush.client.values import Annotation
+from pointbrush.client.connection import AsyncClient, Client
+from pointbrush.client.frame import Frame, Frames
+from pointbrush.client.recording import Recording
+from pointbrush.client.review import (
+    Agreement,
+    Finding,
+    FrameAgreement,
+    LabelAgreement,
+    Review,
+    Standing,
+)
+from pointbrush.client.values import (
+    Annotation,
+    Bounds,
+    Camera,
+    Candidate,
+    Category,
+    Edit,
+    Job,
+    Label,
+    Manifest,
+    PastEdit,
+    Run,
+    Track,
+)
 
 __all__ = [
+    "Agreement",
     "Annotation",
+    "AsyncClient",
+    "Bounds",
+    "Camera",
+    "Candidate",
+    "Category",
     "Client",
     "Edit",
     "Finding",
     "Frame",
+    "FrameAgreement",
     "Frames",
+    "Job",
     "Label",
+    "LabelAgreement",
+    "Manifest",
+    "PastEdit",
     "Recording",
     "Review",
+    "Run",
     "Standing",
+    "Track",
 ]

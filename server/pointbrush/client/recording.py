@@ -1,105 +1,227 @@
-"""A recording on a server: its frames, labels, edits and exports."""
+"""A recording on a server: its labels, edits, tracking and exports."""
 
 from __future__ import annotations
 
-import io
+import json
 import uuid
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
-from urllib.parse import quote
+from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import httpx
 
+from pointbrush.client.frame import Frames
+from pointbrush.client.jobs import finished
 from pointbrush.client.review import Review
-from pointbrush.client.values import Annotation, array_of, npy_of
-
-if TYPE_CHECKING:
-    from pointbrush.client.connection import Client
-
-AHEAD = (0.0, 0.0, -1.0)
-"""Direction of a sample that is a place alone."""
-
-
-@dataclass(frozen=True, slots=True)
-class Label:
-    """A label of the palette."""
-
-    id: int
-    name: str
-    category: str
-    color: str
-    locked: bool
-    visible: bool
+from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.values import (
+    Edit,
+    Job,
+    Label,
+    Manifest,
+    PastEdit,
+    Run,
+    Track,
+    parts_of,
+    read,
+)
+from pointbrush.errors import NotFoundError
 
 
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """An edit that is durable: its id, how many points changed, the recording's revision."""
+class Recording(Part[L]):
+    """A recording; ``manifest``: its facts when it was opened."""
 
-    edit: str
-    changed: int
-    revision: int
-
-
-class Recording:
-    """A recording; ``manifest`` as the server tells it."""
-
-    def __init__(self, client: Client, manifest: dict[str, Any]) -> None:
-        self._client, self.manifest = client, manifest
-        self.id: str = manifest["id"]
-        self.name: str = manifest["name"]
-        self.frames = Frames(client, self.id, int(manifest["frames"]))
-        self.review = Review(client, self.id)
+    def __init__(self, link: L, manifest: Manifest) -> None:
+        super().__init__(link)
+        self.manifest = manifest
+        self.id, self.name = manifest.id, manifest.name
+        self.frames: Frames[L] = Frames(link, self.id, manifest.frames)
+        self.review: Review[L] = Review(link, self.id)
 
     def __repr__(self) -> str:
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
 
-    def _call(self, method: str, path: str, **options: Any) -> Any:
-        return self._client.call(method, f"/sequences/{self.id}{path}", **options)
+    def _call(
+        self,
+        method: str,
+        path: str,
+        *,
+        again: bool = False,
+        into: Path | None = None,
+        **options: Any,
+    ) -> Steps[httpx.Response]:
+        place = f"/sequences/{self.id}{path}"
+        return send(Request(method, place, options, into, again or method == "GET"))
+
+    def _edit(self, method: str, path: str, body: dict[str, Any] | None = None) -> Steps[Edit]:
+        """Make an edit by a call whose body takes its id, so that it is done once."""
+        named = {"id": str(uuid.uuid4()), **(body or {})}
+        answer = yield from self._call(method, path, again=True, json=named)
+        return read(Edit, answer.json())
+
+    def _palette_edit(
+        self, method: str, path: str, body: dict[str, Any] | None = None
+    ) -> Steps[dict[str, Any]]:
+        """Make an edit by a call whose query takes its id."""
+        query = {"edit": str(uuid.uuid4())}
+        answer = yield from self._call(method, path, again=True, params=query, json=body)
+        found: dict[str, Any] = answer.json()
+        return found
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
-    def labels(self) -> list[Label]:
-        """The palette, by id."""
-        return [_label(entry) for entry in self._call("GET", "/labels").json()]
+    @steps
+    def labels(self) -> Steps[list[Label]]:
+        """Return the palette."""
+        answer = yield from self._call("GET", "/labels")
+        return [read(Label, entry) for entry in answer.json()]
 
-    def create_label(self, name: str, **fields: Any) -> Label:
-        """Add a label; ``fields``: category, color."""
-        return _label(self._call("POST", "/labels", json={"name": name, **fields}).json())
+    @steps
+    def label(self, name: str) -> Steps[Label]:
+        """Return the label of a name; raises NotFoundError."""
+        answer = yield from self._call("GET", "/labels")
+        for entry in answer.json():
+            if entry["name"] == name:
+                return read(Label, entry)
+        raise NotFoundError(f"label: expected one of the palette, got {name!r}")
+
+    @steps
+    def create_label(self, /, name: str, **fields: Any) -> Steps[Label]:
+        """Add a label; ``fields``: category, color, id, locked, visible, distinct."""
+        entry = yield from self._palette_edit("POST", "/labels", {"name": name, **fields})
+        return read(Label, entry)
+
+    @steps
+    def update_label(self, /, label: int, **fields: Any) -> Steps[Label]:
+        """Change a label's name, category, color, locked or visible."""
+        return read(Label, (yield from self._palette_edit("PATCH", f"/labels/{label}", fields)))
+
+    @steps
+    def delete_label(self, label: int) -> Steps[Edit]:
+        """Remove a label; its points become unlabeled in the same edit."""
+        return read(Edit, (yield from self._palette_edit("DELETE", f"/labels/{label}")))
+
+    @steps
+    def merge_labels(self, into: int, labels: Sequence[int]) -> Steps[Edit]:
+        """Give all points of ``labels`` to the label ``into``, and remove them; one edit."""
+        body = {"labels": list(labels)}
+        return read(Edit, (yield from self._palette_edit("POST", f"/labels/{into}/merge", body)))
+
+    @steps
+    def add_palette(self, template: str) -> Steps[list[str]]:
+        """Add the classes of a well-known dataset; returns the names that were not there."""
+        answer = yield from self._palette_edit("POST", "/palette", {"template": template})
+        added: list[str] = answer["added"]
+        return added
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
 
-    def undo(self) -> Edit:
+    @steps
+    def undo(self) -> Steps[Edit]:
         """Take back one's last edit; raises ConflictError when there is none."""
-        return _edit(self._call("POST", "/undo").json())
+        return (yield from self._edit("POST", "/undo"))
 
-    def redo(self) -> Edit:
+    @steps
+    def redo(self) -> Steps[Edit]:
         """Bring back what the last undo took."""
-        return _edit(self._call("POST", "/redo").json())
+        return (yield from self._edit("POST", "/redo"))
 
-    def track(
+    @steps
+    def edits(self, limit: int = 100, before: int | None = None) -> Steps[list[PastEdit]]:
+        """Return the history, newest first; ``before`` a revision."""
+        query = {"limit": limit} | ({} if before is None else {"before": before})
+        answer = yield from self._call("GET", "/edits", params=query)
+        return [read(PastEdit, entry) for entry in answer.json()]
+
+    @steps
+    def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
+        """Make what tracking found in frames ``start`` to ``stop`` count as painted."""
+        body = {"labels": list(labels), "start": start, "stop": stop}
+        return (yield from self._edit("POST", "/accept", body))
+
+    @steps
+    def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
+        """Take back what tracking found in frames ``start`` to ``stop``; painted points stay."""
+        body = {"labels": list(labels), "start": start, "stop": stop}
+        return (yield from self._edit("POST", "/clear", body))
+
+    # ── tracking ─────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def start_tracking(
         self,
-        labels: Sequence[int],
+        /,
+        labels: Sequence[int] | None,
         start: int,
         stop: int,
         *,
         method: str = "auto",
+        overwrite: Literal["never", "tracked", "all"] = "tracked",
+        **options: Any,
+    ) -> Steps[Job]:
+        """Start what ``track`` waits for; returns the job."""
+        return (yield from self._tracking(labels, start, stop, method, overwrite, options))
+
+    @steps
+    def track(
+        self,
+        /,
+        labels: Sequence[int] | None,
+        start: int,
+        stop: int,
+        *,
+        method: str = "auto",
+        overwrite: Literal["never", "tracked", "all"] = "tracked",
         progress: bool = True,
         **options: Any,
-    ) -> dict[str, Any]:
-        """Carry labels from frame ``start`` to ``stop``, and wait; returns the job's result."""
-        body = {"labels": list(labels), "start": start, "stop": stop, "method": method, **options}
-        job = self._call("POST", "/tracking", json=body).json()
-        return self._client.wait(job, progress=progress)
+    ) -> Steps[Run]:
+        """Carry labels from frame ``start`` to ``stop``, and wait; ``progress`` shows a bar.
 
-    def tracks(self) -> list[dict[str, Any]]:
-        """Pose, confidence and state of every tracked label in every frame."""
-        found: list[dict[str, Any]] = self._call("GET", "/tracks").json()
-        return found
+        ``labels`` None: all in frame ``start``.  ``options``: continue_lost, until_painted,
+        stop_unsure.  Raises PointbrushError with the job's sentence, CancelledError.
+        """
+        job = yield from self._tracking(labels, start, stop, method, overwrite, options)
+        return read(Run, (yield from finished(job, progress=progress)))
 
+    def _tracking(
+        self,
+        labels: Sequence[int] | None,
+        start: int,
+        stop: int,
+        method: str,
+        overwrite: str,
+        options: dict[str, Any],
+    ) -> Steps[Job]:
+        wanted = None if labels is None else list(labels)
+        body = {"labels": wanted, "start": start, "stop": stop, "method": method}
+        body |= {"overwrite": overwrite, "id": str(uuid.uuid4()), **options}
+        answer = yield from self._call("POST", "/tracking", json=body)
+        return read(Job, answer.json())
+
+    @steps
+    def tracks(self) -> Steps[list[Track]]:
+        """Return pose, confidence and state of every tracked label in every frame."""
+        answer = yield from self._call("GET", "/tracks")
+        return [read(Track, entry) for entry in answer.json()]
+
+    # ── labels made elsewhere, exports ───────────────────────────────────────────────────
+
+    @steps
+    def start_label_import(
+        self,
+        files: Sequence[Path] | str,
+        *,
+        format: str | None = None,
+        map: str | None = None,
+        field: str | None = None,
+        no_ground: bool = False,
+        dry_run: bool = False,
+    ) -> Steps[Job]:
+        """Start what ``import_labels`` waits for; returns the job."""
+        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        return (yield from self._label_import(files, given, dry_run=dry_run))
+
+    @steps
     def import_labels(
         self,
         files: Sequence[Path] | str,
@@ -110,156 +232,56 @@ class Recording:
         no_ground: bool = False,
         dry_run: bool = False,
         progress: bool = False,
-    ) -> dict[str, Any]:
-        """Import labels made elsewhere, from files here or a path on the server.
+    ) -> Steps[dict[str, Any]]:
+        """Import labels made elsewhere, from files and folders here or a path on the server.
 
         ``map`` names classes: JSON, or lines ``number name``; ``field`` is that of the points that
         is labels; ``no_ground`` leaves the ground out of boxes.  Returns the report.
         """
-        from pointbrush.client.connection import opened
+        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        job = yield from self._label_import(files, given, dry_run=dry_run)
+        return (yield from finished(job, progress=progress))
 
-        given = {"format": format, "map": map, "field": field}
+    def _label_import(
+        self, files: Sequence[Path] | str, given: dict[str, Any], *, dry_run: bool
+    ) -> Steps[Job]:
         fields = {name: value for name, value in given.items() if value is not None}
-        if no_ground:
-            fields["no_ground"] = "true"
-        query = {"dry_run": str(dry_run).lower()}
+        query = {"dry_run": json.dumps(dry_run)}
+        body: dict[str, Any]
         if isinstance(files, str):
-            body = {"path": files, **fields}
-            answer = self._call("POST", "/annotations", json=body, params=query)
+            body = {"json": {"path": files, **fields}}
         else:
-            with opened(list(files)) as parts:
-                answer = self._call("POST", "/annotations", files=parts, data=fields, params=query)
-        return self._client.wait(answer.json(), progress=progress)
+            texts = {name: v if isinstance(v, str) else json.dumps(v) for name, v in fields.items()}
+            body = {"files": parts_of(files), "data": texts}
+        answer = yield from self._call("POST", "/annotations", params=query, **body)
+        return read(Job, answer.json())
 
-    def export(self, format: str, out: Path, frames: str | None = None) -> Path:
+    @steps
+    def export(self, format: str, out: Path, frames: str | None = None) -> Steps[Path]:
         """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path."""
         query = {"format": format} | ({} if frames is None else {"frames": frames})
-        content = self._call("GET", "/export", params=query).content
         partial = out.with_name(f".{out.name}-{uuid.uuid4().hex}")
         try:
-            partial.write_bytes(content)
+            place = f"/sequences/{self.id}/export"
+            yield from send(Request("GET", place, {"params": query}, into=partial, again=True))
             partial.replace(out)
         finally:
             partial.unlink(missing_ok=True)
         return out
 
+    # ── the recording itself ─────────────────────────────────────────────────────────────
 
-class Frames(Sequence["Frame"]):
-    """The frames of a recording."""
+    @steps
+    def update(self, *, name: str | None = None, fps: float | None = None) -> Steps[Manifest]:
+        """Change the name or the rate; returns the manifest as it is now."""
+        given = {"name": name, "fps": fps}
+        body = {key: value for key, value in given.items() if value is not None}
+        answer = yield from self._call("PATCH", "", json=body, again=True)
+        self.manifest = read(Manifest, answer.json())
+        self.name = self.manifest.name
+        return self.manifest
 
-    def __init__(self, client: Client, sequence: str, count: int) -> None:
-        self._client, self._sequence, self._count = client, sequence, count
-
-    def __len__(self) -> int:
-        return self._count
-
-    @overload
-    def __getitem__(self, index: int) -> Frame: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Frame]: ...
-    def __getitem__(self, index: int | slice) -> Frame | list[Frame]:
-        """A frame, or several; raises IndexError."""
-        if isinstance(index, slice):
-            return [self[i] for i in range(*index.indices(self._count))]
-        number = index + self._count if index < 0 else index
-        if not 0 <= number < self._count:
-            raise IndexError(f"expected a frame from 0 to {self._count - 1}, got {index}")
-        return Frame(self._client, self._sequence, number)
-
-    def __iter__(self) -> Iterator[Frame]:
-        return (self[i] for i in range(self._count))
-
-
-class Frame:
-    """Frame ``index`` of a recording."""
-
-    def __init__(self, client: Client, sequence: str, index: int) -> None:
-        self._client, self._sequence, self.index = client, sequence, index
-
-    def _call(self, method: str, path: str, **options: Any) -> Any:
-        place = f"/sequences/{self._sequence}/frames/{self.index}{path}"
-        return self._client.call(method, place, **options)
-
-    def points(self) -> dict[str, NDArray[Any]]:
-        """Arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` where there are."""
-        content = self._call("GET", "/points", params={"format": "npz"}).content
-        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-            return dict(stored.items())
-
-    def cameras(self) -> list[dict[str, Any]]:
-        """The cameras that took a picture: name, width, height, K, distortion, T_camera_frame."""
-        found: list[dict[str, Any]] = self._call("GET", "/cameras").json()
-        return found
-
-    def image(self, camera: str) -> bytes:
-        """The picture of a camera as it was imported: JPEG, PNG or WebP."""
-        content: bytes = self._call("GET", f"/images/{quote(camera, safe='')}").content
-        return content
-
-    def annotation(self, layer: str = "label") -> Annotation:
-        """A layer (N,): ``label``, ``provenance`` or ``deleted``, with its ``etag``."""
-        answer = self._call("GET", "/annotation", params={"layer": layer})
-        return Annotation(array_of(answer), answer.headers["ETag"])
-
-    def annotate(
-        self, values: NDArray[Any], layer: str = "label", *, if_match: str | None = None
-    ) -> Edit:
-        """Replace a layer, as one edit.
-
-        ``if_match``: the ``etag`` of what it was made from; ConflictError when the frame has
-        changed since.
-        """
-        headers = {"Content-Type": "application/x-npy"}
-        if if_match is not None:
-            headers["If-Match"] = if_match
-        content = npy_of(np.asarray(values))
-        query = {"layer": layer}
-        answer = self._call("PUT", "/annotation", content=content, headers=headers, params=query)
-        return _edit(answer.json())
-
-    def stroke(
-        self,
-        *,
-        label: int = 0,
-        samples: ArrayLike = (),
-        directions: ArrayLike | None = None,
-        tool: str = "paint",
-        shape: str = "sphere",
-        **fields: Any,
-    ) -> Edit:
-        """Apply a stroke: ``samples`` (S, 3) places or ray origins, ``directions`` (S, 3) of rays.
-
-        ``fields`` are the stroke's own: radius, polygon and matrix, candidate, ….
-        """
-        origins = np.asarray(samples, np.float64).reshape(-1, 3)
-        ways = np.broadcast_to(AHEAD if directions is None else directions, origins.shape)
-        rays = [
-            {"origin": origin, "direction": way}
-            for origin, way in zip(origins.tolist(), np.asarray(ways).tolist(), strict=True)
-        ]
-        body = {"id": str(uuid.uuid4()), "label": label, "tool": tool, "shape": shape, **fields}
-        return _edit(self._call("POST", "/strokes", json={**body, "samples": rays}).json())
-
-    def objects(
-        self, origins: ArrayLike, directions: ArrayLike, **fields: Any
-    ) -> list[dict[str, Any]]:
-        """Candidates of the object that rays (K, 3) point at, from part to group."""
-        rays = [
-            {"origin": origin, "direction": way}
-            for origin, way in zip(
-                np.asarray(origins, float).reshape(-1, 3).tolist(),
-                np.asarray(directions, float).reshape(-1, 3).tolist(),
-                strict=True,
-            )
-        ]
-        answer = self._call("POST", "/object", json={"positives": rays, **fields})
-        found: list[dict[str, Any]] = answer.json()["candidates"]
-        return found
-
-
-def _label(entry: dict[str, Any]) -> Label:
-    return Label(**{name: entry[name] for name in Label.__dataclass_fields__})
-
-
-def _edit(entry: dict[str, Any]) -> Edit:
-    return Edit(entry["edit"], entry["changed"], entry["revision"])
+    @steps
+    def delete(self) -> Steps[None]:
+        """Delete the recording with its labels; ``Client.restore`` brings it back for 30 days."""
+        yield from self._call("DELETE", "")

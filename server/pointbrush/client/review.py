@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from pointbrush.client.connection import Client
+import httpx
 
-Place = tuple[float, float, float]
+from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.values import Vector, read
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Standing:
     label: int | None
     state: str
     note: str
-    place: Place | None
+    place: Vector | None
     assignee: str
     by: str
     at: str | None
@@ -43,34 +43,71 @@ class Finding:
     labels: tuple[int, ...]
     first: int | None
     last: int | None
-    place: Place | None
+    place: Vector | None
     settled: bool
 
 
-class Review:
+@dataclass(frozen=True, slots=True)
+class LabelAgreement:
+    """A label by name: its points in the first, the second and both."""
+
+    name: str
+    iou: float
+    first: int
+    second: int
+    both: int
+
+
+@dataclass(frozen=True, slots=True)
+class FrameAgreement:
+    """Points of a frame that either labelled, and those of them that differ."""
+
+    frame: int
+    labelled: int
+    differ: int
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How alike two annotations are; None where neither has labelled anything."""
+
+    miou: float | None
+    same: float | None
+    labels: tuple[LabelAgreement, ...]
+    frames: tuple[FrameAgreement, ...]
+
+
+class Review(Part[L]):
     """The review of one recording."""
 
-    def __init__(self, client: Client, sequence: str) -> None:
-        self._client, self._sequence = client, sequence
+    def __init__(self, link: L, sequence: str) -> None:
+        super().__init__(link)
+        self._sequence = sequence
 
-    def _call(self, method: str, path: str, **options: Any) -> Any:
-        return self._client.call(method, f"/sequences/{self._sequence}{path}", **options)
+    def _get(self, path: str, **query: Any) -> Steps[httpx.Response]:
+        given = {name: value for name, value in query.items() if value is not None}
+        place = f"/sequences/{self._sequence}{path}"
+        return send(Request("GET", place, {"params": given}, again=True))
 
-    def counts(self) -> dict[str, int]:
+    @steps
+    def counts(self) -> Steps[dict[str, int]]:
         """Return how many frames are open, in review, accepted and rejected."""
-        found: dict[str, int] = self._call("GET", "/review").json()["counts"]
+        found: dict[str, int] = (yield from self._get("/review")).json()["counts"]
         return found
 
-    def standings(self) -> list[Standing]:
+    @steps
+    def standings(self) -> Steps[list[Standing]]:
         """Return runs of frames about which anything was said, then labels as a whole."""
-        told = self._call("GET", "/review").json()
-        return [_standing(entry) for entry in (*told["frames"], *told["labels"])]
+        told = (yield from self._get("/review")).json()
+        return [read(Standing, entry) for entry in (*told["frames"], *told["labels"])]
 
-    def frame(self, frame: int, label: int | None = None) -> Standing:
+    @steps
+    def frame(self, frame: int, label: int | None = None) -> Steps[Standing]:
         """Return how a frame stands, or a label in it."""
-        query = {} if label is None else {"label": label}
-        return _standing(self._call("GET", f"/frames/{frame}/review", params=query).json())
+        answer = yield from self._get(f"/frames/{frame}/review", label=label)
+        return read(Standing, answer.json())
 
+    @steps
     def put(
         self,
         first: int | None = None,
@@ -81,7 +118,7 @@ class Review:
         note: str | None = None,
         place: Sequence[float] | None = None,
         assignee: str | None = None,
-    ) -> None:
+    ) -> Steps[None]:
         """Set what is given of frames ``first`` to ``last`` (the same unless given), or a label.
 
         Raises ForbiddenError below the role that it needs, NotFoundError, BadInputError.
@@ -96,56 +133,45 @@ class Review:
             "assignee": assignee,
         }
         body = {name: value for name, value in given.items() if value is not None}
-        self._call("PUT", "/review", json=body)
+        yield from send(Request("PUT", f"/sequences/{self._sequence}/review", {"json": body}))
 
-    def history(self, limit: int = 100) -> list[dict[str, Any]]:
+    @steps
+    def history(self, limit: int = 100) -> Steps[list[dict[str, Any]]]:
         """Return who decided what, the newest first."""
-        found: list[dict[str, Any]] = self._call(
-            "GET", "/review/history", params={"limit": limit}
-        ).json()
+        answer = yield from self._get("/review/history", limit=limit)
+        found: list[dict[str, Any]] = answer.json()
         return found
 
-    def checks(self, frames: str | None = None) -> list[Finding]:
+    @steps
+    def checks(self, frames: str | None = None) -> Steps[list[Finding]]:
         """Return suspicious things, in frames ``I:J`` where given."""
-        query = {} if frames is None else {"frames": frames}
-        found = self._call("GET", "/checks", params=query).json()["findings"]
-        return [_finding(entry) for entry in found]
+        answer = yield from self._get("/checks", frames=frames)
+        return [read(Finding, entry) for entry in answer.json()["findings"]]
 
-    def agreement(self, other: str, by: str = "name") -> dict[str, Any]:
+    @steps
+    def agreement(
+        self, other: str, by: str = "name", frames: str | None = None
+    ) -> Steps[Agreement]:
         """Return IoU of each label, and points of each frame that differ, with a recording's.
 
-        ``by``: "name" or "category".
+        ``by``: "name" or "category"; ``frames`` I:J.
         """
-        query = {"with": other, "by": by}
-        found: dict[str, Any] = self._call("GET", "/agreement", params=query).json()
-        return found
+        query = {"with": other, "by": by, "frames": frames}
+        return read(Agreement, (yield from self._get("/agreement", **query)).json())
 
-    def difference(self, other: str, frame: int, by: str = "name") -> bytes:
+    @steps
+    def difference(self, other: str, frame: int, by: str = "name") -> Steps[bytes]:
         """Return a PNG of a frame from above: where the labels differ."""
         query = {"with": other, "by": by}
-        content: bytes = self._call("GET", f"/frames/{frame}/agreement", params=query).content
-        return content
+        return (yield from self._get(f"/frames/{frame}/agreement", **query)).content
 
-    def report(self, out: Path, table: str = "frames") -> Path:
+    @steps
+    def report(self, out: Path, table: str = "frames") -> Steps[Path]:
         """Write the report to a file, .html or .csv; returns its path.
 
         ``table`` of a .csv: "frames", "labels" or "people".
         """
         csv = out.suffix.lower() == ".csv"
         query = {"format": "csv", "table": table} if csv else {"format": "html"}
-        out.write_bytes(self._call("GET", "/report", params=query).content)
+        out.write_bytes((yield from self._get("/report", **query)).content)
         return out
-
-
-def _standing(entry: dict[str, Any]) -> Standing:
-    fields = {name: entry[name] for name in Standing.__dataclass_fields__}
-    return Standing(**{**fields, "place": _place(entry["place"])})
-
-
-def _finding(entry: dict[str, Any]) -> Finding:
-    fields = {name: entry[name] for name in Finding.__dataclass_fields__}
-    return Finding(**{**fields, "labels": tuple(entry["labels"]), "place": _place(entry["place"])})
-
-
-def _place(values: list[float] | None) -> Place | None:
-    return None if values is None else (values[0], values[1], values[2])

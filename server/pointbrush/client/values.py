@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import io
-from typing import Any
+import os
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, BinaryIO, Literal, TypeVar, cast
 
 import httpx
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, PlainValidator, TypeAdapter
 
 from pointbrush import errors
+from pointbrush.errors import BadInputError, NotFoundError
 
 BY_TITLE = {
     kind.title: kind
@@ -27,6 +35,167 @@ BY_STATUS: dict[int, type[errors.PointbrushError]] = {
     429: errors.TooManyRequestsError,
     503: errors.UnavailableError,
 }
+AHEAD = (0.0, 0.0, -1.0)
+"""Direction of a sample that is a place alone."""
+
+Vector = tuple[float, float, float]
+Floats = NDArray[np.float64]
+
+
+def _square(values: Any) -> Floats:
+    return np.asarray(values, np.float64).reshape(4, 4)
+
+
+def _array(values: Any) -> Floats | None:
+    return None if values is None else np.asarray(values, np.float64)
+
+
+def _numbers(runs: Any) -> NDArray[np.int64]:
+    parts = [np.arange(first, first + count) for first, count in runs]
+    return np.concatenate(parts) if parts else np.empty(0, np.int64)
+
+
+Pose = Annotated[Floats, PlainValidator(_square)]
+Matrix = Annotated[Floats | None, PlainValidator(_array)]
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Corners over all frames, source coordinates, metres."""
+
+    lo: Vector
+    hi: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels."""
+
+    id: str
+    name: str
+    frames: int
+    fps: float
+    points: tuple[int, ...]
+    bounds: Bounds
+    fields: tuple[str, ...]
+    revision: int
+    shift: Vector
+    source: str
+    large: bool
+    created: datetime | None = None
+    labelled: int = 0
+    damaged: str | None = None
+    identity: str | None = None
+    deleted: datetime | None = None
+    until: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A label of the palette."""
+
+    id: int
+    name: str
+    category: str
+    color: str
+    locked: bool
+    visible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """An edit that is durable: its id, how many points changed, the recording's revision."""
+
+    edit: str
+    changed: int
+    revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class PastEdit:
+    """A line of the history."""
+
+    id: str
+    revision: int
+    author: str
+    time: datetime
+    kind: str
+    summary: str
+    points: int
+    frames: tuple[int, ...]
+    undone: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """A label's track in a frame: ``pose`` 4x4 takes the start frame to this one."""
+
+    label: int
+    frame: int
+    pose: Pose
+    rmse: float | None
+    inliers: float
+    confidence: float
+    points: int
+    state: Literal["tracked", "occluded", "lost", "painted"]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a tracking run did; the run is one edit."""
+
+    edit: str
+    changed: int
+    revision: int
+    frames: int
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """A camera that took a picture: a point p of the source is at ``K (T_camera_frame p)``."""
+
+    name: str
+    width: int
+    height: int
+    K: Matrix
+    distortion: tuple[float, ...]
+    model: str
+    T_camera_frame: Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """An object that clicks can mean; ``numbers`` of its points, in the source's order."""
+
+    id: str
+    level: int
+    score: float
+    points: int
+    numbers: Annotated[NDArray[np.int64], Field(alias="runs"), PlainValidator(_numbers)]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Long work and how far it is, 0..1."""
+
+    id: str
+    kind: str
+    sequence: str | None
+    state: Literal["queued", "running", "done", "failed", "cancelled"]
+    progress: float
+    message: str
+    result: dict[str, Any] | None
+    error: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Category:
+    """A class of the workspace; ``datasets``: its numbers in those by name."""
+
+    number: int
+    name: str
+    color: str
+    datasets: dict[str, int]
 
 
 class Annotation(np.ndarray[Any, np.dtype[Any]]):
@@ -45,6 +214,23 @@ class Annotation(np.ndarray[Any, np.dtype[Any]]):
         self.etag = getattr(other, "etag", "")
 
 
+Value = TypeVar("Value")
+
+
+@cache
+def _adapter(kind: Hashable) -> TypeAdapter[Any]:
+    return TypeAdapter(cast(Any, kind))
+
+
+def read(kind: type[Value], entry: Any) -> Value:
+    """Return an answer's JSON as a value; members that ``kind`` has no field for are passed over.
+
+    Raises ValidationError for an answer of another shape, as of a server of another version.
+    """
+    found: Value = _adapter(cast(Hashable, kind)).validate_python(entry)
+    return found
+
+
 def raise_for(answer: httpx.Response) -> None:
     """Raise the error that the server names in a problem; nothing for a success."""
     if answer.is_success:
@@ -59,13 +245,85 @@ def raise_for(answer: httpx.Response) -> None:
 
 
 def array_of(answer: httpx.Response) -> NDArray[Any]:
-    """The array of an ``.npy`` answer."""
+    """Return the array of an ``.npy`` answer."""
     array: NDArray[Any] = np.load(io.BytesIO(answer.content), allow_pickle=False)
     return array
 
 
 def npy_of(values: NDArray[Any]) -> bytes:
-    """An array as ``.npy``."""
+    """Return an array as ``.npy``."""
     content = io.BytesIO()
     np.save(content, np.asarray(values), allow_pickle=False)
     return content.getvalue()
+
+
+def rays(origins: ArrayLike, directions: ArrayLike | None = None) -> list[dict[str, Any]]:
+    """Return samples of a stroke from arrays (S, 3); without directions they are places."""
+    places = np.asarray(origins, np.float64).reshape(-1, 3)
+    ways = np.asarray(AHEAD if directions is None else directions, np.float64)
+    pairs = zip(places.tolist(), np.broadcast_to(ways, places.shape).tolist(), strict=True)
+    return [{"origin": origin, "direction": way} for origin, way in pairs]
+
+
+class UploadFile:
+    """A file that is open only while it is sent: a folder has more than a process may open."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file: BinaryIO | None = None
+
+    def tell(self) -> int:
+        """Return the place in the file."""
+        return 0 if self._file is None else self._file.tell()
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; the end is told without opening the file."""
+        if whence == os.SEEK_END:
+            return self._path.stat().st_size + offset
+        self._close()
+        if offset:
+            self._file = self._path.open("rb")
+            self._file.seek(offset)
+        return offset
+
+    def read(self, size: int = -1) -> bytes:
+        """Read on; the file is closed at its end."""
+        if self._file is None:
+            self._file = self._path.open("rb")
+        block = self._file.read(size)
+        if not block:
+            self._close()
+        return block
+
+    def _close(self) -> None:
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+Parts = list[tuple[str, tuple[str, Any]]]
+
+
+def parts_of(paths: Sequence[Path]) -> Parts:
+    """Return files, and those in folders with their place there, as parts of an upload.
+
+    Hidden files stay behind.  Raises NotFoundError, BadInputError for a folder without files.
+    """
+    found: Parts = []
+    for path in paths:
+        if not path.exists():
+            raise NotFoundError(f"files: expected a file or folder, got {path}")
+        if path.is_file():
+            files = {path.name: path}
+        else:
+            top = path.resolve().name
+            inside = [(file.relative_to(path), file) for file in sorted(path.rglob("*"))]
+            files = {
+                f"{top}/{place.as_posix()}": file
+                for place, file in inside
+                if file.is_file() and not any(part.startswith(".") for part in place.parts)
+            }
+        if not files:
+            raise BadInputError(f"files: expected files in the folder, got none in {path}")
+        found += [("files", (name, UploadFile(file))) for name, file in files.items()]
+    return found

@@ -1,0 +1,183 @@
+"""Frames of a recording: points, pictures, annotations and strokes."""
+
+from __future__ import annotations
+
+import io
+import uuid
+from collections.abc import Iterator, Sequence
+from typing import Any, overload
+from urllib.parse import quote
+
+import httpx
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.values import (
+    Annotation,
+    Camera,
+    Candidate,
+    Edit,
+    array_of,
+    npy_of,
+    rays,
+    read,
+)
+
+
+class Frame(Part[L]):
+    """Frame ``index`` of a recording."""
+
+    def __init__(self, link: L, sequence: str, index: int) -> None:
+        super().__init__(link)
+        self._sequence, self.index = sequence, index
+
+    def __repr__(self) -> str:
+        return f"Frame({self._sequence!r}, {self.index})"
+
+    def _call(
+        self, method: str, path: str, *, again: bool = False, **options: Any
+    ) -> Steps[httpx.Response]:
+        place = f"/sequences/{self._sequence}/frames/{self.index}{path}"
+        return send(Request(method, place, options, again=again or method == "GET"))
+
+    def _edit(self, path: str, body: dict[str, Any]) -> Steps[Edit]:
+        named = {"id": str(uuid.uuid4()), **body}
+        answer = yield from self._call("POST", path, json=named, again=True)
+        return read(Edit, answer.json())
+
+    # ── points and pictures ──────────────────────────────────────────────────────────────
+
+    @steps
+    def points(self) -> Steps[dict[str, NDArray[Any]]]:
+        """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` if there are."""
+        answer = yield from self._call("GET", "/points", params={"format": "npz"})
+        with np.load(io.BytesIO(answer.content), allow_pickle=False) as stored:
+            return dict(stored.items())
+
+    @steps
+    def cameras(self) -> Steps[list[Camera]]:
+        """Return the cameras that took a picture at this frame."""
+        answer = yield from self._call("GET", "/cameras")
+        return [read(Camera, entry) for entry in answer.json()]
+
+    @steps
+    def image(self, camera: str) -> Steps[bytes]:
+        """Return the picture of a camera as it was imported: JPEG, PNG or WebP."""
+        answer = yield from self._call("GET", f"/images/{quote(camera, safe='')}")
+        return answer.content
+
+    @steps
+    def thumbnail(self) -> Steps[bytes]:
+        """Return a small picture of the frame, a JPEG."""
+        return (yield from self._call("GET", "/thumbnail")).content
+
+    # ── annotations ──────────────────────────────────────────────────────────────────────
+
+    @steps
+    def annotation(self, layer: str = "label") -> Steps[Annotation]:
+        """Return a layer (N,): ``label``, ``provenance`` or ``deleted``, with its ``etag``."""
+        answer = yield from self._call("GET", "/annotation", params={"layer": layer})
+        return Annotation(array_of(answer), answer.headers["ETag"])
+
+    @steps
+    def annotate(
+        self, values: NDArray[Any], layer: str = "label", *, if_match: str | None = None
+    ) -> Steps[Edit]:
+        """Replace a layer, as one edit.
+
+        ``if_match``: the ``etag`` of what it was made from; ConflictError when the frame has
+        changed since.
+        """
+        headers = {"Content-Type": "application/x-npy"}
+        if if_match is not None:
+            headers["If-Match"] = if_match
+        answer = yield from self._call(
+            "PUT",
+            "/annotation",
+            again=True,
+            content=npy_of(np.asarray(values)),
+            headers=headers,
+            params={"layer": layer, "id": str(uuid.uuid4())},
+        )
+        return read(Edit, answer.json())
+
+    # ── strokes and objects ──────────────────────────────────────────────────────────────
+
+    @steps
+    def stroke(
+        self,
+        /,
+        *,
+        label: int = 0,
+        samples: ArrayLike = (),
+        directions: ArrayLike | None = None,
+        tool: str = "paint",
+        shape: str = "sphere",
+        **fields: Any,
+    ) -> Steps[Edit]:
+        """Apply a stroke: ``samples`` (S, 3) places or ray origins, ``directions`` (S, 3) of rays.
+
+        ``fields`` are the stroke's own: radius, polygon and matrix, candidate, frames, ….
+        """
+        body = {"label": label, "tool": tool, "shape": shape, **fields}
+        return (yield from self._edit("/strokes", {**body, "samples": rays(samples, directions)}))
+
+    @steps
+    def objects(
+        self,
+        /,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        negatives: tuple[ArrayLike, ArrayLike] | None = None,
+        **fields: Any,
+    ) -> Steps[list[Candidate]]:
+        """Return candidates of the object that rays (K, 3) point at, from part to group.
+
+        ``negatives``: origins and directions of rays at what is no part of it.  A stroke of shape
+        ``object`` with the same rays and a ``candidate``'s id takes one.
+        """
+        body = {"positives": rays(origins, directions), **fields}
+        if negatives is not None:
+            body["negatives"] = rays(*negatives)
+        answer = yield from self._call("POST", "/object", json=body, again=True)
+        return [read(Candidate, entry) for entry in answer.json()["candidates"]]
+
+    @steps
+    def copy_labels(self, source: int, labels: Sequence[int]) -> Steps[Edit]:
+        """Label points as those at the same place in frame ``source`` are."""
+        return (yield from self._edit("/copy", {"source": source, "labels": list(labels)}))
+
+    @steps
+    def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
+        """Take labels from all of their points in this frame, or up to ``stop`` (included)."""
+        body = {"labels": list(labels)} | ({} if stop is None else {"stop": stop})
+        return (yield from self._edit("/clear", body))
+
+
+class Frames(Part[L], Sequence[Frame[L]]):
+    """The frames of a recording."""
+
+    def __init__(self, link: L, sequence: str, count: int) -> None:
+        super().__init__(link)
+        self._sequence, self._count = sequence, count
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> Frame[L]: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Frame[L]]: ...
+    def __getitem__(self, index: int | slice) -> Frame[L] | list[Frame[L]]:
+        """Return a frame, or several; raises IndexError."""
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(self._count))]
+        number = index + self._count if index < 0 else index
+        if not 0 <= number < self._count:
+            raise IndexError(f"expected a frame from 0 to {self._count - 1}, got {index}")
+        return Frame(self._link, self._sequence, number)
+
+    def __iter__(self) -> Iterator[Frame[L]]:
+        return (self[i] for i in range(self._count))

@@ -1,0 +1,194 @@
+"""Calls written once, for code that blocks and for code that awaits.
+
+A method of the client is a generator of steps: it yields a request or a pause, and is sent the
+answer.  ``SyncLink`` takes the steps one after the other, ``AsyncLink`` awaits them.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine, Generator
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import partial, wraps
+from pathlib import Path
+from typing import Any, Concatenate, Generic, ParamSpec, TypeAlias, cast, overload
+
+import httpx
+from typing_extensions import TypeVar
+
+from pointbrush import errors
+from pointbrush.client.values import raise_for
+
+ATTEMPTS = 4
+"""Of a call that the server did not answer, or answered with "later"."""
+FIRST_WAIT = 0.2
+"""Seconds before the second attempt; doubled before each further one."""
+LONGEST_WAIT = 5.0
+"""Seconds between two attempts, whatever the server asks for."""
+LATER = (429, 503)
+"""Statuses of an answer that nothing was done for, and that another attempt may change."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A call; ``into``: a file that a good answer's body is written to.
+
+    ``again``: done twice it has the same effect as once, so that it is sent again when the
+    connection is lost before the answer.
+    """
+
+    method: str
+    path: str
+    options: dict[str, Any] = field(default_factory=dict)
+    into: Path | None = None
+    again: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Seconds in which nothing is done."""
+
+    seconds: float
+
+
+T = TypeVar("T")
+P = ParamSpec("P")
+Step: TypeAlias = Request | Pause
+Steps: TypeAlias = Generator[Step, httpx.Response | None, T]
+"""What a method does until it has a ``T``: the value from ``Client``, awaited from AsyncClient."""
+
+
+def send(request: Request) -> Steps[httpx.Response]:
+    """Make a call, again where that is safe; returns the answer.
+
+    Raises the errors of ``pointbrush.errors``; UnavailableError when nothing answers.
+    """
+    wait = FIRST_WAIT
+    for attempt in range(1, ATTEMPTS + 1):
+        try:
+            answer = yield request
+        except httpx.HTTPError as error:
+            if not request.again or attempt == ATTEMPTS:
+                raise errors.UnavailableError(
+                    f"url: expected a server that answers: {str(error) or type(error).__name__}"
+                ) from None
+        else:
+            assert answer is not None  # noqa: S101 – links answer requests
+            if answer.status_code not in LATER or attempt == ATTEMPTS:
+                raise_for(answer)
+                return answer
+            wait = max(wait, _seconds(answer.headers.get("Retry-After", "")))
+        yield Pause(min(wait, LONGEST_WAIT))
+        wait *= 2
+    raise AssertionError("the last attempt returns or raises")
+
+
+def _seconds(text: str) -> float:
+    return float(text) if text.isdecimal() else 0.0
+
+
+class SyncLink:
+    """A connection whose steps block the calling thread; safe to share between threads."""
+
+    def __init__(self, http: httpx.Client) -> None:
+        self.http = http
+
+    def run(self, steps: Steps[T]) -> T:
+        """Take steps to their end; returns what they return."""
+        with closing(steps):
+            resume: Callable[[], Step] = partial(next, steps)
+            while True:
+                try:
+                    step = resume()
+                except StopIteration as end:
+                    return cast(T, end.value)
+                resume = partial(steps.send, None)
+                if isinstance(step, Pause):
+                    time.sleep(step.seconds)
+                    continue
+                try:
+                    resume = partial(steps.send, self._answer(step))
+                except httpx.HTTPError as error:
+                    resume = partial(steps.throw, error)
+
+    def _answer(self, request: Request) -> httpx.Response:
+        with self.http.stream(request.method, request.path, **request.options) as answer:
+            if request.into is None or not answer.is_success:
+                answer.read()
+            else:
+                with request.into.open("wb") as file:
+                    for block in answer.iter_bytes():
+                        file.write(block)
+        return answer
+
+
+class AsyncLink:
+    """A connection whose steps are awaited in the running event loop."""
+
+    def __init__(self, http: httpx.AsyncClient) -> None:
+        self.http = http
+
+    async def run(self, steps: Steps[T]) -> T:
+        """Take steps to their end; returns what they return."""
+        with closing(steps):
+            resume: Callable[[], Step] = partial(next, steps)
+            while True:
+                try:
+                    step = resume()
+                except StopIteration as end:
+                    return cast(T, end.value)
+                resume = partial(steps.send, None)
+                if isinstance(step, Pause):
+                    await asyncio.sleep(step.seconds)
+                    continue
+                try:
+                    resume = partial(steps.send, await self._answer(step))
+                except httpx.HTTPError as error:
+                    resume = partial(steps.throw, error)
+
+    async def _answer(self, request: Request) -> httpx.Response:
+        async with self.http.stream(request.method, request.path, **request.options) as answer:
+            if request.into is None or not answer.is_success:
+                await answer.aread()
+            else:
+                with request.into.open("wb") as file:
+                    async for block in answer.aiter_bytes():
+                        file.write(block)
+        return answer
+
+
+L = TypeVar("L", bound=SyncLink | AsyncLink, default=SyncLink)
+
+
+class Part(Generic[L]):
+    """Something on a server, reached by a link."""
+
+    def __init__(self, link: L) -> None:
+        self._link: L = link
+
+
+class steps(Generic[P, T]):  # noqa: N801 – a decorator
+    """Make a generator of steps a method: one that blocks, or a coroutine, as its object's link."""
+
+    def __init__(self, function: Callable[Concatenate[Any, P], Steps[T]]) -> None:
+        self.function = function
+        self.__doc__ = function.__doc__
+
+    @overload
+    def __get__(self, part: Part[SyncLink], owner: Any) -> Callable[P, T]: ...
+    @overload
+    def __get__(self, part: Part[AsyncLink], owner: Any) -> Callable[P, Coroutine[Any, Any, T]]: ...
+    @overload
+    def __get__(self, part: None, owner: Any) -> Callable[Concatenate[Any, P], Steps[T]]: ...
+    def __get__(self, part: Any, owner: Any) -> Any:
+        """Bind to an object; of the class it is the generator function."""
+        if part is None:
+            return self.function
+
+        @wraps(self.function)
+        def method(*args: P.args, **kwargs: P.kwargs) -> Any:
+            return part._link.run(self.function(part, *args, **kwargs))
+
+        return method
