@@ -344,3 +344,58 @@ def test_strokes_move_to_local_coordinates() -> None:
     here = stroke("sphere", [0.1, 0.2, 0.3], radius=0.4)
     there = stroke("sphere", np.array([0.1, 0.2, 0.3]) + shift, radius=0.4).to_local(shift)
     assert select(indexed(xyz), here).tolist() == select(indexed(xyz), there).tolist()
+
+
+@pytest.mark.parametrize(
+    ("shape", "fields"),
+    [
+        ("sphere", {"radius": 0.6}),
+        ("ray", {"radius": 0.2, "through": True}),
+        ("ray", {"radius": 0.2}),
+        ("box", {"center": [0.2, 0, 0], "size": [1, 2, 1]}),
+        ("lasso", {"polygon": [[-1, -1], [1, -1], [0, 1]], "matrix": np.eye(4).ravel().tolist()}),
+        ("grow", {"radius": 0.3}),
+        ("plane", {"radius": 0.3}),
+    ],
+)
+@given(SEEDS)
+@settings(max_examples=15)
+def test_a_clip_box_is_as_if_nothing_lay_outside(
+    shape: str, fields: dict[str, object], seed: int
+) -> None:
+    """A stroke takes of the clipped cloud what it takes where rays meet only the points inside."""
+    rng, xyz = cloud(seed, 1500)
+    turn = Rotation.from_quat(rng.normal(size=4))
+    center, size = rng.uniform(-0.4, 0.4, 3), rng.uniform(0.5, 1.6, 3)
+    inside = (np.abs((xyz - center) @ turn.as_matrix()) <= size / 2).all(axis=1)
+    clip = {
+        "center": center.tolist(),
+        "size": size.tolist(),
+        "quaternion": turn.as_quat().tolist(),
+    }
+    rays = rng.uniform(-1, 1, (4, 3)) + [0, 0, 2]
+    points = indexed(xyz)
+    plain = stroke(shape, rays, **fields)
+    clipped = stroke(shape, rays, **fields, clip=clip)
+    expected = select(points, plain, lambda numbers: inside[numbers])
+    expected = expected[inside[expected]]
+    assert select(points, clipped).tolist() == expected.tolist()
+    # The same while the stroke is drawn, and after it moved to other coordinates with its points.
+    selector = Selector(points, clipped.run(slice(0, 0)))
+    for start in range(4):
+        list(selector.add(clipped.run(slice(start, start + 1))))
+    parts = [np.empty(0, np.int64), *selector.taken.parts()]
+    assert np.concatenate(parts).tolist() == expected.tolist()
+
+
+@pytest.mark.parametrize(
+    ("clip", "words"),
+    [
+        ([1, 2], "clip: expected a box with center and size"),
+        ({"center": [0, 0, 0], "size": [1, 0, 1]}, "clip: size: expected 3 lengths above 0"),
+        ({"center": [0, 0, 0], "size": [1, 1, 1], "roll": 2}, "clip: expected center, size and"),
+    ],
+)
+def test_a_clip_that_is_no_box_is_refused(clip: object, words: str) -> None:
+    with pytest.raises(BadInputError, match=words):
+        stroke("sphere", [0, 0, 0], clip=clip)

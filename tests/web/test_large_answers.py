@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import uuid
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,12 +13,15 @@ import httpx
 import laspy
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames, importer, source_order
 from pointbrush.work.annotate import kept, layers
 from tests.serving import Served, serving, settings_in
+from tests.streaming.acting import run
+from tests.streaming.client import viewer
 
 POINTS = 24_000
 
@@ -147,3 +151,47 @@ def test_an_annotation_stays_as_it_was_while_it_is_sent(both: Served) -> None:
     assert told == revision
     np.testing.assert_array_equal(np.concatenate(parts), before)
     np.testing.assert_array_equal(workspace.annotation("large", 0)[0], before)
+
+
+def test_a_clipped_stroke_takes_the_same_points_by_rest_and_socket(both: Served) -> None:
+    """Against every point tested alone: a ball over all, of which a turned box shows a part."""
+    turn = Rotation.from_euler("z", 30, degrees=True)
+    center, size = np.array([448_020.0, 5_411_018.0, 320.0]), np.array([18.0, 9.0, 14.0])
+    clip = {
+        "center": center.tolist(),
+        "size": size.tolist(),
+        "quaternion": turn.as_quat().tolist(),
+    }
+    brush = {"label": 1, "shape": "sphere", "radius": 900.0, "clip": clip}
+    sample = {"origin": center.tolist()}
+    off = np.abs((scan().xyz - center) @ turn.as_matrix())
+    inside = (off <= size / 2).all(axis=1)
+    workspace = both.workspace
+
+    def by_rest(sequence: str) -> None:
+        url = f"{both.url}/api/v1/sequences/{sequence}/frames/0/strokes"
+        stroke = {**brush, "samples": [sample]}
+        answer = httpx.post(url, json=stroke, headers=both.headers, timeout=60)
+        assert answer.status_code == 200, answer.text
+
+    def by_socket(sequence: str) -> None:
+        async def scenario() -> None:
+            async with viewer(both.url, both.token) as client:
+                await client.open(sequence)
+                stroke = str(uuid.uuid4())
+                await client.send(type="stroke_begin", id=stroke, frame=0, brush=brush)
+                await client.send(type="stroke_samples", id=stroke, samples=[sample])
+                await client.send(type="stroke_end", id=stroke)
+                await client.until("stroke_result", id=stroke, final=True)
+
+        run(scenario)
+
+    for sequence in ("whole", "large"):
+        for way in (by_rest, by_socket):
+            before = workspace.annotation(sequence, 0)[0]
+            deleted = workspace.annotation(sequence, 0, layer="deleted")[0]
+            expected = np.where(inside & ~deleted, np.uint16(1), before)
+            way(sequence)
+            np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], expected)
+            workspace.undo(sequence, workspace.store.edits(sequence)[0].author)
+            np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], before)

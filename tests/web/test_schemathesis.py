@@ -25,6 +25,7 @@ SEMANTIC = (
     "PATCH /api/v1/sequences/{seq}",
     "POST /api/v1/sequences/{seq}/floor",
     "POST /api/v1/sequences/{seq}/frames/{i}/strokes",
+    "POST /api/v1/sequences/{seq}/frames/{i}/object",
     "POST /api/v1/sequences/{seq}/labels/{id}/merge",
     "POST /api/v1/sequences/{seq}/labels/{id}/split",
     "POST /api/v1/sequences/{seq}/tracking",
@@ -42,7 +43,7 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/frames/{i}/agreement",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )
-"""Calls whose input is also checked for sense: an invertible matrix, a type that fits the layer."""
+"""Calls whose input is also checked for sense: an invertible matrix, directions with a length."""
 
 
 @schemathesis.serializer("application/x-npy")

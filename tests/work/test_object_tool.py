@@ -212,6 +212,21 @@ def test_only_the_last_edit_can_be_replaced(workspace: Workspace) -> None:
         take(workspace, replaces=one.edit_id)
 
 
+def test_a_clip_box_bounds_an_object(workspace: Workspace) -> None:
+    xyz = workspace.recording(SEQUENCE)[0].xyz
+    half = {"center": [BALLS[0][0], BALLS[0][1], BALLS[0][2]], "size": [0.15, 4.0, 4.0]}
+    answer = ask(workspace, clip=half)
+    whole = ask(workspace)
+    assert answer.candidates
+    for level in answer.candidates:
+        assert (np.abs(xyz[level.numbers][:, 0] - BALLS[0][0]) <= 0.075 + 1e-6).all()
+    assert max(len(each.numbers) for each in answer.candidates) < max(
+        len(each.numbers) for each in whole.candidates
+    )
+    elsewhere = {"center": [50, 50, 50], "size": [1, 1, 1]}
+    assert not ask(workspace, clip=elsewhere).candidates
+
+
 def test_a_negative_click_stays_out(workspace: Workspace) -> None:
     both = [ray(BALLS[0])]
     answer = ask(workspace, positives=both, negatives=[ray(BALLS[1])])

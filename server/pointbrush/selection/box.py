@@ -27,8 +27,18 @@ def box(
     reach = np.abs(rotation) @ (size / 2)
     for blocks in points.groups(points.blocks_in_box(center - reach, center + reach)):
         numbers = points.numbers(blocks)
-        inside = np.abs((points.xyz[numbers].astype(np.float64) - center) @ rotation) <= size / 2
-        yield numbers[inside.all(axis=1)]
+        yield numbers[inside(points.xyz[numbers], center, size, rotation)]
+
+
+def inside(
+    xyz: NDArray[np.float32],
+    center: NDArray[np.float64],
+    size: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    """Return which of points (n, 3) lie in the box, its faces included."""
+    off = np.abs((xyz.astype(np.float64) - center) @ rotation)
+    return np.asarray((off <= size / 2).all(axis=1))
 
 
 def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -80,7 +90,8 @@ def _take(at: Selecting) -> Parts:
     return box(at.points, values["center"], values["size"], rotation_of(values["quaternion"]))
 
 
-def _placed(values: Values, T_new_old: NDArray[np.float64]) -> Values:
+def placed_box(values: Values, T_new_old: NDArray[np.float64]) -> Values:
+    """Return a box's parameters in other coordinates, by a rigid transform (4, 4)."""
     turn = T_new_old[:3, :3]
     center = turn @ values["center"] + T_new_old[:3, 3]
     if (turn == np.eye(3)).all():
@@ -99,5 +110,5 @@ BOX = Shape(
     ),
     take=_take,
     sampled=False,
-    placed=_placed,
+    placed=placed_box,
 )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.selection.clip import clipped
 from pointbrush.selection.points import Points
 from pointbrush.selection.ray import Alive, first_hits
 from pointbrush.selection.rigid import Matrix, inverse, transformed
@@ -74,9 +75,8 @@ class OverlaySelector:
         hits = np.full((len(batch.origins), 3), np.nan)
         for layer, T in zip(self._layers, self._T, strict=True):
             there = batch.placed(T)
-            found = first_hits(
-                layer.points, there.origins, there.directions, batch.radius, layer.meets
-            )
+            meets = clipped(there.clip, layer.points, layer.meets)
+            found = first_hits(layer.points, there.origins, there.directions, batch.radius, meets)
             found = transformed(layer.T_shown_layer, found)
             along = np.einsum("ij,ij->i", found - batch.origins, batch.directions)
             nearer = along < nearest  # not where NaN

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.selection.clip import clipped
 from pointbrush.selection.points import Points
 from pointbrush.selection.pointset import PointSet
 from pointbrush.selection.ray import Alive, first_hits
-from pointbrush.selection.shape import Selecting
+from pointbrush.selection.shape import Parts, Selecting
 from pointbrush.selection.stroke import Stroke
 
 __all__ = ["Selector", "first_hits", "select", "select_parts"]
@@ -43,8 +44,15 @@ def select_parts(
     if shape.sampled and len(stroke.origins) == 0:
         raise BadInputError(f"samples: expected at least one for shape '{shape.name}', got none")
     taken = PointSet()
-    for part in shape.take(Selecting(points, stroke, alive, taken)):
+    for part in _taken(points, stroke, alive, taken):
         yield taken.add(part) if shape.fills else part
+
+
+def _taken(points: Points, stroke: Stroke, alive: Alive | None, taken: PointSet) -> Parts:
+    """Yield what the stroke's shape takes of the points that its clip box shows."""
+    clip = stroke.clip
+    for part in stroke.kind.take(Selecting(points, stroke, clipped(clip, points, alive), taken)):
+        yield part if clip is None else clip.of(points, part)
 
 
 class Selector:
@@ -72,5 +80,5 @@ class Selector:
             if shape.sweeps:
                 batch = replace(batch, origins=np.concatenate([self._end, batch.origins]))
                 self._end = batch.origins[-1:]
-            for part in shape.take(Selecting(self._points, batch, self._alive, self.taken)):
+            for part in _taken(self._points, batch, self._alive, self.taken):
                 yield self.taken.add(part)

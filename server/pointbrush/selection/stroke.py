@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.selection.clip import Clip
 from pointbrush.selection.parameters import rows, unit
 from pointbrush.selection.rigid import transformed, translation
 from pointbrush.selection.shape import Shape, Values
@@ -31,6 +32,7 @@ class Stroke:
     ``values`` holds the parameters of its shape by name.
     ``hidden`` are labels that only the viewer hides; 0: points without a label.
     ``frames`` are painted beside the frame that the stroke is drawn in.
+    ``clip`` is the box outside which nothing is shown, met or taken; None: all is shown.
     ``met``  (S, 3) where each sample's ray meets the surface, NaN where it meets none; None where
     that is still to be found.
 
@@ -46,6 +48,7 @@ class Stroke:
     only_unlabeled: bool = False
     hidden: frozenset[int] = frozenset()
     frames: tuple[int, ...] = ()
+    clip: Clip | None = None
     met: NDArray[np.float64] | None = None
 
     @classmethod
@@ -64,6 +67,7 @@ class Stroke:
             only_unlabeled=bool(fields.get("only_unlabeled", False)),
             hidden=_hidden(fields.get("hidden", ())),
             frames=_frames(fields.get("frames", ())),
+            clip=Clip.parse(fields.get("clip")),
         )
         return stroke.with_samples(fields.get("samples") or [])
 
@@ -103,6 +107,7 @@ class Stroke:
             origins=transformed(T_new_old, self.origins),
             directions=self.directions @ T_new_old[:3, :3].T,
             values=self.values if placed is None else placed(self.values, T_new_old),
+            clip=None if self.clip is None else self.clip.placed(T_new_old),
             met=None if self.met is None else transformed(T_new_old, self.met),
         )
 

@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'd1a667274b33';
+export const SCHEMA_HASH = 'aabff11586f4';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -56,6 +56,8 @@ export interface Brush {
   hidden?: number[];
   /** painted beside the frame that the stroke is drawn in, as one edit: their points lie over it by the recording's poses, those of a tracked label by its track. */
   frames?: number[];
+  /** what is shown: points outside this box are left alone, by every shape, and rays pass through them. */
+  clip?: ClipBox | null;
 }
 
 /** Where this person is, in room coordinates (y up, metres); absent parts are null. */
@@ -67,6 +69,16 @@ export interface ClientPresence {
   brush?: [number, number, number] | null;
   radius?: number;
   label?: number;
+}
+
+/** A box in the coordinates of the frame that a stroke is drawn in. */
+export interface ClipBox {
+  /** metres */
+  center: [number, number, number];
+  /** full edge lengths, metres */
+  size: [number, number, number];
+  /** orientation x, y, z, w */
+  quaternion?: [number, number, number, number];
 }
 
 /**

@@ -7,7 +7,7 @@ of the frame store); coordinates are metres in the source's frame unless a field
 Packed arrays are little-endian ``bytes``.
 """
 
-from pointbrush.streaming.messages.brush import Brush
+from pointbrush.streaming.messages.brush import Brush, ClipBox
 from pointbrush.streaming.messages.client import (
     Ask,
     ClientMessage,
@@ -76,6 +76,7 @@ __all__ = [
     "Chunk",
     "ClientMessage",
     "ClientPresence",
+    "ClipBox",
     "Color",
     "Count",
     "Credit",

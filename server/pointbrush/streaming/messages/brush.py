@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, create_model
 
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
+from pointbrush.selection.box import BOX
 from pointbrush.selection.parameters import (
     EditName,
     Flag,
@@ -78,6 +79,26 @@ def _parameters() -> dict[str, Any]:
 _Parameters: Any = create_model("_Parameters", __base__=Message, **_parameters())
 
 
+def _box() -> dict[str, Any]:
+    """Return the fields of a box, those of the shape of that name."""
+    return {
+        each.name: (_type_of(each.kind), Field(*_default(each), description=each.about))
+        for each in BOX.parameters
+    }
+
+
+def _default(parameter: Parameter) -> tuple[Any, ...]:
+    return (...,) if parameter.default is None else (list(parameter.default),)
+
+
+ClipBox: Any = create_model(
+    "ClipBox",
+    __base__=Message,
+    __doc__="A box in the coordinates of the frame that a stroke is drawn in.",
+    **_box(),
+)
+
+
 class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is imported
     """What a stroke does with its samples."""
 
@@ -96,4 +117,9 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
         [],
         description="painted beside the frame that the stroke is drawn in, as one edit: their "
         "points lie over it by the recording's poses, those of a tracked label by its track.",
+    )
+    clip: ClipBox | None = Field(
+        None,
+        description="what is shown: points outside this box are left alone, by every shape, and "
+        "rays pass through them.",
     )

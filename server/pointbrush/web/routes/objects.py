@@ -10,7 +10,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 
 from pointbrush.ranges import runs_of
-from pointbrush.streaming.messages import LabelId, Sample
+from pointbrush.streaming.messages import ClipBox, LabelId, Sample
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas import Body
@@ -29,6 +29,7 @@ class ObjectBody(Body):
     label: LabelId = 0
     take_labelled: bool = False
     hidden: Annotated[list[LabelId], Field(max_length=65535, default_factory=list)]
+    clip: ClipBox | None = None
     previous: Annotated[str, Field(max_length=64)] = ""
 
 

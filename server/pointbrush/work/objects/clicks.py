@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection import Points, Stroke, first_hits
+from pointbrush.selection.clip import clipped
 from pointbrush.selection.ray import Alive
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,8 @@ class Clicks:
     Both are ``Stroke`` values of which the samples count, in source coordinates; ``reach`` is how
     far beside a ray a point may lie, metres.  ``label`` is the label to paint with: its own points
     are taken, those of other labels only with ``take_labelled``.  ``hidden`` are labels that only
-    this viewer hides.  ``previous`` is the id of the candidate taken so far, or "".
+    this viewer hides.  Outside the clip box that both carry nothing is taken.  ``previous`` is
+    the id of the candidate taken so far, or "".
     """
 
     positives: Stroke
@@ -40,7 +42,7 @@ class Clicks:
         Raises BadInputError.
         """
         plain = {"shape": "ray", "tool": "erase"}
-        kept = {"radius": fields["radius"]} if fields.get("radius") is not None else {}
+        kept = {name: fields[name] for name in ("radius", "clip") if fields.get(name) is not None}
         empty = Stroke.parse({**plain, **kept})
         return cls(
             positives=_clicks(empty, "positives", fields.get("positives") or (), most),
@@ -59,7 +61,9 @@ class Clicks:
             for array in (stroke.origins, stroke.directions)
         )
         radius = self.positives.radius
-        return *rays, radius, self.label, self.take_labelled, sorted(self.hidden)
+        clip = self.positives.clip
+        box = () if clip is None else tuple(array.tobytes() for array in clip.values.values())
+        return *rays, radius, self.label, self.take_labelled, sorted(self.hidden), box
 
 
 def _clicks(empty: Stroke, name: str, samples: Sequence[Mapping[str, Any]], most: int) -> Stroke:
@@ -71,5 +75,6 @@ def _clicks(empty: Stroke, name: str, samples: Sequence[Mapping[str, Any]], most
 def surface_hits(points: Points, rays: Stroke, shift: Floats, alive: Alive) -> Floats:
     """Return where rays in source coordinates meet the frame: (K, 3) local metres, hits only."""
     local = rays.to_local(shift)
-    hits = first_hits(points, local.origins, local.directions, local.radius, alive)
+    meets = clipped(local.clip, points, alive)
+    hits = first_hits(points, local.origins, local.directions, local.radius, meets)
     return hits[np.isfinite(hits[:, 0])]

@@ -115,7 +115,10 @@ class Objects:
         negatives = surface_hits(points, clicks.negatives, shift, seen)
         mask = self._mask(clicks.previous)
         found = self._states.candidates(recording, frame, points, positives, negatives, mask)
+        clip = clicks.positives.to_local(shift).clip
         regions = [(numbers[free[numbers]], score) for numbers, score in found.regions]
+        if clip is not None:
+            regions = [(clip.of(points, numbers), score) for numbers, score in regions]
         told = self._told(recording, frame, clicks, revision, kept, found.ready)
         answer = _ladder(regions, told, ready=found.ready)
         self._remember(answer)

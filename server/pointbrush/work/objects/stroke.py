@@ -96,12 +96,15 @@ class ObjectStroke:
         """Return the further frames, each with stored numbers of the points at the same place."""
         xyz = self._recording[self.frame].xyz[own].astype(np.float64)
         reach = reach_of(xyz) if self._placed[1:] else 0.0
+        local = self._brush.to_local(np.asarray(self._recording.manifest.shift, np.float64))
         for placement in self._placed[1:]:
             if self._recording[placement.frame].count:
                 painted = PaintedFrame(self._store, self._recording, placement, self._brush)
                 for layer in painted.layers():
                     there = transformed(inverse(layer.T_shown_layer), xyz)
-                    yield placement.frame, layer.own(near(layer.points, there, reach))
+                    found = layer.own(near(layer.points, there, reach))
+                    clip = local.placed(inverse(layer.T_shown_layer)).clip
+                    yield placement.frame, found if clip is None else clip.of(layer.points, found)
 
     def _level(self) -> Level:
         fields = self._fields
