@@ -20,7 +20,7 @@ from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
 from pointbrush.options import UNBOUNDED, Option
 from pointbrush.private import private_files
 from pointbrush.roles import ROLES
-from pointbrush.settings import Settings, options
+from pointbrush.settings import REMOTE, Settings, options
 
 Command = Callable[[argparse.Namespace, Settings], None]
 SEQUENCE = "a recording's id, as `pointbrush info` lists it"
@@ -32,12 +32,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if arguments is None:
             hide_password(given.database if "database" in given else None)
-        chosen = {o.name: getattr(given, o.name, None) for o in options()}
+        settings = Settings.load({o.name: getattr(given, o.name, None) for o in options()})
+        remote = settings.server and given.command in REMOTE
         # Here, since help and usage errors need none of it.
-        command: Command = getattr(import_module("pointbrush.commands"), _function(given.command))
+        module = import_module("pointbrush.remote" if remote else "pointbrush.commands")
+        command: Command = getattr(module, _function(given.command))
         # What is exported is its user's to share.
         with nullcontext() if given.command in ("export", "report") else private_files():
-            command(given, Settings.load(chosen))
+            command(given, settings)
     except PointbrushError as error:
         print(f"pointbrush: {error.whole}", file=sys.stderr)
         return 1

@@ -8,10 +8,10 @@ import sys
 import threading
 import time
 from contextlib import closing, suppress
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any
 
+from pointbrush import printing
 from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
 from pointbrush.formats import Limits
@@ -22,10 +22,10 @@ from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
-from pointbrush.work.imports.previewing import Preview, PreviewRequest, preview
+from pointbrush.work.imports.previewing import PreviewRequest, preview
 from pointbrush.work.place import own_url
 from pointbrush.work.reviewing import to_csv, to_html
-from pointbrush.workspace import Listed, Workspace
+from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"
 
@@ -37,7 +37,7 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         if not any(manifest.source.startswith("sample") for manifest in workspace.sequences()):
             job = workspace.import_sample(frames=given.sample_frames)
-            follow(workspace, job)
+            follow(workspace.job, job)
         # Ctrl+C is how a server ends; it drains first, and that is no failure.
         with suppress(KeyboardInterrupt):
             run(workspace, settings)
@@ -58,9 +58,8 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
     chosen = parse_corrections({f.name: getattr(given, f.name) for f in fields(Corrections)})
     if given.dry_run:
         limits = Limits(settings.max_frame_points)
-        _print_preview(
-            preview(PreviewRequest(tuple(given.paths), chosen, limits, given.name, given.fps))
-        )
+        request = PreviewRequest(tuple(given.paths), chosen, limits, given.name, given.fps)
+        printing.preview(asdict(preview(request)))
         return
     with closing(Workspace(settings)) as workspace:
         job = workspace.import_paths(
@@ -69,50 +68,8 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
             fps=given.fps,
             chosen=chosen,
         )
-        result = follow(workspace, job)
-        for warning in result["warnings"]:
-            print(f"warning: {warning}", file=sys.stderr)
-        dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
-        print(
-            f"imported {result['sequence']}: {result['frames']} frames, "
-            f"{result['points']:,} points{dropped}"
-        )
-
-
-def _print_preview(found: Preview) -> None:
-    points = ", ".join(f"{frame['points']:,}" for frame in found.points)
-    columns = ", ".join(
-        column["name"]
-        if column["meaning"] in (column["name"].lower(), "xyz")
-        else f"{column['name']} ({column['meaning'] or 'left out'})"
-        for column in found.columns
-    )
-    frames = "an unknown number of" if found.frames is None else found.frames
-    wide = " x ".join(f"{width:,.1f}" for width in found.units["extent"])
-    facts = {
-        "name": found.name,
-        "format": f"{found.format} ({found.title})",
-        "frames": f"{frames}, {found.order}",
-        "rate": f"{found.fps:g} frames/s, from {found.fps_from}",
-        "points": f"{points} in the first frames",
-        "columns": columns,
-        "topics": ", ".join(
-            f"{topic['name']}{' (read)' if topic['read'] else ''}: {topic['messages']} "
-            f"{topic['type']}"
-            for topic in found.topics
-        ),
-        "cameras": ", ".join(camera["name"] for camera in found.cameras),
-        "poses": found.poses["source"] if found.poses else "none",
-        "units": f"{found.units['name']}, {wide}",
-        "up": found.up,
-        "labels": "come with the points" if found.labels else "none",
-    }
-    for name, value in facts.items():
-        if value:
-            print(f"{name:10} {value}")
-    for warning in found.warnings:
-        print(f"warning    {warning}")
-    print("nothing was written: this is what an import would do")
+        result = follow(workspace.job, job)
+        printing.imported(result)
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> None:
@@ -128,21 +85,9 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             no_ground=given.no_ground,
             field=given.field,
         )
-        result = follow(workspace, job)
+        result = follow(workspace.job, job)
         frames = len(workspace.recording(given.sequence))
-        for told in result["frames"]:
-            print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
-        for number in result["unknown_classes"]:
-            print(f"class {number} has no name: --map FILE gives it one")
-        if result["unmatched_frames"]:
-            print(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
-        if result["unmatched_files"]:
-            print(f"files of no frame: {', '.join(result['unmatched_files'])}")
-        done = "found" if given.dry_run else "imported"
-        print(
-            f"{done} {result['labelled']:,} labelled points in {result['matched']} of {frames} "
-            f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
-        )
+        printing.labels_imported(result, frames, dry_run=given.dry_run)
 
 
 def track(given: argparse.Namespace, settings: Settings) -> None:
@@ -150,7 +95,8 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         labels = None
         if given.labels:
-            labels = [_label(workspace, given.sequence, text) for text in given.labels.split(",")]
+            palette = workspace.palette(given.sequence)
+            labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
         job = workspace.track(
             given.sequence,
             start=given.start,
@@ -163,15 +109,8 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             stop_unsure=given.stop_unsure,
             author=AUTHOR,
         )
-        result = follow(workspace, job)
-        print(f"tracked {result['frames']} frames, {result['changed']:,} points labelled")
-
-
-def _label(workspace: Workspace, sequence: str, text: str) -> int:
-    for label in workspace.palette(sequence):
-        if text in (label.name, str(label.id)):
-            return label.id
-    raise BadInputError(f"--labels: expected names or ids of the palette, got {text!r}")
+        result = follow(workspace.job, job)
+        printing.tracked(result)
 
 
 def export(given: argparse.Namespace, settings: Settings) -> None:
@@ -186,39 +125,11 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         if given.sequence is None:
             for entry in workspace.listing():
-                print(_line(entry))
+                printing.line(entry.id, entry.manifest, entry.damaged)
             return
         manifest = workspace.recording(given.sequence).manifest
-        facts: dict[str, Any] = {
-            "id": manifest.id,
-            "name": manifest.name,
-            "source": manifest.source,
-            "frames": manifest.frames,
-            "fps": manifest.fps,
-            "points": f"{min(manifest.points):,} to {max(manifest.points):,} a frame",
-            "fields": ", ".join(manifest.fields),
-            "revision": workspace.store.revision(manifest.id),
-        }
-        for name, value in facts.items():
-            print(f"{name:10} {value}")
-        for label in workspace.palette(given.sequence):
-            print(f"label {label.id:<4} {label.color} {label.name}")
-
-
-def _line(entry: Listed) -> str:
-    manifest = entry.manifest
-    damaged = "" if entry.damaged is None else f"damaged: {entry.damaged}"
-    if manifest is None:
-        return f"{entry.id}\t{damaged}"
-    parts = [
-        manifest.id,
-        f"{manifest.frames} frames",
-        f"{manifest.fps:g} fps",
-        f"{sum(manifest.points):,} points",
-        manifest.name,
-        *([damaged] if damaged else []),
-    ]
-    return "\t".join(parts)
+        revision = workspace.store.revision(manifest.id)
+        printing.facts(manifest, revision, workspace.palette(given.sequence))
 
 
 def token(given: argparse.Namespace, settings: Settings) -> None:
@@ -291,22 +202,12 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> None:
     """Print the suspicious things in the labels of a recording, one a line."""
     with closing(Workspace(settings)) as workspace:
         checked = workspace.reviewing.checks(given.sequence, given.frames)
-        found = [each for each in checked.findings if given.all or not each.settled]
-        for each in found:
-            frames = "palette" if each.first is None else f"frame {each.first}"
-            if each.last != each.first:
-                frames = f"frames {each.first} to {each.last}"
-            print(f"{frames}: {each.text}")
-        for sentence in checked.unchecked:
-            print(f"not looked at: {sentence}", file=sys.stderr)
-        print(f"{len(found)} suspicious")
+        printing.findings(checked.findings, checked.unchecked, settled=given.all)
 
 
 def report(given: argparse.Namespace, settings: Settings) -> None:
     """Write a report of a recording's labels."""
-    suffix = given.out.suffix.lower()
-    if suffix not in (".html", ".csv"):
-        raise BadInputError(f"--out: expected a file .html or .csv, got {given.out.name!r}")
+    suffix = printing.report_suffix(given.out)
     with closing(Workspace(settings)) as workspace:
         found = workspace.reviewing.report(given.sequence)
     text = to_html(found) if suffix == ".html" else to_csv(found, given.table)

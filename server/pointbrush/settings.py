@@ -23,6 +23,8 @@ READERS = ("import", "import-labels", *SERVERS)
 """Commands that read points of files."""
 RUNNERS = ("track", *SERVERS)
 """Commands that run jobs."""
+REMOTE = ("import", "import-labels", "track", "export", "info", "check-labels", "report")
+"""Commands that work on the workspace of a server as well."""
 
 DOCS = Path(__file__).parents[2] / "docs" / "options.md"
 BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End. -->\n"
@@ -54,7 +56,12 @@ class Settings:
     port: int = option(
         8080, "port to listen on; 0 takes a free one", where=SERVERS, least=0, most=65_535
     )
-    token: str = option("", "admin token; empty makes a new one at each start", where=SERVERS)
+    server: str = option("", "http(s) address of a server, whose workspace is meant", where=REMOTE)
+    token: str = option(
+        "",
+        "admin token, empty makes a new one at each start; for a server elsewhere your own",
+        where=(*REMOTE, *SERVERS),
+    )
     selector: str = option(
         "tree",
         "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "

@@ -20,6 +20,7 @@ from pointbrush.client.frame import Frame, Frames
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import (
     Agreement,
+    Checked,
     Finding,
     FrameAgreement,
     LabelAgreement,
@@ -49,6 +50,7 @@ __all__ = [
     "Camera",
     "Candidate",
     "Category",
+    "Checked",
     "Client",
     "Edit",
     "Finding",

@@ -35,9 +35,17 @@ class Server(Part[L]):
     @steps
     def sequences(self) -> Steps[list[Recording[L]]]:
         """Return all recordings that can be opened, by name."""
-        answer = yield from send(Request("GET", "/sequences", again=True))
-        listed = [read(Manifest, entry) for entry in answer.json()]
+        listed = yield from self._manifests()
         return [Recording(self._link, entry) for entry in listed if entry.damaged is None]
+
+    @steps
+    def manifests(self) -> Steps[list[Manifest]]:
+        """Return the facts of all recordings, also of ``damaged`` ones, by name."""
+        return (yield from self._manifests())
+
+    def _manifests(self, query: str = "") -> Steps[list[Manifest]]:
+        answer = yield from send(Request("GET", f"/sequences{query}", again=True))
+        return [read(Manifest, entry) for entry in answer.json()]
 
     def _open(self, sequence: str) -> Steps[Recording[L]]:
         answer = yield from send(Request("GET", f"/sequences/{sequence}", again=True))
@@ -51,8 +59,7 @@ class Server(Part[L]):
     @steps
     def deleted(self) -> Steps[list[Manifest]]:
         """Return deleted recordings that can be restored, newest first."""
-        answer = yield from send(Request("GET", "/sequences?deleted=true", again=True))
-        return [read(Manifest, entry) for entry in answer.json()]
+        return (yield from self._manifests("?deleted=true"))
 
     @steps
     def restore(self, sequence: str) -> Steps[Recording[L]]:

@@ -48,6 +48,14 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
+class Checked:
+    """Findings in the order to go through them, and sentences about what was not looked at."""
+
+    findings: tuple[Finding, ...]
+    unchecked: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class LabelAgreement:
     """A label by name: its points in the first, the second and both."""
 
@@ -143,10 +151,15 @@ class Review(Part[L]):
         return found
 
     @steps
+    def check(self, frames: str | None = None) -> Steps[Checked]:
+        """Return suspicious things in frames ``I:J``, and what could not be looked at."""
+        return read(Checked, (yield from self._get("/checks", frames=frames)).json())
+
+    @steps
     def checks(self, frames: str | None = None) -> Steps[list[Finding]]:
         """Return suspicious things, in frames ``I:J`` where given."""
         answer = yield from self._get("/checks", frames=frames)
-        return [read(Finding, entry) for entry in answer.json()["findings"]]
+        return list(read(Checked, answer.json()).findings)
 
     @steps
     def agreement(

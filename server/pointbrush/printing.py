@@ -1,0 +1,179 @@
+"""Lines that commands print, of a workspace here and of one behind a server alike."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from pointbrush.errors import BadInputError
+
+
+class About(Protocol):
+    """Facts of a recording."""
+
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def source(self) -> str: ...  # noqa: D102
+    @property
+    def frames(self) -> int: ...  # noqa: D102
+    @property
+    def fps(self) -> float: ...  # noqa: D102
+    @property
+    def points(self) -> Sequence[int]: ...  # noqa: D102
+    @property
+    def fields(self) -> Sequence[str]: ...  # noqa: D102
+
+
+class Entry(Protocol):
+    """A label of a palette."""
+
+    @property
+    def id(self) -> int: ...  # noqa: D102
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def color(self) -> str: ...  # noqa: D102
+
+
+class Suspicious(Protocol):
+    """A suspicious thing in the labels of a recording."""
+
+    @property
+    def first(self) -> int | None: ...  # noqa: D102
+    @property
+    def last(self) -> int | None: ...  # noqa: D102
+    @property
+    def text(self) -> str: ...  # noqa: D102
+    @property
+    def settled(self) -> bool: ...  # noqa: D102
+
+
+def preview(found: Mapping[str, Any]) -> None:
+    """Print what an import would do."""
+    points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
+    columns = ", ".join(
+        column["name"]
+        if column["meaning"] in (column["name"].lower(), "xyz")
+        else f"{column['name']} ({column['meaning'] or 'left out'})"
+        for column in found["columns"]
+    )
+    frames = "an unknown number of" if found["frames"] is None else found["frames"]
+    wide = " x ".join(f"{width:,.1f}" for width in found["units"]["extent"])
+    told = {
+        "name": found["name"],
+        "format": f"{found['format']} ({found['title']})",
+        "frames": f"{frames}, {found['order']}",
+        "rate": f"{found['fps']:g} frames/s, from {found['fps_from']}",
+        "points": f"{points} in the first frames",
+        "columns": columns,
+        "topics": ", ".join(
+            f"{topic['name']}{' (read)' if topic['read'] else ''}: {topic['messages']} "
+            f"{topic['type']}"
+            for topic in found["topics"]
+        ),
+        "cameras": ", ".join(camera["name"] for camera in found["cameras"]),
+        "poses": found["poses"]["source"] if found["poses"] else "none",
+        "units": f"{found['units']['name']}, {wide}",
+        "up": found["up"],
+        "labels": "come with the points" if found["labels"] else "none",
+    }
+    for name, value in told.items():
+        if value:
+            print(f"{name:10} {value}")
+    for warning in found["warnings"]:
+        print(f"warning    {warning}")
+    print("nothing was written: this is what an import would do")
+
+
+def imported(result: Mapping[str, Any]) -> None:
+    """Print the result of an import's job."""
+    for warning in result["warnings"]:
+        print(f"warning: {warning}", file=sys.stderr)
+    dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
+    print(
+        f"imported {result['sequence']}: {result['frames']} frames, "
+        f"{result['points']:,} points{dropped}"
+    )
+
+
+def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> None:
+    """Print the report of labels that were imported into a recording of ``frames`` frames."""
+    for told in result["frames"]:
+        print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
+    for number in result["unknown_classes"]:
+        print(f"class {number} has no name: --map FILE gives it one")
+    if result["unmatched_frames"]:
+        print(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
+    if result["unmatched_files"]:
+        print(f"files of no frame: {', '.join(result['unmatched_files'])}")
+    done = "found" if dry_run else "imported"
+    print(
+        f"{done} {result['labelled']:,} labelled points in {result['matched']} of {frames} "
+        f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
+    )
+
+
+def tracked(result: Mapping[str, Any]) -> None:
+    """Print the result of a tracking run's job."""
+    print(f"tracked {result['frames']} frames, {result['changed']:,} points labelled")
+
+
+def line(sequence: str, known: About | None, damaged: str | None) -> None:
+    """Print a recording's line of the list; of a damaged one perhaps only the id is known."""
+    parts = [sequence]
+    if known is not None:
+        points = f"{sum(known.points):,} points"
+        parts += [f"{known.frames} frames", f"{known.fps:g} fps", points, known.name]
+    print("\t".join(parts if damaged is None else [*parts, f"damaged: {damaged}"]))
+
+
+def facts(known: About, revision: int, palette: Iterable[Entry]) -> None:
+    """Print what is known of a recording."""
+    told: dict[str, Any] = {
+        "id": known.id,
+        "name": known.name,
+        "source": known.source,
+        "frames": known.frames,
+        "fps": known.fps,
+        "points": f"{min(known.points):,} to {max(known.points):,} a frame",
+        "fields": ", ".join(known.fields),
+        "revision": revision,
+    }
+    for name, value in told.items():
+        print(f"{name:10} {value}")
+    for label in palette:
+        print(f"label {label.id:<4} {label.color} {label.name}")
+
+
+def findings(found: Iterable[Suspicious], unchecked: Iterable[str], *, settled: bool) -> None:
+    """Print suspicious things, with ``settled`` also those that a reviewer has accepted."""
+    wanted = [each for each in found if settled or not each.settled]
+    for each in wanted:
+        frames = "palette" if each.first is None else f"frame {each.first}"
+        if each.last != each.first:
+            frames = f"frames {each.first} to {each.last}"
+        print(f"{frames}: {each.text}")
+    for sentence in unchecked:
+        print(f"not looked at: {sentence}", file=sys.stderr)
+    print(f"{len(wanted)} suspicious")
+
+
+def report_suffix(out: Path) -> str:
+    """Return the ending of a report's file; raises BadInputError for one that is no report's."""
+    suffix = out.suffix.lower()
+    if suffix not in (".html", ".csv"):
+        raise BadInputError(f"--out: expected a file .html or .csv, got {out.name!r}")
+    return suffix
+
+
+def label_named(palette: Iterable[Entry], text: str) -> int:
+    """Return the id of a label of a palette by its name or id; raises BadInputError."""
+    for label in palette:
+        if text in (label.name, str(label.id)):
+            return label.id
+    raise BadInputError(f"--labels: expected names or ids of the palette, got {text!r}")

@@ -1,0 +1,143 @@
+"""Commands on the workspace of a server: ``--server URL``."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+import zipfile
+from dataclasses import fields
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit, urlunsplit
+
+from pointbrush import printing
+from pointbrush.client import Client, Recording
+from pointbrush.errors import BadInputError
+from pointbrush.formats.corrections import Corrections
+from pointbrush.progress import follow
+from pointbrush.settings import Settings
+
+
+def client_of(settings: Settings) -> Client:
+    """Connect to the server that is meant.
+
+    The URL may be the one that a server prints when it starts, which holds a token.  Raises
+    BadInputError for no URL, or no token.
+    """
+    parts = urlsplit(settings.server)
+    if parts.scheme not in ("http", "https") or not parts.netloc:
+        raise BadInputError(f"server: expected http(s)://HOST:PORT, got {settings.server!r}")
+    (own,) = parse_qs(parts.query).get("token", [""])
+    token = settings.token or own
+    if not token:
+        raise BadInputError("token: expected one for --server: set POINTBRUSH_TOKEN")
+    return Client(urlunsplit((parts.scheme, parts.netloc, parts.path, "", "")), token)
+
+
+def import_(given: argparse.Namespace, settings: Settings) -> None:
+    """Upload files, import them as one recording, and print its id or what would be imported."""
+    options = {field.name: getattr(given, field.name) for field in fields(Corrections)}
+    options |= {"name": given.name, "fps": given.fps}
+    with client_of(settings) as client:
+        if given.dry_run:
+            printing.preview(client.preview(given.paths, **options))
+        else:
+            printing.imported(follow(client.job, client.start_import(given.paths, **options)))
+
+
+def import_labels(given: argparse.Namespace, settings: Settings) -> None:
+    """Upload labels made elsewhere and print what was found."""
+    with client_of(settings) as client:
+        recording = client[given.sequence]
+        job = recording.start_label_import(
+            [given.path],
+            format=given.format,
+            map=None if given.map is None else _text(given.map),
+            field=given.field,
+            no_ground=given.no_ground,
+            dry_run=given.dry_run,
+        )
+        result = follow(client.job, job)
+        printing.labels_imported(result, len(recording.frames), dry_run=given.dry_run)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise BadInputError(f"--map: expected a readable text file, got {path}: {error}") from None
+
+
+def track(given: argparse.Namespace, settings: Settings) -> None:
+    """Track labels and print how it ended."""
+    with client_of(settings) as client:
+        recording = client[given.sequence]
+        labels = None
+        if given.labels:
+            palette = recording.labels()
+            labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
+        job = recording.start_tracking(
+            labels,
+            given.start,
+            given.stop,
+            method=given.method,
+            overwrite=given.overwrite,
+            continue_lost=given.continue_lost,
+            until_painted=given.until_painted,
+            stop_unsure=given.stop_unsure,
+        )
+        printing.tracked(follow(client.job, job))
+
+
+def export(given: argparse.Namespace, settings: Settings) -> None:
+    """Export a recording to a .zip, or a new folder."""
+    out: Path = given.out
+    zipped = out.suffix.lower() == ".zip"
+    if not zipped and out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise BadInputError(f"--out: expected a .zip, or a folder that is new or empty, got {out}")
+    with client_of(settings) as client:
+        recording = client[given.sequence]
+        out.parent.mkdir(parents=True, exist_ok=True)
+        if zipped:
+            recording.export(given.format, out, given.frames)
+        else:
+            _export_folder(recording, given, out)
+    print(f"exported {given.sequence} to {out}")
+
+
+def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -> None:
+    """Unpack an export beside ``out`` and move it there whole."""
+    with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=out.parent) as name:
+        archive = recording.export(given.format, Path(name) / "export.zip", given.frames)
+        folder = Path(name) / "unpacked"
+        with zipfile.ZipFile(archive) as packed:
+            packed.extractall(folder)
+        if out.exists():
+            out.rmdir()
+        shutil.move(folder, out)
+
+
+def info(given: argparse.Namespace, settings: Settings) -> None:
+    """List the recordings, or describe one."""
+    with client_of(settings) as client:
+        if given.sequence is None:
+            for known in client.manifests():
+                printing.line(known.id, known if known.frames else None, known.damaged)
+            return
+        recording = client[given.sequence]
+        printing.facts(recording.manifest, recording.manifest.revision, recording.labels())
+
+
+def check_labels(given: argparse.Namespace, settings: Settings) -> None:
+    """Print the suspicious things in the labels of a recording, one a line."""
+    with client_of(settings) as client:
+        found = client[given.sequence].review.check(given.frames)
+    printing.findings(found.findings, found.unchecked, settled=given.all)
+
+
+def report(given: argparse.Namespace, settings: Settings) -> None:
+    """Write a report of a recording's labels."""
+    printing.report_suffix(given.out)
+    with client_of(settings) as client:
+        client[given.sequence].review.report(given.out, given.table)
+    print(f"wrote {given.out}")

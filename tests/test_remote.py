@@ -1,0 +1,92 @@
+"""Commands on the workspace of a server: the same lines as on one of this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pointbrush.cli import main
+from pointbrush.client import Client
+from tests.serving import TOKEN, Served, serving, settings_in
+
+
+@pytest.fixture
+def served(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
+    monkeypatch.setenv("POINTBRUSH_WORKSPACE", str(tmp_path / "here"))
+    with serving(settings_in(tmp_path / "there")) as running:
+        yield running
+
+
+def drift(folder: Path) -> Path:
+    folder.mkdir()
+    cube = np.random.default_rng(0).uniform(-0.1, 0.1, (2000, 3))
+    for i in range(3):
+        np.save(folder / f"{i}.npy", (cube + [0.01 * i, 0, 2]).astype(np.float32))
+    return folder
+
+
+def test_the_whole_way_on_a_server(
+    served: Served,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", served.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", TOKEN)
+
+    def run(*arguments: object) -> str:
+        assert main([str(argument) for argument in arguments]) == 0, capsys.readouterr().err
+        return capsys.readouterr().out
+
+    folder = drift(tmp_path / "drift")
+    assert "frames     3, by number" in run("import", folder, "--dry-run")
+    assert run("info") == ""
+    assert run("import", folder, "--fps", "5") == "imported drift: 3 frames, 6,000 points\n"
+    assert run("info").startswith("drift\t3 frames\t5 fps\t6,000 points")
+    np.full(2000, 40, "<u4").tofile(tmp_path / "000000.label")
+    named = tmp_path / "names.txt"
+    named.write_text("40 cube\n")
+    labels = ("import-labels", "drift", tmp_path / "000000.label", "--map", named)
+    assert "found 2,000 labelled points in 1 of 3 frames" in run(*labels, "--dry-run")
+    assert "imported 2,000" in run(*labels)
+    assert "cube" in run("info", "drift")
+    tracked = run("track", "drift", "--from", 0, "--to", 2, "--labels", "cube", "--method", "icp")
+    assert tracked.startswith("tracked 3 frames, 4,000 points")
+    run("export", "drift", "--format", "semantickitti", "--out", tmp_path / "out")
+    assert len(list((tmp_path / "out").rglob("*.label"))) == 3
+    run("export", "drift", "--format", "npz", "--out", tmp_path / "out.zip", "--frames", "0:1")
+    assert (tmp_path / "out.zip").read_bytes().startswith(b"PK")
+    assert run("report", "drift", "--out", tmp_path / "drift.html").startswith("wrote")
+    assert "suspicious" in run("check-labels", "drift")
+    assert not (tmp_path / "here").exists()
+
+
+def test_what_is_wrong_is_one_line(
+    served: Served, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    printed = f"{served.url}/?token={TOKEN}"
+    with Client(served.url, TOKEN) as client:
+        client.import_files([drift(tmp_path / "drift")])
+    assert main(["info", "--server", printed]) == 0
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "kept").write_text("mine")
+    export = ["export", "drift", "--format", "npz", "--out", str(full)]
+    wrong = {
+        "expected one for --server": ["info", "--server", served.url],
+        "expected http": ["info", "--server", "example"],
+        "nothing": ["info", "nothing", "--server", printed],
+        "new or empty": [*export, "--server", printed],
+        "names or ids": [
+            *("track", "drift", "--from", "0", "--to", "1"),
+            *("--labels", "cube", "--server", printed),
+        ],
+    }
+    for sentence, arguments in wrong.items():
+        assert main(arguments) == 1
+        error = capsys.readouterr().err
+        assert (error.count("\n"), sentence in error) == (1, True), error
+    assert (full / "kept").read_text() == "mine"
