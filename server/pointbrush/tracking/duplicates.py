@@ -98,7 +98,8 @@ class DistinctFrames:
 
     def __init__(self, frames: Frames) -> None:
         self._frames = frames
-        self.copies = lru_cache(REMEMBERED)(self._copies)
+        self._remembered = lru_cache(REMEMBERED)(self._found)
+        self._without: set[int] = set()
 
     def __call__(self, number: int) -> TrackFrame:
         """Return a frame of distinct points; the frame itself where all are."""
@@ -108,8 +109,15 @@ class DistinctFrames:
     def __reduce__(self) -> tuple[type[DistinctFrames], tuple[Frames]]:
         return DistinctFrames, (self._frames,)
 
-    def _copies(self, number: int) -> Copies | None:
-        return Copies.of(np.asarray(self._frames(number).xyz))
+    def copies(self, number: int) -> Copies | None:
+        """Return the copies in a frame, None where all its points differ."""
+        return None if number in self._without else self._remembered(number)
+
+    def _found(self, number: int) -> Copies | None:
+        copies = Copies.of(np.asarray(self._frames(number).xyz))
+        if copies is None:
+            self._without.add(number)
+        return copies
 
 
 @dataclass(frozen=True, eq=False)
