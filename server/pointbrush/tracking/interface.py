@@ -98,6 +98,7 @@ class TrackOptions:
                        correction re-tracks only up to what a person has confirmed.
     ``before``         frames before the start, the farthest first, whose labels a method may
                        learn from; it yields nothing for them.
+    ``painted``        the frames in which a person painted, None where that is not known.
     ``read_ahead``     a method may prepare the next frame in a thread of its own.
     """
 
@@ -106,6 +107,7 @@ class TrackOptions:
     continue_lost: bool = False
     until_painted: bool = False
     before: tuple[int, ...] = ()
+    painted: frozenset[int] | None = None
     read_ahead: bool = False
 
 

@@ -90,7 +90,9 @@ def keyframes(
     """Label → positions in ``order`` (0 excepted) of the frames where a person painted it."""
     found: dict[int, list[int]] = {label: [] for label in labels}
     for position, number in enumerate(order):
-        know = known(number) if position else None
+        if not position or (asked.painted is not None and number not in asked.painted):
+            continue
+        know = known(number)
         if know is None or asked.overwrite == "all":
             continue
         painted = know.label[(know.provenance == PAINTED) & ~know.deleted]

@@ -57,12 +57,14 @@ class TrackingWork:
             order = frame_order(self.start, self.stop)
             counts = store.counts(recording.manifest.id)
             before = lead(counts, [s.label for s in self.seeds], order, len(recording))
+            painted = frozenset(frame for (frame, _), (_, by_hand) in counts.items() if by_hand)
+            ahead = (os.cpu_count() or 1) > 1
             results = METHODS[self.method]().track(
                 recording.__getitem__,
                 order,
                 self.seeds,
                 Knowledge(store, recording),
-                replace(self.options, before=before, read_ahead=(os.cpu_count() or 1) > 1),
+                replace(self.options, before=before, painted=painted, read_ahead=ahead),
             )
             for done, found in enumerate(results, start=1):
                 channel.item(found)
