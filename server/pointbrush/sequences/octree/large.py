@@ -20,19 +20,23 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
 from pointbrush.sequences.octree.growing import LargeWriter
-from pointbrush.sequences.octree.partition import Cell, Key, Partition
+from pointbrush.sequences.octree.partition import Cell, Groups, Key, Partition
 from pointbrush.sequences.octree.rows import Part, Parts, Rows
 from pointbrush.sequences.octree.segment import Segment, encode_cube
 
 _SCAN_SHARE = 0.5
 
+Report = Callable[[float, str], None]
+Beside = Callable[[PointFrame, int], None]
+
 
 class LargeFrame:
     """Writes one large frame into ``folder`` (and ``folder``.wire), which must not exist."""
 
-    def __init__(self, folder: Path, report: Callable[[float, str], None]) -> None:
+    def __init__(self, folder: Path, report: Report, beside: Beside) -> None:
+        """``beside`` gets each part and the number of its first point, in several threads."""
         self.folder = folder
-        self._report = report
+        self._report, self._beside = report, beside
         self._temporary = folder.with_name(folder.name + ".parts")
 
     def write(self, chunks: Iterable[PointFrame], grid: Grid, total: int | None) -> float:
@@ -59,8 +63,13 @@ class LargeFrame:
         self, pool: ThreadPoolExecutor, parts: Parts, grid: Grid, total: int | None
     ) -> Partition:
         """Sort all rows into cubes; reading goes on while other threads group."""
+
+        def group(part: Part) -> Groups:
+            self._beside(part.frame, part.first)
+            return part.groups()
+
         partition: Partition | None = None
-        for groups in ahead(pool, Part.groups, parts):
+        for groups in ahead(pool, group, parts):
             if partition is None:
                 partition = Partition(
                     self._temporary, groups.rows.dtype, grid.shift, groups.exponent

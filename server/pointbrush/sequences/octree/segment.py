@@ -90,7 +90,7 @@ def _encode(
     )
     counts = [len(node.positions) for node in nodes]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    chunks = encode_chunks(xyz, colors, first, grid, hurry=True)
+    chunks = encode_chunks(xyz, colors, first, grid)
     chunks.table["level"] = [level + node.depth for node in nodes]
     chunks.table["parent"] = parents
     if chunks.order is not None:

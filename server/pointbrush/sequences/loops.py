@@ -1,0 +1,195 @@
+"""Compiled loops of the import: packing of the vertex codec, short ways through a chunk.
+
+They take long to load, so that modules which also serve import them where they encode.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.sequences.codec import GROUP, PLAIN, ZERO, Bytes
+
+_FAR = 3900
+"""Differences count up to this, so that seven fields together are nearer than a used point."""
+_USED = 32767
+_FOUR_BITS = 7
+_TOO_FAR = 128
+"""Cost of a value that needs more than four bits, besides its difference (found by trial)."""
+
+
+@compiled
+def pack_blocks(vertices: Bytes, words: int, size: int, out: Bytes) -> int:
+    """Write the blocks of a vertex stream, ``size`` of (N, stride) vertices each, into ``out``.
+
+    The first ``words`` bytes of a vertex are 16-bit values.  Returns the bytes written; ``out``
+    holds for each block its control bytes and, for each byte of a vertex, one more for every four
+    groups than its vertices.
+    """
+    count, stride = vertices.shape
+    values = np.empty((stride, size), np.uint8)
+    packed = np.empty(size // GROUP, np.int64)
+    codes = np.empty(size // GROUP, np.int64)
+    at = 0
+    for start in range(0, count, size):
+        points = min(size, count - start)
+        _differences(vertices, start, points, words, values)
+        head = at
+        at += stride // 4
+        out[head:at] = 0
+        for lane in range(stride):
+            control = _choose(values[lane], points, packed, codes)
+            out[head + lane // 4] |= np.uint8(control << (2 * (lane % 4)))
+            at = _write_lane(values[lane], points, control, codes, out, at)
+    return at
+
+
+@innermost
+def _differences(vertices: Bytes, start: int, points: int, words: int, values: Bytes) -> None:
+    """Zigzag differences of a block's vertices to those before them, zeros behind the last."""
+    stride = vertices.shape[1]
+    for lane in range(stride):
+        for place in range(points, -(-points // GROUP) * GROUP):
+            values[lane, place] = 0
+    for place in range(points):
+        now = start + place
+        before = max(now - 1, 0)
+        for lane in range(0, words, 2):
+            new = np.int32(vertices[now, lane]) | np.int32(vertices[now, lane + 1]) << 8
+            old = np.int32(vertices[before, lane]) | np.int32(vertices[before, lane + 1]) << 8
+            step = np.int32(np.int16(new - old))
+            zigzag = (step << 1) ^ (step >> 15)
+            values[lane, place] = np.uint8(zigzag & 255)
+            values[lane + 1, place] = np.uint8((zigzag >> 8) & 255)
+        for lane in range(words, stride):
+            change = np.int32(
+                np.int8(np.int32(vertices[now, lane]) - np.int32(vertices[before, lane]))
+            )
+            values[lane, place] = np.uint8(((change << 1) ^ (change >> 7)) & 255)
+
+
+@innermost
+def _choose(values: Bytes, points: int, packed: NDArray[np.int64], codes: NDArray[np.int64]) -> int:
+    """Fill in each group's two bits for the packing of least bytes; returns the control value."""
+    groups = -(-points // GROUP)
+    first = second = -(-points // (4 * GROUP))
+    fits, zero = True, True
+    for group in range(groups):
+        one = three = fifteen = 0
+        for place in range(group * GROUP, (group + 1) * GROUP):
+            value = values[place]
+            one += value >= 1
+            three += value >= 3
+            fifteen += value >= 15
+        least, code = 2 + one, 0
+        if 4 + three < least:
+            least, code = 4 + three, 1
+        if 8 + fifteen < least:
+            least, code = 8 + fifteen, 2
+        if one > 0:
+            zero = False
+            first += least
+            # A group of more than 16 bytes would be legal in the first choice, but never pays.
+            fits = fits and least <= GROUP
+        second += min(least, GROUP)
+        packed[group] = least if one > 0 else 0
+        codes[group] = code
+    if zero:
+        return ZERO
+    control = 1 if second < first or not fits else 0
+    if (second if control == 1 else first) >= points:
+        return PLAIN
+    for group in range(groups):
+        if control == 0:
+            codes[group] = codes[group] + 1 if packed[group] > 0 else 0
+        elif packed[group] >= GROUP:
+            codes[group] = 3
+    return control
+
+
+@innermost
+def _write_lane(
+    values: Bytes, points: int, control: int, codes: NDArray[np.int64], out: Bytes, at: int
+) -> int:
+    """Write one byte of a block's vertices at ``at``; returns where it ends."""
+    if control == ZERO:
+        return at
+    if control == PLAIN:
+        for place in range(points):
+            out[at + place] = values[place]
+        return at + points
+    groups = -(-points // GROUP)
+    header = at
+    at += -(-groups // 4)
+    for place in range(header, at):
+        out[place] = 0
+    for group in range(groups):
+        code = codes[group]
+        out[header + group // 4] |= np.uint8(code << (2 * (group % 4)))
+        start = group * GROUP
+        width = code + control  # 1, 2, 4 bits: 1, 2, 3
+        if width == 0:
+            continue
+        if width > 3:
+            for place in range(GROUP):
+                out[at + place] = values[start + place]
+            at += GROUP
+            continue
+        bits = 1 << (width - 1)
+        most = (1 << bits) - 1
+        per_byte = 8 // bits
+        tail = at + GROUP // per_byte
+        for place in range(GROUP // per_byte):
+            byte = 0
+            for part in range(per_byte):
+                low = min(np.int64(values[start + place * per_byte + part]), most)
+                # Single bits count from the lowest, wider values from the highest.
+                byte |= low << (part if bits == 1 else bits * (per_byte - 1 - part))
+            out[at + place] = np.uint8(byte)
+        for place in range(start, start + GROUP):
+            if values[place] >= most:
+                out[tail] = values[place]
+                tail += 1
+        at = tail
+    return at
+
+
+@compiled
+def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.int64]) -> None:
+    """Write greedy ways through the runs ``first[r]:first[r + 1]`` of ``values`` (F, N)."""
+    fields = values.shape[0]
+    longest = 0
+    for run in range(len(first) - 1):
+        longest = max(longest, first[run + 1] - first[run])
+    left = np.empty((fields, longest), np.int16)
+    distance = np.empty(longest, np.uint16)
+    for run in range(len(first) - 1):
+        start, size = first[run], first[run + 1] - first[run]
+        for field in range(fields):
+            least = values[field, start]
+            for place in range(size):
+                least = min(least, values[field, start + place])
+            for place in range(size):
+                left[field, place] = np.int16(min(values[field, start + place] - least, _FAR))
+        here = 0
+        for step in range(size):
+            way[start + step] = start + here
+            distance[:size] = 0
+            for field in range(fields):
+                _add_cost(left[field], size, left[field, here], distance)
+            left[0, here] = _USED
+            distance[here] = np.uint16(65535)
+            nearest = np.uint16(65535)
+            for place in range(size):
+                if left[0, place] != _USED and distance[place] < nearest:
+                    nearest, here = distance[place], place
+
+
+@innermost
+def _add_cost(left: NDArray[np.int16], size: int, at: int, distance: NDArray[np.uint16]) -> None:
+    """Add what the change of one value costs from ``at`` to each of the first ``size`` points."""
+    for place in range(size):
+        change = np.int16(abs(np.int16(left[place] - at)))
+        cost = change + np.int16(_TOO_FAR if change > _FOUR_BITS else 0)
+        distance[place] = np.uint16(distance[place] + np.uint16(cost))
