@@ -275,7 +275,7 @@ def _positive(text: str) -> float:
 
 
 def _whole(wanted: str, least: int, most: int = UNBOUNDED) -> Callable[[str], int]:
-    """What reads an integer from ``least`` to ``most``, ``wanted`` in words."""
+    """Return a parser of integers from ``least`` to ``most``, ``wanted`` in words."""
 
     def read(text: str) -> int:
         if not text.isdecimal() or not least <= int(text) <= most:

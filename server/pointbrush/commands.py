@@ -1,4 +1,4 @@
-"""What each command does: call the workspace, print."""
+"""The commands: each calls the workspace and prints."""
 
 from __future__ import annotations
 

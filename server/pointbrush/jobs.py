@@ -44,7 +44,7 @@ TRIES = 2
 SUBMISSIONS = 5
 """Most times that work is handed out which no worker has come to begin."""
 LOOK_SECONDS = 1.0
-"""How often it is looked what a job waits for that no worker has begun."""
+"""Interval of looks at what a job waits for that no worker has begun."""
 MESSAGE = "message"
 """Key of a result that becomes the ended job's message."""
 KEPT_JOBS = 1000
@@ -53,7 +53,7 @@ KEPT_JOBS = 1000
 
 @dataclass(frozen=True)
 class Job:
-    """What is known of one job; a new value at every change."""
+    """State of one job; a new value at every change."""
 
     id: str
     kind: JobKind
@@ -65,7 +65,7 @@ class Job:
     error: str | None = None
     created: float = field(default_factory=time.time)
     owner: str | None = None
-    """Who started it."""
+    """The person who started it."""
     edit: str | None = None
     """The edit that it makes, if any."""
 
@@ -318,7 +318,7 @@ class JobRunner:
                 lost.shutdown(wait=False, cancel_futures=True)
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
-        """What the work raised, or None; blocks until it has ended or was taken off the queue."""
+        """Wait until the work has ended or was taken off the queue; return its error, or None."""
         while True:
             if running.future is None:
                 if running.cancelled or self._closed:

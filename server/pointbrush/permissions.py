@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 FORBIDDEN = (errno.EROFS, errno.EACCES, errno.EPERM)
-"""What the system says where nothing may be written; a full disk says something else."""
+"""Error numbers of places where nothing may be written; a full disk has others."""
 
 
 def writable(folder: Path) -> bool:

@@ -1,4 +1,4 @@
-"""What is for the operator's eyes only: files that others may not read, folders nobody is told."""
+"""Files that only the operator may read, and paths that nobody is told."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a system says when it gives no more: room on a disk, or files that a process may open."""
+"""Error numbers of a system that has no more: room on a disk, or files for a process."""
 
 from __future__ import annotations
 

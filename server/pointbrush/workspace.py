@@ -141,7 +141,7 @@ class Workspace:
 
     @property
     def read_only(self) -> str:
-        """What cannot be changed here, in a sentence; empty where everything can."""
+        """Sentence on what cannot be changed here; empty where everything can."""
         found = []
         for part in (self.library, self.store):
             try:
@@ -480,7 +480,7 @@ class Workspace:
     def placements(
         self, sequence: str, frame: int, before: int, after: int
     ) -> tuple[list[Placement], NDArray[np.float64]]:
-        """Where frames round ``frame`` lie over it, and the recording's shift (3,) metres.
+        """Return the placements of frames over ``frame``, and the recording's shift (3,) metres.
 
         Of ``before`` frames before it and ``after`` after it, as far as there are so many.
         """
@@ -696,11 +696,11 @@ class Workspace:
     # ── upkeep ───────────────────────────────────────────────────────────────────────────
 
     def check(self, sequence: str) -> list[str]:
-        """What is wrong with a recording's files, its journal or its annotations; [] if sound."""
+        """List faults of a recording's files, its journal or its annotations; [] if sound."""
         return problems_of(self.library, self.store, sequence)
 
     def check_database(self) -> list[str]:
-        """What is wrong with the label database itself; [] if all of it can be read."""
+        """List faults of the label database itself; [] if all of it can be read."""
         return self.store.integrity()
 
     def repair(self, sequences: Collection[str]) -> Repaired:

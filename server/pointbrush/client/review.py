@@ -77,7 +77,7 @@ class FrameAgreement:
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """How alike two annotations are; None where neither has labelled anything."""
+    """Similarity of two annotations; None where neither has labelled anything."""
 
     miou: float | None
     same: float | None

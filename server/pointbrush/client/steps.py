@@ -57,7 +57,7 @@ T = TypeVar("T")
 P = ParamSpec("P")
 Step: TypeAlias = Request | Pause
 Steps: TypeAlias = Generator[Step, httpx.Response | None, T]
-"""What a method does until it has a ``T``: the value from ``Client``, awaited from AsyncClient."""
+"""Steps of a method that ends in a ``T``: the value from ``Client``, awaited from AsyncClient."""
 
 
 def send(request: Request) -> Steps[httpx.Response]:

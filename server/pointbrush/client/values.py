@@ -142,7 +142,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a tracking run did; the run is one edit."""
+    """Outcome of a tracking run, which is one edit."""
 
     edit: str
     changed: int

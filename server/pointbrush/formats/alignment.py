@@ -33,7 +33,7 @@ class AlignmentOptions:
     least_motion: float = 0.05
     """Metres that poses must move the points for the question to make sense."""
     worse: float = 1.25
-    """How many times the distance with poses must be that without to be called worse."""
+    """Ratio of the distance with poses to that without, from which poses are called worse."""
 
     def __post_init__(self) -> None:
         if min(self.most_points, self.probes, self.neighbours) < 3 or self.worse < 1:

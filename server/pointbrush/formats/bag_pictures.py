@@ -80,7 +80,7 @@ def bag_pictures(bag: Bag, found: Clouds, path: Path) -> PictureSource | None:
 def _jobs(
     bag: Bag, found: Clouds, path: Path, cameras: Sequence[tuple[Camera, Topic]]
 ) -> Iterator[Callable[[], Picture]]:
-    """What reads each picture that was taken with a cloud."""
+    """Readers of the pictures that were taken with a cloud."""
     for camera, topic in cameras:
         name = f"{path.name} {topic.name}"
         try:

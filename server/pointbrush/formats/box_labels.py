@@ -266,7 +266,7 @@ of the points there that lie below it."""
 
 
 def _ground(box: Box, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
-    """Which points are of the ground at a box."""
+    """Return the points of the ground at a box."""
     wide = Box(box.name, 0, box.center, box.size + 2 * GROUND_REACH, box.rotation)
     height = xyz @ up
     near = wide.inside(xyz) & ~box.inside(xyz)

@@ -21,7 +21,7 @@ from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
 UNIT, MOSTLY = 0.01, 0.99
-"""How far from 1 the length of a normal may be, and the share of rows that have it."""
+"""Greatest distance from 1 of a normal's length, and the share of rows that keep to it."""
 LIKER = 0.15
 """Difference in correlation that tells which columns are colours."""
 MANY_SHADES = 32
@@ -177,7 +177,7 @@ def _described(
     other: Mapping[str, Array],
     has_colors: bool,
 ) -> dict[str, str]:
-    """What each column is read as: a role, "kept", or "" where it is left out."""
+    """Return the role of each column, "kept", or "" where it is left out."""
     by_column = {column: role for role, column in found.items()}
     if not has_colors:
         by_column = {c: r for c, r in by_column.items() if r not in ("red", "green", "blue", "rgb")}

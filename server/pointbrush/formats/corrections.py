@@ -1,4 +1,4 @@
-"""What a person says of a recording in place of what its files say, or seem to say."""
+"""Corrections by a person of what a recording's files say, or seem to say."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pointbrush.formats.names import AXES, DELIMITERS
 from pointbrush.frame import PointFrame
 
 MEANINGS = ("x", "y", "z", "red", "green", "blue", "rgb", "intensity", "label", "instance")
-"""What a column can be; any other name keeps it as a field of its own."""
+"""Roles of a column; any other name keeps it as a field of its own."""
 LEFT_OUT = "-"
 MOST_COLUMNS = 1024
 LARGEST_SCALE = 1e6
@@ -23,7 +23,7 @@ LARGEST_SCALE = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Corrections:
-    """How to read a recording, where a person knows better than the files tell.
+    """Choices of a person on how a recording is read, in place of the files' own.
 
     Raises BadInputError for a value that is none of its field's.
     """
@@ -33,7 +33,7 @@ class Corrections:
     columns: tuple[str, ...] = ()
     """Meanings of all columns in order ("x", "y", "-", "label"), or pairs "column=meaning"."""
     delimiter: str | None = None
-    """What separates the values of a text: one character, or a name of DELIMITERS."""
+    """Separator of a text's values: one character, or a name of DELIMITERS."""
     decimal_comma: bool | None = None
     """Whether 1,5 is one and a half in a text."""
     scale: float = 1.0

@@ -1,4 +1,4 @@
-"""Which files of a folder are the frames of a recording, in which order and when."""
+"""Files of a folder that are the frames of a recording, their order and times."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listi
 def _directly(
     folder: Path, format: str | None, options: ReadOptions, weakly: bool
 ) -> Listing | None:
-    """What lies in the folder itself: point files, else images."""
+    """List the folder's own files: point files, else images."""
     chosen = _point_files(folder, _files(folder, options), format, weakly, options)
     if chosen:
         return list_files(chosen, format, folder, options)

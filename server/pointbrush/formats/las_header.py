@@ -23,12 +23,12 @@ COLOR = {2: 20, 3: 28, 5: 28, 7: 30, 8: 30, 10: 30}
 EXTRA_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 COMPRESSED = 0x80
 UNDOCUMENTED = "ExtraBytes"
-"""What laspy calls bytes of a record that no field is documented for."""
+"""Laspy's name for bytes of a record that no field is documented for."""
 
 
 @dataclass(frozen=True, slots=True)
 class LasHeader:
-    """What is needed to read the points.
+    """Facts that are needed to read the points.
 
     ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
     ``extra`` name → (byte in the record, NumPy type), ``further`` the same of all extra bytes, by

@@ -31,7 +31,7 @@ Record = dict[str, Any]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tables:
-    """What the tables in the folder ``name`` say: sample data, and what it refers to by token."""
+    """The tables in the folder ``name``: sample data, and the rows it refers to by token."""
 
     name: str
     data: list[Record]

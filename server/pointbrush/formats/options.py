@@ -32,7 +32,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Extras:
-    """What is known of a frame besides its points; the fields are those of PointFrame."""
+    """Facts about a frame besides its points; the fields are those of PointFrame."""
 
     pose: NDArray[np.float64] | None = None
     viewpoint: NDArray[np.float64] | None = None
@@ -74,7 +74,7 @@ class ColorRange:
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
-    """How to read a file.
+    """Options of reading a file.
 
     ``known`` is what the folder tells of the frame (a line of poses.txt, a time in its name): the
     file itself wins.  ``colors`` is the range of colours in the recording; None: each file's own.

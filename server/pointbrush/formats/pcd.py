@@ -43,7 +43,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """What stands before the data; ``size`` is its length in bytes."""
+    """Header before the data; ``size`` is its length in bytes."""
 
     fields: list[Field]
     width: int

@@ -65,7 +65,7 @@ class Element:
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """What stands before ``end_header``; ``size`` is its length in bytes."""
+    """Header up to ``end_header``; ``size`` is its length in bytes."""
 
     layout: str
     elements: list[Element]

@@ -1,4 +1,4 @@
-"""Where the sensor was at each frame: files of poses beside a recording.
+"""Poses of the sensor at each frame, from files beside a recording.
 
 ``poses.txt`` of KITTI (12 or 16 numbers a line, of the camera where ``calib.txt`` says how it is
 mounted), lines ``time x y z qx qy qz qw`` (TUM), and the OXTS folder of KITTI's raw recordings.

@@ -1,4 +1,4 @@
-"""Which formats are read: one entry each, and those of plug-ins.
+"""Registry of the formats that are read: one entry each, and those of plug-ins.
 
 A plug-in package adds a format with an entry point in the group ``pointbrush.formats`` that names
 a ``Format``.

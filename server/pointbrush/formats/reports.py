@@ -1,4 +1,4 @@
-"""What readers report of a recording without refusing it: their warnings, collected."""
+"""Warnings of readers about a recording that they do not refuse, collected."""
 
 from __future__ import annotations
 

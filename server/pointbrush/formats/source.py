@@ -207,7 +207,7 @@ def _listings(
 
 
 def source_name(paths: Sequence[Path]) -> str:
-    """What to call the recording at ``paths``: by its file, folder or archive, without endings.
+    """Return a name for the recording at ``paths``: its file, folder or archive, without endings.
 
     Several files are called by their folder, or, where that has a random name (uploads), by what
     their names have in common.

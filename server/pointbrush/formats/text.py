@@ -123,7 +123,7 @@ def _parsed_by_arrow(data: bytes, layout: Layout, names: list[str]) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How lines hold points: ``rows`` are their numbers; ``header`` names the columns, if any."""
+    """Lines that hold points: ``rows`` are their numbers; ``header`` names the columns, if any."""
 
     separator: str | None
     decimal_comma: bool
@@ -168,7 +168,7 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
 
 
 def _separator(line: str) -> str | None:
-    """What stands between the values of a line; None: spaces."""
+    """Separator of the values of a line; None: spaces."""
     for separator in (";", "\t"):
         if separator in line:
             return separator

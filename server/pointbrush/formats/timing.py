@@ -142,7 +142,7 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
 
 
 def lines_of(where: str, what: str, lines: int, names: Sequence[str]) -> Sequence[int]:
-    """Which line belongs to each file: one each in order, or by the numbers that name them.
+    """Return the line of each file: one each in order, or by the numbers that name them.
 
     A part of a recording (``000100.bin`` …) keeps the lists of the whole.  Raises BadInputError
     when neither fits.

@@ -21,7 +21,7 @@ SNAPSHOT_EVERY = 64
 """Edits of a block after which it is kept whole again, so that reading it stays quick."""
 CACHE_BYTES = 256 << 20
 ENTRY_BYTES = 512
-"""What a block costs in memory beside its states."""
+"""Bytes of memory that a block costs beside its states."""
 
 
 @dataclass(slots=True, eq=False)

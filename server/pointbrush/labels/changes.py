@@ -1,4 +1,4 @@
-"""What an edit does to points, place by place: in memory while it is little, packed when it grows.
+"""Changes of points by an edit, place by place: in memory while it is little, packed when it grows.
 
 An edit of a whole scan is 24 bytes a point in the form it is worked with.  Beyond a few million
 points the places not touched for longest are kept as the journal will hold them, which is a byte

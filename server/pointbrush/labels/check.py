@@ -51,7 +51,7 @@ class Finding:
 
 
 def check(connection: Connection, state: SequenceState) -> list[Finding]:
-    """What is wrong with a sequence; nothing is repaired."""
+    """Check of a sequence for faults; nothing is repaired."""
     tally = Tally(connection, state)
     return [
         *_check_numbers(connection, state),
@@ -83,7 +83,7 @@ class Tally:
         self.counts: dict[FrameLabel, tuple[int, ...]] = {}
 
     def findings(self) -> Iterator[Finding]:
-        """What is wrong with the journal of points and its snapshots, block by block."""
+        """List faults of the journal of points and its snapshots, block by block."""
         connection, state = self._connection, self._state
         in_force = set(
             connection.execute(
@@ -186,7 +186,7 @@ def _check_palette(connection: Connection, state: SequenceState) -> Iterator[Fin
 
 
 def expected_tracks(connection: Connection, state: SequenceState) -> dict[FrameLabel, str]:
-    """What the edits in force say of the tracks, as JSON by frame and label."""
+    """Return the tracks by the edits in force, as JSON by frame and label."""
     query = (
         select(edit_tracks.c.frame, edit_tracks.c.label, edit_tracks.c.data)
         .join(

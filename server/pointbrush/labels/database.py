@@ -30,7 +30,7 @@ from pointbrush.labels.private_copy import PrivateCopy
 from pointbrush.permissions import file_writable, writable
 
 BUSY_SECONDS = 10.0
-"""How long a SQLite writer waits for another process's transaction."""
+"""Longest wait of a SQLite writer for another process's transaction."""
 KEEPALIVE_PROBES = 3
 READ_ONLY = "the labels are read-only here: they can be looked at and exported, not changed"
 CHUNK = 500

@@ -1,4 +1,4 @@
-"""What is kept beside the journal so that nobody has to replay it.
+"""Tables kept beside the journal so that nobody has to replay it.
 
 Palette, tracks, counts, and the last change of each frame.
 """

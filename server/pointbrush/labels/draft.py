@@ -46,7 +46,7 @@ class Draft:
     labels: dict[int, Label | None] = field(default_factory=dict)
     """Palette entries that it sets or, None, removes."""
     label_fields: dict[int, dict[str, Any]] = field(default_factory=dict)
-    """What of them it says itself, for the journal."""
+    """The part that the edit names itself, for the journal."""
     tracks: dict[tuple[int, int], str | None] = field(default_factory=dict)
     """Tracks by frame and label that it sets (JSON) or, None, removes."""
     own_tracks: bool = False
@@ -65,7 +65,7 @@ class Draft:
 
     @property
     def exists(self) -> NDArray[np.bool_]:
-        """Which labels exist as this edit leaves the palette."""
+        """Mask of the labels that exist as this edit leaves the palette."""
         return exists_table(self.palette) if self.labels else self.state.exists
 
     def words(self, place: Place, indices: NDArray[np.int64]) -> States:
@@ -201,7 +201,7 @@ def holding(
 def match_sorted(
     where: NDArray[np.int64], what: NDArray[np.int64]
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Which of sorted ``what`` are in sorted ``where``, and their places there."""
+    """Return which of sorted ``what`` are in sorted ``where``, and their places there."""
     at = np.searchsorted(where, what)
     at[at == len(where)] = 0
     mine = where[at] == what if len(where) else np.zeros(len(what), np.bool_)

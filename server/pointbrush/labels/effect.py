@@ -1,4 +1,4 @@
-"""What changes mean for those who look: deltas per frame, and counts per frame and label.
+"""Effect of changes for viewers: deltas per frame, and counts per frame and label.
 
 Everything is worked out block by block, so that an edit of a whole scan takes the memory of a few.
 """
@@ -75,7 +75,7 @@ class _Listing:
 
 
 def effect_of(draft: Draft) -> Effect:
-    """What committing ``draft`` changes for those who look."""
+    """Return what committing ``draft`` changes for viewers."""
     state, exists = draft.state, draft.exists
     turned = {n for n, label in draft.labels.items() if (label is not None) != state.exists[n]}
     effect, listing = Effect(), _Listing()
@@ -134,7 +134,7 @@ class _Block:
     after: States
 
     def delta(self, which: NDArray[np.bool_], shown: States) -> Delta:
-        """Those ``which`` changed, and their values as they are ``shown`` now."""
+        """Return the points ``which`` changed, and their values as they are ``shown`` now."""
         indices = self.indices[which] + self.number * BLOCK
         values = shown[which]
         return Delta(

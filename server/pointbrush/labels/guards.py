@@ -1,4 +1,4 @@
-"""Who works on a recording, kept in the database: other servers see it, and outlive who died."""
+"""Guards of work on a recording, kept in the database, where other servers see them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from pointbrush.labels.state import find_revision
 log = logging.getLogger(__name__)
 
 BEAT_SECONDS = 20.0
-"""How often a process says that it still works."""
+"""Interval in which a process says that it still works."""
 EXPIRY_SECONDS = 180.0
 """After how long a silence its work counts as given up."""
 IMPORT, TRACKING = "import", "tracking"

@@ -78,7 +78,7 @@ BLOCKS_AT_ONCE = 256
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Who did what, for the journal."""
+    """Entry of the journal: author and action."""
 
     id: str
     author: str
@@ -182,7 +182,7 @@ def edit_id_of(connection: Connection, number: int, revision: int | None) -> str
 
 
 def changes_of(connection: Connection, number: int, revision: int) -> Changes:
-    """What an edit did to points."""
+    """Read the changes of points by an edit."""
     table = edit_blocks.c
     query = select(table.frame, table.layer, table.block, table.data).where(
         table.sequence == number, table.revision == revision
@@ -192,7 +192,7 @@ def changes_of(connection: Connection, number: int, revision: int) -> Changes:
 
 
 def change_at(connection: Connection, number: int, revision: int, place: Place) -> Change | None:
-    """What an edit did to one place."""
+    """Read the changes of one place by an edit."""
     frame, layer, block = place
     data = connection.execute(
         _CHANGE_AT,
@@ -239,7 +239,7 @@ def redone_since(connection: Connection, number: int, since: int) -> list[int]:
 
 
 def top_of_stack(connection: Connection, number: int, author: str, state: int) -> Row[Any] | None:
-    """What ``author``'s undo (ACTIVE) or redo (UNDONE) would take: the last, or the first."""
+    """Return the edit that ``author``'s undo (ACTIVE) or redo (UNDONE) takes."""
     query = _LAST if state == schema.ACTIVE else _FIRST
     values = {"of_sequence": number, "of_author": author, "in_state": state}
     return connection.execute(query, values).one_or_none()

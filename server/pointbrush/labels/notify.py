@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 CHANNEL = "pointbrush_commits"
 POLL_SECONDS = 0.1
-"""How often another process's commits to a SQLite file are looked for."""
+"""Interval of looks for another process's commits to a SQLite file."""
 RETRY_SECONDS = 1.0
 
 Listener = Callable[[Commit], None]

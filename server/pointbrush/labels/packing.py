@@ -35,7 +35,7 @@ _LEVEL = 1  # zlib: the fastest; these bytes are written while somebody waits
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Change:
-    """What an edit did to one block of one layer.
+    """Change of one block of one layer by an edit.
 
     ``indices`` (n,) sorted point numbers within the block; ``before`` and ``after`` (n,) words.
     """

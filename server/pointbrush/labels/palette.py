@@ -28,7 +28,7 @@ _GOLDEN = 0.618033988749895
 
 
 def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of ``fields`` that are not None, checked; raises BadInputError."""
+    """Return the ``fields`` that are not None, checked; raises BadInputError."""
     given = {name: value for name, value in fields.items() if value is not None}
     for name, value in given.items():
         kind = FIELDS.get(name)
@@ -93,7 +93,7 @@ def fields_of(label: Label) -> dict[str, Any]:
 
 
 def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[int, Label | None]:
-    """What the edits in force make of each label; None: it does not exist."""
+    """Return what the edits in force make of each label; None: it does not exist."""
     wanted = list(label_ids)
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)

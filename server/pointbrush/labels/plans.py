@@ -1,4 +1,4 @@
-"""What each call of the store drafts: functions from a Draft to its journal Entry."""
+"""Drafts of the store's calls: functions from a Draft to its journal Entry."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def _back_up(address: str, target: Path) -> None:
 
 
 def _state(source: Path) -> tuple[tuple[int, int, int] | None, ...]:
-    """Which state the database, its log and the log's index are in; None: not there."""
+    """Return the versions of the database, its log and the log's index; None: not there."""
     found: list[tuple[int, int, int] | None] = []
     for suffix in ("", "-wal", "-shm"):
         try:

@@ -18,7 +18,7 @@ from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LIVE, decode_points, encode_points
 
 KEPT_SECONDS = 30 * 86_400.0
-"""How long a deleted recording can be restored."""
+"""Time in which a deleted recording can be restored."""
 _SET_ASIDE = re.compile(r"\.labels-\d+")
 _SEQUENCES = schema.sequences.c
 _LIVE_INDEX = next(i for i in schema.sequences.indexes if i.name == "sequences_live")
@@ -39,12 +39,12 @@ class Known:
 
     @property
     def until(self) -> float | None:
-        """When it can no longer be restored."""
+        """Moment from which it can no longer be restored."""
         return None if self.deleted is None else self.deleted + KEPT_SECONDS
 
 
 class Recordings:
-    """Which recordings have labels, and which were deleted."""
+    """Recordings that have labels, and those that were deleted."""
 
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._database, self._sessions = database, sessions
@@ -143,7 +143,7 @@ class Recordings:
         return _known(row)
 
     def deleted(self) -> list[Known]:
-        """Those that are deleted and not yet purged, the newest first."""
+        """Return the recordings that are deleted and not yet purged, the newest first."""
         query = select(schema.sequences).where(~LIVE).order_by(_SEQUENCES.deleted.desc())
         with self._database.read() as connection:
             return [_known(row) for row in connection.execute(query)]

@@ -15,7 +15,7 @@ from pointbrush.labels.tokens import Token, digest_of, token_of
 
 @dataclass(frozen=True, slots=True)
 class SignIn:
-    """What a cookie stands for: a person's ``token``, or the server's own (None).
+    """Identity behind a cookie: a person's ``token``, or the server's own (None).
 
     ``account`` is the one that its edits are by; ``owner`` is the digest of the server's own token
     that it was made with, or "".

@@ -1,4 +1,4 @@
-"""What a process knows of one sequence: palette, counts, blocks, all as of one revision."""
+"""State of one sequence in a process: palette, counts, blocks, all as of one revision."""
 
 from __future__ import annotations
 

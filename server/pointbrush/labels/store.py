@@ -314,7 +314,7 @@ class LabelStore:
         return self._sessions.commit(sequence, entry.id, plans.bring_back(entry))
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
-        """What the author's undo, and redo, would be about."""
+        """Return the edits that the author's undo, and redo, would take."""
         with self._sessions.reading(sequence) as (connection, state):
             return history.stacks(connection, state.number, author)
 
@@ -361,12 +361,12 @@ class LabelStore:
         self._database.ping()
 
     def check(self, sequence: str) -> list[str]:
-        """What of a sequence disagrees with its journal, one sentence each; none: all is well."""
+        """List what of a sequence disagrees with its journal, one sentence each."""
         with self._sessions.reading(sequence) as (connection, state):
             return [finding.text for finding in check.check(connection, state)]
 
     def integrity(self) -> list[str]:
-        """What is wrong with the database itself, one sentence each; all of it is read."""
+        """List faults of the database itself, one sentence each; all of it is read."""
         return integrity.integrity(self._database)
 
     def rebuild_indexes(self) -> None:

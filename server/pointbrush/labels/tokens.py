@@ -25,7 +25,7 @@ from pointbrush.roles import ROLES, Role
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """What is known of a token; times are seconds since the epoch, None: never."""
+    """Record of a token; times are seconds since the epoch, None: never."""
 
     id: str
     role: Role

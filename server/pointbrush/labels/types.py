@@ -1,4 +1,4 @@
-"""What goes into the label store and what comes out of it.
+"""Values that go into the label store and come out of it.
 
 Points are numbered in *stored order* everywhere in this package.
 """
@@ -48,7 +48,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Write:
-    """What an edit wants done to points of one frame.
+    """Changes that an edit wants made to points of one frame.
 
     ``indices``     (n,) strictly increasing point numbers.
     ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
@@ -110,7 +110,7 @@ class FrameValues:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """How many points of a frame have a label, and how many of them a person painted.
+    """Number of points of a frame that have a label, and of those that a person painted.
 
     Deleted points do not count.
     """

@@ -150,7 +150,7 @@ class ReviewPanel:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """Its address."""
         return int(self._server.get_port())
 
     @property

@@ -64,7 +64,7 @@ class JugglingScene(LivingRoom):
         self._phases = rng.uniform(0, 2 * math.pi, (2, 8))
         self.stands = self._places(rng)
         self.start: float = float(rng.uniform(0, 2)) if seed else 0.0
-        """When in the pattern the recording begins, seconds."""
+        """Moment of the pattern at which the recording begins, seconds."""
         passing = options.passing and options.people == 2
         jugglers = self.stands if passing else self.stands[:1]
         hands = [Hand(stand, side) for side in (-1.0, 1.0) for stand in jugglers]

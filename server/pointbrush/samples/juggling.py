@@ -38,7 +38,7 @@ TUMBLE = 2.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stand:
-    """Where a juggler's hands work: a place on the floor, a heading, body size."""
+    """Stand of a juggler: a place on the floor, a heading, body size."""
 
     place: Array
     facing: float
@@ -68,7 +68,7 @@ class Hand:
         )
 
     def place(self, what: str) -> Array:
-        """Where the hand throws, catches or rests."""
+        """Place of the hand as it throws, catches or rests."""
         left, up, forward = {
             "throw": (0.16, 1.03, 0.40),
             "catch": (0.29, 1.10, 0.38),

@@ -62,7 +62,7 @@ def ambient_light(lights: Lights, s: Shaded) -> Field:
 def ball_shade(
     points: Field, normals: Field, lamps: Sequence[Lamp], balls: Sequence[Ball]
 ) -> tuple[Field, list[Field]]:
-    """How moving things darken surfaces: ambient factor (N,) and one shadow factor per lamp."""
+    """Darken surfaces by moving things: ambient factor (N,), and a shadow factor per lamp."""
     ambient = np.ones(points.shape[1], np.float32)
     shadows = [np.ones(points.shape[1], np.float32) for _ in lamps]
     rays = []

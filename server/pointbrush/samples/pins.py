@@ -15,7 +15,7 @@ from pointbrush.samples.textures import Color, Material, banded, linear
 BALANCE = 0.29
 """Height of the centre of mass above the knob's end, metres."""
 GRIP = 0.12 - BALANCE
-"""Where the hand holds: y in the pin's frame."""
+"""Grip of the hand: y in the pin's frame."""
 
 _HEIGHTS = [0.0, 0.006, 0.022, 0.04, 0.06, 0.20, 0.29, 0.37, 0.43, 0.49, 0.512, 0.52]
 _RADII = [0.008, 0.017, 0.019, 0.0135, 0.0125, 0.016, 0.033, 0.047, 0.0455, 0.031, 0.022, 0.008]

@@ -1,4 +1,4 @@
-"""What people look like, and what their bodies do at a moment.
+"""Looks of people, and postures of their bodies at a moment.
 
 A body's own axes are x to its left, y up, z forward; a person with yaw 0 faces the camera.
 """
@@ -15,7 +15,7 @@ from pointbrush.samples.textures import Material, checked, cloth, linear, stripe
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a person looks; colours are "#rrggbb"."""
+    """Looks of a person; colours are "#rrggbb"."""
 
     shirt: str
     second: str | None = None
@@ -73,7 +73,7 @@ class Foot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posture:
-    """What a body does at one moment; positions in the room, index 0 left and 1 right."""
+    """Posture of a body at one moment; positions in the room, index 0 left and 1 right."""
 
     pelvis: Array
     facing: float

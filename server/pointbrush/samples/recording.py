@@ -34,7 +34,7 @@ class LabelInfo(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """What moves, at one time: solids, their shadows' balls, and true poses of rigid labels."""
+    """Moving parts at one time: solids, their shadows' balls, and true poses of rigid labels."""
 
     solids: list[Solid]
     balls: list[Ball]
@@ -43,7 +43,7 @@ class Moment:
 
 
 class Scene(Protocol):
-    """What a kind of recording provides; times in seconds from the first frame."""
+    """Interface of a kind of recording; times in seconds from the first frame."""
 
     @property
     def labels(self) -> list[LabelInfo]:
@@ -118,7 +118,7 @@ class Recording:
     sensor: Sensor = field(default_factory=Sensor)
     camera: DepthCamera = KINECT
     keep: int = 3
-    """How many finished frames to remember."""
+    """Number of finished frames that are remembered."""
 
     def __post_init__(self) -> None:
         self._made: OrderedDict[int, _Made] = OrderedDict()

@@ -37,7 +37,7 @@ class Solid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """What the pixels of a cast see; pixels without a surface have ``owner`` -1."""
+    """Surfaces that the pixels of a cast see; pixels without a surface have ``owner`` -1."""
 
     depth: Field
     """(H*W,) metres along the camera's z, inf for none."""

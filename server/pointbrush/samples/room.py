@@ -35,7 +35,7 @@ WHITE = matte("#e6e3dc", grain=0.05, infrared=0.7)
 
 
 class LivingRoom:
-    """What the scenes in the living room share of ``recording.Scene``."""
+    """Parts of ``recording.Scene`` that the scenes in the living room share."""
 
     def __init__(self, seed: int, T_room_camera: Array) -> None:
         self._seed, self._camera = seed, T_room_camera

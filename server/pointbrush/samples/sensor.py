@@ -1,4 +1,4 @@
-"""What the Kinect 2 makes of a perfect picture: noise, flying and missing pixels, camera colour.
+"""Model of the Kinect 2: noise, flying and missing pixels, camera colour.
 
 Depth.  Standard deviation ``0.9 mm + 0.4 mm * z**2`` (z in metres), more for dark and grazing
 surfaces and in the corners; a part of it is shared by neighbouring pixels.  At depth edges the

@@ -20,7 +20,7 @@ MISS = np.float32(np.inf)
 
 
 class Shape(Protocol):
-    """What the renderer asks of a solid."""
+    """Interface of a solid to the renderer."""
 
     @property
     def bounds(self) -> tuple[Array, Array]:

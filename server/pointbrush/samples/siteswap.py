@@ -1,4 +1,4 @@
-"""When which hand throws which pin to which hand.
+"""Timetable of throws: hands, pins and moments.
 
 A siteswap is a list of throws, one per beat, repeated; hands take turns.  With two jugglers the
 hands' order is right, right, left, left of persons 1, 2, 1, 2 ("four-handed siteswap", Boyce and
@@ -23,7 +23,7 @@ class Rhythm:
 
     @property
     def pins(self) -> int:
-        """How many pins the siteswap keeps up."""
+        """Number of pins that the siteswap keeps up."""
         return sum(self.throws) // len(self.throws)
 
 

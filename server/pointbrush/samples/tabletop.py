@@ -22,7 +22,7 @@ from pointbrush.samples.things import THINGS, Thing
 
 TABLE = 0.72
 NEAR, FAR, REACH = -0.86, -1.13, 0.42
-"""Where things may stand: z from FAR to NEAR, x from -REACH to REACH."""
+"""Range of places for things: z from FAR to NEAR, x from -REACH to REACH."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class Move:
 
 
 class Script:
-    """Who stands where when: moves of both hands, without collisions of resting places."""
+    """Timetable of places: moves of both hands, without collisions of resting places."""
 
     def __init__(self, things: list[Thing], seconds: float, rng: np.random.Generator) -> None:
         self._things = things

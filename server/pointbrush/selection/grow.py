@@ -77,7 +77,7 @@ def _nearest(
 
 
 def _reach(points: Points, seed: NDArray[np.float64]) -> float:
-    """How far round the seed is searched: less where the scan is so dense that a tree of all that
+    """Reach of the search round the seed: less where the scan is so dense that a tree of all that
     lies there would not fit in memory."""
     reach, first = REACH, points.blocks.first
     while reach > LEAST_REACH:

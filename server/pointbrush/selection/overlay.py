@@ -31,7 +31,7 @@ class Layer:
     part: Alive | None = None
 
     def meets(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which of stored ``numbers`` (n,) rays meet."""
+        """Return which of stored ``numbers`` (n,) rays meet."""
         met = self.touchable(numbers)
         return met if self.part is None else met & self.part(numbers)
 
@@ -70,7 +70,7 @@ class OverlaySelector:
                     yield k, self._layers[k].own(fresh)
 
     def _met(self, batch: Stroke) -> NDArray[np.float64]:
-        """Where each ray (S, 3) first meets the surface of any layer; NaN where of none."""
+        """Return the points (S, 3) in which rays first meet any layer's surface; NaN: none."""
         nearest = np.full(len(batch.origins), np.inf)
         hits = np.full((len(batch.origins), 3), np.nan)
         for layer, T in zip(self._layers, self._T, strict=True):

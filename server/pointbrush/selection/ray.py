@@ -30,7 +30,7 @@ def ray_balls(at: Selecting) -> Iterator[NDArray[np.int64]]:
 
 
 def places_met(at: Selecting, run: slice) -> NDArray[np.float64]:
-    """Where rays of the stroke meet the surface (n, 3) local metres, NaN where they meet none."""
+    """Return the points (n, 3) in which rays meet the surface, local metres; NaN: none."""
     stroke = at.stroke
     if stroke.met is not None:
         return stroke.met[run]
@@ -59,7 +59,7 @@ def first_hits(
     radius: float,
     alive: Alive | None = None,
 ) -> NDArray[np.float64]:
-    """Where each ray first meets the surface: (S, 3) local metres, NaN where it meets nothing.
+    """Return the points (S, 3) in which rays first meet the surface, local metres; NaN: none.
 
     A cloud has holes between its points, so a point counts as surface met when the ray passes it
     within about the cloud's own spacing there, and never farther than ``radius``.
@@ -87,7 +87,7 @@ def _first_along(
     radius: float,
     alive: Alive | None,
 ) -> NDArray[np.float64]:
-    """How far along each ray the surface is met (S,); infinity where it is not."""
+    """Return the distances (S,) along rays to the surface; infinity where it is not met."""
     first_near, first_met = np.full((2, len(origins)), np.inf)
     for blocks in points.groups(_blocks_on_rays(points, origins, directions, radius)):
         numbers = points.numbers(blocks)

@@ -61,7 +61,7 @@ def _swept_of(
     stops: NDArray[np.float64],
     radius: float,
 ) -> NDArray[np.int64]:
-    """Those of the points in blocks ``near``."""
+    """Keep those of the points that lie in blocks ``near``."""
     # 1. The blocks' points, gathered once.
     lo, hi = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
     block_lo, block_hi = points.blocks.lo[near], points.blocks.hi[near]

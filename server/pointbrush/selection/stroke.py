@@ -1,4 +1,4 @@
-"""What a person drew: samples of a controller or mouse, and the brush that it held."""
+"""A drawn stroke: samples of a controller or mouse, and the brush that it held."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a plane hangs together, found in several passes over the points near it."""
+"""Connected part of a plane, found in several passes over the points near it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Vector = NDArray[np.float64]
 Keys = NDArray[np.int64]
 
 BESIDE = 4.0
-"""What stands on a surface shows within so many of its thicknesses."""
+"""Thicknesses of a surface within which objects that stand on it show."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +111,7 @@ class Surface:
         return np.asarray((xyz - self._hit) @ axes)
 
     def _on(self, near: _Near) -> NDArray[np.bool_]:
-        """Which points are on the plane, where nothing stands on it."""
+        """Return the points on the plane where nothing stands on it, as a mask."""
         on = near.off <= self._found.thick
         on[on] = _among(_keys(near.flat[on], self._cell), self._bare)
         return on
@@ -153,7 +153,7 @@ def _keys(flat: Vector, size: float) -> Keys:
 
 
 def _among(keys: Keys, those: Keys) -> NDArray[np.bool_]:
-    """Which keys (n,) are among sorted ``those``."""
+    """Return the keys (n,) that are among sorted ``those``, as a mask."""
     if len(those) == 0:
         return np.zeros(len(keys), np.bool_)
     at = np.minimum(np.searchsorted(those, keys), len(those) - 1)
@@ -161,7 +161,7 @@ def _among(keys: Keys, those: Keys) -> NDArray[np.bool_]:
 
 
 def _joined_with(squares: Keys, start: int) -> NDArray[np.bool_]:
-    """Which sorted squares hang together with the square ``start``."""
+    """Return the sorted squares that are connected with the square ``start``, as a mask."""
     if len(squares) == 0:
         return np.empty(0, np.bool_)
     links = []

@@ -30,7 +30,7 @@ class Blocks:
 
     @property
     def num(self) -> int:
-        """How many blocks there are."""
+        """Number of blocks."""
         return len(self.lo)
 
     def overlapping(self, lo: NDArray[np.floating], hi: NDArray[np.floating]) -> NDArray[np.int64]:

@@ -79,7 +79,7 @@ def _files(path: Path) -> set[str]:
 
 
 def _unreadable(path: Path) -> list[str]:
-    """What is wrong with frames' files by what they say of themselves."""
+    """List faults of frames' files by what they say of themselves."""
     problems = []
     for file in sorted(path.glob("frames/*.points")):
         try:

@@ -31,7 +31,7 @@ CHUNK = np.dtype(
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """What all frames of a sequence share: the shift, the grid, the intensities' range.
+    """Values that all frames of a sequence share: the shift, the grid, the intensities' range.
 
     A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); that of
     noise may be more.

@@ -72,7 +72,7 @@ def from_local(
 def residual(
     source: NDArray[Any], local: NDArray[np.float32], shift: NDArray[np.float64]
 ) -> NDArray[Any] | None:
-    """What ``from_local`` needs to give ``source`` (N, 3) back exactly, or None when nothing.
+    """Return the residue by which ``from_local`` gives ``source`` (N, 3) back exactly, None: none.
 
     It is the difference of the floats' bit patterns, which is a few units in the last place, so
     that a narrow integer holds it where a copy of the coordinates would take eight bytes.
@@ -116,7 +116,7 @@ def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
 
 
 def frame_meta(frame: PointFrame) -> dict[str, Any]:
-    """What is stored of a frame beside its arrays: the coordinates' type, the depth camera."""
+    """Facts stored of a frame beside its arrays: the coordinates' type, the depth camera."""
     meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
     if frame.camera is not None:
         camera = frame.camera

@@ -1,4 +1,4 @@
-"""Which way is up and where the floor is: a sparse sample of points → a plane.
+"""Estimate of the floor: a sparse sample of points → a plane, and with it up.
 
 Files follow several conventions: depth cameras look along +z with y down (or, in the Kinect SDK's
 space, y up), lidar and surveys have z up, modelling tools y up.  Each convention is a hypothesis

@@ -81,7 +81,7 @@ class FrameFiles:
             raise DamagedError(f"frame {self.index} is damaged: {error}") from error
 
     def checksum(self, path: Path) -> str | None:
-        """What a file had when it was imported; None: nobody noted it then."""
+        """Checksum of a file when it was imported; None: nobody noted it then."""
         return self._checksums.get(str(path.relative_to(self._folder)))
 
     @property

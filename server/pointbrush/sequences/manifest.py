@@ -23,7 +23,7 @@ Matrix = list[float]
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """What a sequence is.
+    """Manifest of a sequence.
 
     ``points``          points per frame; ``dropped`` invalid points left out per frame.
     ``fields``          of ``xyz``, ``rgb``, ``intensity``, ``label``, ``instance``, ``pixel``:

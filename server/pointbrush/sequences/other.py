@@ -1,4 +1,4 @@
-"""What is kept of a source beside a frame, so that exports give it back.
+"""Fields and headers of a source kept beside a frame, so that exports give them back.
 
 Under ``fields/``, in the source's order of points: further fields in compressed ``.npz`` files,
 ``NNNNNN.npz`` of a frame or ``NNNNNN.FIRST.npz`` of its points from FIRST on; ``NNNNNN.header``,

@@ -1,4 +1,4 @@
-"""What the manifest needs to know of each stored frame, and the manifest made of it."""
+"""Records of stored frames, and the manifest made of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PREFIX = 4096
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Record:
-    """What the manifest needs of one stored frame."""
+    """Record of one stored frame for the manifest."""
 
     count: int
     fields: tuple[str, ...]

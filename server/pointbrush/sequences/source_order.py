@@ -24,7 +24,7 @@ Reader = Callable[[int, int], Mapping[str, NDArray[Any]]]
 
 
 def source_blocks(frame: StoredFrame, read: Reader) -> Iterator[Columns]:
-    """What ``read`` gives, in source order: consecutive blocks, at least one.
+    """Values that ``read`` gives, in source order: consecutive blocks, at least one.
 
     ``read(first, stop)`` gives columns of the points ``first`` to before ``stop``, stored order.
     """

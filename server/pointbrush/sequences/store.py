@@ -74,7 +74,7 @@ class Sequence:
         return read_source_header(self.path, index)
 
     def source_rows(self, index: int) -> NDArray[np.int64] | None:
-        """Which row of the source each point of a frame (N,) was; None: as the points, or unknown.
+        """Return each point's row (N,) in the source; None: as the points, or unknown.
 
         Raises DamagedError.
         """

@@ -185,7 +185,7 @@ class StoredFrame:
         )
 
     def read_source(self, first: int, stop: int, names: Collection[str]) -> dict[str, NDArray[Any]]:
-        """Those of the columns ``names`` that the frame has, stored order, as imported.
+        """Return the columns ``names`` that the frame has, stored order, as imported.
 
         ``xyz`` are source coordinates, bit for bit.
         """

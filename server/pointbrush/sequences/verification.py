@@ -28,7 +28,7 @@ REMEMBERED = 65_536
 
 
 class Stamp(NamedTuple):
-    """Which state of a file this is."""
+    """Version of a file, by its times and size."""
 
     inode: int
     size: int

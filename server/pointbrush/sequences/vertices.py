@@ -16,7 +16,7 @@ WIRE_STRIDE = 12
 RELATIVE = 1
 """Flag: r and b are differences to g, modulo 256."""
 DROPPED_SHIFT, MOST_DROPPED = 1, 2
-"""Where the flags say how many low bits r, g and b have lost, and the most they may lose."""
+"""Places of the flags that count the low bits lost by r, g and b, and the most they lose."""
 PACKED = 3
 """In their place: the bytes of r and g hold all three, 5, 6 and 5 bits from the lowest on."""
 

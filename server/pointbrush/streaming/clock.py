@@ -63,5 +63,5 @@ class PlayClock:
             yield step, self.frame(step)
 
     def time_of(self, step: int) -> float:
-        """When a step is due."""
+        """Moment at which a step is due."""
         return self.since + step / self.shown_per_second if self.rate else self.since

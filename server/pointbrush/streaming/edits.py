@@ -59,7 +59,7 @@ EXPEL_SECONDS = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """What is answered: points touched, and changed by a commit or, before it, so far."""
+    """Answer: points touched, and changed by a commit or, before it, so far."""
 
     frame: int
     touched: int
@@ -68,7 +68,7 @@ class Applied:
 
 
 Result = Applied | PointbrushError | None
-"""What an edit came to: an answer, an error, or nothing to be said yet."""
+"""Outcome of an edit: an answer, an error, or nothing to be said yet."""
 
 
 def take_turn(work: Iterator[None]) -> bool:
@@ -165,7 +165,7 @@ class Editor:
             yield
 
     def _expelled(self) -> UnauthorizedError | None:
-        """Why nothing of this viewer is applied any more: its token was revoked, or has expired."""
+        """Refuse the edits of a viewer that has ended: its token was revoked, or has expired."""
         try:
             self._viewer.require_admitted()
         except UnauthorizedError as error:

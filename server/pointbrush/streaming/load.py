@@ -1,4 +1,4 @@
-"""How busy the event loop is: when it is, every viewer gets fewer points, so strokes stay quick."""
+"""Load of the event loop: when it is busy, viewers get fewer points, so strokes stay quick."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BUSY, IDLE = 0.6, 0.45
 """The same for the share of the time that the loop computes: strokes need the rest."""
 SENDS_A_TURN = 6
 YIELD_SECONDS, YIELDS = 0.001, 8
-"""How long points wait at most for an edit that is being applied: a flood must not stop them."""
+"""Longest wait of points for an edit that is being applied: a flood must not stop them."""
 FIRST, LEAST = 300e6, 25e6
 """Bytes a second for all who follow a clock together: before anything is known, and at least."""
 CUT, GROW = 0.85, 1.05
@@ -93,7 +93,7 @@ class Load:
             loop.call_soon(self._next_turn)
 
     def note(self, lag: float, busy: float, sent: float, followers: int) -> None:
-        """What happened lately.
+        """Record what happened lately.
 
         The loop came back ``lag`` seconds late, computed a share ``busy`` of the time, and sent
         ``sent`` bytes a second; ``followers`` viewers follow a clock.

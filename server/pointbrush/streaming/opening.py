@@ -1,4 +1,4 @@
-"""What opening a sequence needs: its description, and a past that is its own."""
+"""Opening of a sequence: its description, and a past that is its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What waits to be sent to one viewer: edits in order, never dropped; states, newest wins.
+"""Queue of messages to one viewer: edits in order, never dropped; states, newest wins.
 
 Bounded: when a viewer reads too slowly for its deltas, they are given up for the whole values of
 the frames they are about, which say the same; replies are bounded by not reading further requests.

@@ -1,4 +1,4 @@
-"""Which points a viewer should get next: the newest due frame first, then what comes soon.
+"""Plan of the points that a viewer gets next: the newest due frame first, then what comes soon.
 
 Pure decisions, no input or output: times come in, pieces go out.
 """
@@ -40,7 +40,7 @@ class Plan:
     frames: int
     link: Link
     load: Load = field(default_factory=Load)
-    """What the server has time for."""
+    """Bounds on what the server has time for."""
     page: PageBudget = field(default_factory=PageBudget)
     focus: int = 0
     around: tuple[int, ...] = ()
@@ -103,7 +103,7 @@ class Plan:
 
     @property
     def level(self) -> int:
-        """How fine frames are while a clock is followed."""
+        """Return the level of frames while a clock is followed."""
         return self._level
 
     def unsent(self, piece: Piece, held: int | None) -> None:
@@ -138,7 +138,7 @@ class Plan:
         return (self.focus + self.direction * distance) % self.frames
 
     def piece(self, step: int, frame: int, table: FrameTable, now: float) -> Piece | None:
-        """What to send of a candidate now, or None: complete, or as fine as it may be."""
+        """Return what to send of a candidate now, or None: complete, or as fine as it may be."""
         first = self.held.get(frame, 0)
         if first >= table.chunks:
             self.passed(step)

@@ -1,4 +1,4 @@
-"""How fast a viewer's link is, from its credits; and how many points a frame may have.
+"""Rate of a viewer's link, from its credits, and the points that a frame may have.
 
 The rate is estimated as BBR does it (Cardwell et al. 2016): bytes delivered between a message's
 sending and its credit, over that time.  A message sent into an idle link measures mostly the
@@ -175,7 +175,7 @@ UNLIMITED = 1 << 40
 
 @dataclass(slots=True)
 class PageBudget:
-    """How many points the page can draw, from its own measured frame time."""
+    """Number of points that the page can draw, from its own measured frame time."""
 
     points: int = UNLIMITED
     asked: int = UNLIMITED

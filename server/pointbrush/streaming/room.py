@@ -34,7 +34,7 @@ Ready = tuple[int, bytes, PointsMessage]
 
 
 class Listener(Protocol):
-    """What a room needs of a viewer."""
+    """Interface of a viewer to a room."""
 
     @property
     def id(self) -> str:
@@ -42,7 +42,7 @@ class Listener(Protocol):
 
     @property
     def outbox(self) -> Outbox:
-        """What waits to be sent to it."""
+        """Queue of messages to it."""
 
     def holds(self, frame: int) -> bool:
         """Whether it must hear of changes in a frame."""
@@ -87,7 +87,7 @@ class Room:
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     def ready(self, piece: Piece, table: FrameTable) -> Ready | None:
-        """What ``points`` would give, if nothing has to be read for it."""
+        """Return what ``points`` would give, if nothing has to be read for it."""
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         least = self._touched.get(piece.frame, self._start)
         values = self._values.known(self._key(piece.frame, first, stop - first), least)

@@ -67,7 +67,7 @@ class FrameTable:
         return [(self.firsts[run[0]], self.firsts[run[-1] + 1]) for run in runs if len(run)]
 
     def start(self, chunk: int) -> int:
-        """Where a chunk begins in the wire file."""
+        """Offset of a chunk in the wire file."""
         return self.ends[chunk - 1] if chunk else 0
 
     def size(self, first: int, stop: int) -> int:
@@ -86,6 +86,6 @@ class FrameTable:
         return max(first + 1, min(stop, fits)) if first < stop else stop
 
     def first_piece(self, frame: int, level: int) -> Piece:
-        """What is sent first of frame ``frame``, which this is the table of, up to a level."""
+        """Return what is sent first of the table's frame ``frame``, up to a level."""
         stop = self.stop_within(0, self.stops[min(level, len(self.stops) - 1)], LARGEST_PIECE)
         return Piece(frame, 0, stop, final=stop == self.chunks)

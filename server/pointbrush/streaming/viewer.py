@@ -1,4 +1,4 @@
-"""What is known of one viewer: who it is, where it looks, what it has, what waits for it."""
+"""State of one viewer: identity, view, the points that it has, and those that wait for it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CREDITS = 8
 
 
 class Send(Protocol):
-    """How a message leaves; waits while the viewer reads more slowly than it is sent to."""
+    """Send a message; waits while the viewer reads more slowly than it is sent to."""
 
     async def __call__(self, *parts: bytes | memoryview) -> None:
         """Send one message whose bytes are ``parts``, one behind the other."""

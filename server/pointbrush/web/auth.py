@@ -1,4 +1,4 @@
-"""Who is calling: tokens, the page's cookie, roles, Origin and Host."""
+"""Authentication of callers: tokens, the page's cookie, roles, Origin and Host."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Gate:
         self._wrong = RateLimit(self._tries / 60, burst=self._tries)
 
     def check(self, secret: str, connection: HTTPConnection) -> Principal:
-        """Who holds ``secret``; raises UnauthorizedError.  Compared in constant time."""
+        """Return the holder of ``secret``, compared in constant time; raises UnauthorizedError."""
         if self._is_own(secret):
             self._note(secret)
             return Principal(OWNER, OWNER, "admin", shared=True)
@@ -71,7 +71,7 @@ class Gate:
         return _person(token)
 
     def bucket_of(self, bearer: str, connection: HTTPConnection) -> str:
-        """Whose requests a request counts among: a token's that proved right, or an address's.
+        """Return the key under which a request is counted: a proven token's, or an address's.
 
         Who tries one token after the other has no bucket for each.
         """
@@ -113,7 +113,7 @@ class Gate:
         return Principal(found.account, name, "admin", shared=True, session=True)
 
     def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:
-        """What a wrong token is told: a right one is never refused for others' wrong ones."""
+        """Refuse a wrong token; a right one is never refused for others' wrong ones."""
         try:
             self._wrong.spend(self.clients.address(connection))
         except TooManyRequestsError:

@@ -1,4 +1,4 @@
-"""Where a request comes from: the client's address, through trusted proxies or not."""
+"""Origin of a request: the client's address, through trusted proxies or not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What handlers share: the workspace, and the parameters that many routes have."""
+"""Context that handlers share: the workspace, and the parameters that many routes have."""
 
 from __future__ import annotations
 

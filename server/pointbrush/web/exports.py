@@ -18,7 +18,7 @@ from pointbrush.errors import TooManyRequestsError, UnavailableError
 PIECES = 16
 PIECE = 256 << 10
 LOOK_SECONDS = 1.0
-"""How often a writer that waits for room looks whether anybody still reads."""
+"""Interval in which a writer that waits for room looks whether anybody still reads."""
 
 
 @dataclass

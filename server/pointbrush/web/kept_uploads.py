@@ -12,7 +12,7 @@ from pathlib import Path
 from pointbrush.errors import NotFoundError
 
 SECONDS = 3600.0
-"""How long files wait."""
+"""Time that files wait."""
 MOST = 16
 """Uploads that wait on a server; the oldest make room."""
 

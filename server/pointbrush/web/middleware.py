@@ -1,4 +1,4 @@
-"""What every request meets before its route: Host, rate, body size; and the security headers."""
+"""Checks of every request before its route: Host, rate, body size; and security headers."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ def stream_npz(fields: Mapping[str, Iterator[NDArray[Any]]], count: int) -> Iter
 
 
 class _Sink:
-    """Where an archive is written that leaves at once."""
+    """Target of an archive that leaves at once."""
 
     def __init__(self) -> None:
         self._gathered: list[bytes] = []
@@ -145,7 +145,7 @@ class _Sink:
         """Nothing: pieces leave when they are taken."""
 
     def taken(self) -> bytes:
-        """What was written since the last time."""
+        """Take what was written since the last time."""
         data = b"".join(self._gathered)
         self._gathered.clear()
         return data

@@ -92,11 +92,11 @@ ROUTES: Mapping[tuple[str, str], Role] = {
 }
 
 DECIDE: Role = "reviewer"
-"""Who may accept and reject frames, and take back that they were accepted."""
+"""Role that may accept and reject frames, and take back that they were accepted."""
 ASSIGN: Role = "manager"
-"""Who may give frames to people."""
+"""Role that may give frames to people."""
 CANCEL_ANY: Role = "manager"
-"""Who may cancel jobs that somebody else has started."""
+"""Role that may cancel jobs that somebody else has started."""
 
 
 def call_of(method: str, path: str) -> tuple[str, str]:

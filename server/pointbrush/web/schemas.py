@@ -129,7 +129,7 @@ class SequenceOut(BaseModel):
 
 
 class SequencePatch(Body):
-    """What may be changed of an imported sequence."""
+    """Fields of an imported sequence that may be changed."""
 
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
@@ -170,7 +170,7 @@ class LabelBody(Body):
 
 
 class LabelPatch(Body):
-    """What may be changed of a label; absent fields stay."""
+    """Fields of a label that may be changed; absent ones stay."""
 
     name: Name | None = None
     category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] | None = None
@@ -188,7 +188,7 @@ class StrokeBody(Brush):
 
 
 class EditOut(BaseModel):
-    """What an edit did; it is durable."""
+    """Outcome of an edit, which is durable."""
 
     edit: str
     changed: int
@@ -207,7 +207,7 @@ class MergeBody(Body):
 
 
 class SplitBody(Body):
-    """How a label's points in a frame are told apart."""
+    """Rule by which a label's points in a frame are told apart."""
 
     frame: FrameIndex
     gap: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = Field(
@@ -217,7 +217,7 @@ class SplitBody(Body):
 
 
 class SplitOut(EditOut):
-    """What a split did: the new labels, and the gap between parts, metres."""
+    """Outcome of a split: the new labels, and the gap between parts, metres."""
 
     labels: list[int]
     gap: float
@@ -295,14 +295,14 @@ class SessionBody(Body):
 
 
 class SessionOut(BaseModel):
-    """Who is signed in."""
+    """The person who is signed in."""
 
     author: str
     role: Role
 
 
 class MeOut(SessionOut):
-    """Who calls, and what the server speaks."""
+    """The caller, and the messages that the server speaks."""
 
     model_config = ConfigDict(populate_by_name=True)
 

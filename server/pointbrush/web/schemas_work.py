@@ -29,7 +29,7 @@ Text = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$"
 
 
 class ImportOptions(Body):
-    """What a person says of the files of an import; see ``formats.corrections.Corrections``."""
+    """Corrections by a person to an import's files; see ``formats.corrections.Corrections``."""
 
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
@@ -66,7 +66,7 @@ class ImportBody(ImportOptions):
 
 @dataclass(frozen=True)
 class PreviewOut(Preview):
-    """What an import would do; ``upload`` names files that a preview was sent, for an hour."""
+    """Preview of an import; ``upload`` names files that a preview was sent, for an hour."""
 
     upload: str | None = None
 

@@ -23,7 +23,7 @@ TEXT_REFUSED = 1003
 GOING_AWAY = 1001
 NOT_ADMITTED = 4401
 RECHECK_SECONDS = 15.0
-"""How soon a revoked token's open sockets are closed."""
+"""Time after which a revoked token's open sockets are closed."""
 
 
 @router.websocket("/stream")

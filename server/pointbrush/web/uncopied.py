@@ -39,7 +39,7 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
     _tail = b""
     """The beginning of a frame whose head is not complete."""
     _heard_at = float("-inf")
-    """When something came last."""
+    """Moment at which something came last."""
     _owed = 0
     """Bytes of a frame that has begun and that the library reads."""
 
@@ -148,7 +148,7 @@ def link_of(socket: WebSocket) -> UncopiedProtocol:
 
 
 def header(length: int) -> bytes:
-    """What goes ahead of ``length`` bytes from a server: unmasked, in one piece."""
+    """Return the head of ``length`` bytes from a server: unmasked, in one piece."""
     if length < 126:
         return bytes((BINARY, length))
     if length < 65536:
@@ -157,7 +157,7 @@ def header(length: int) -> bytes:
 
 
 def body_of(data: bytes, at: int) -> tuple[int, int]:
-    """Where the body of the frame at ``at`` begins, and its bytes; (0, 0): its head goes on."""
+    """Return the body of the frame at ``at``: its offset and bytes; (0, 0): its head goes on."""
     if len(data) < at + 2:
         return 0, 0
     length, body = data[at + 1] & 0x7F, at + 2

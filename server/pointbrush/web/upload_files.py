@@ -41,7 +41,7 @@ RESERVED = set('<>:"|?*')
 
 @dataclass(frozen=True)
 class Saved:
-    """What an import is given: paths, and the chosen folder's name where there was one."""
+    """Files that an import is given: paths, and the chosen folder's name where there was one."""
 
     paths: list[Path]
     name: str | None

@@ -1,1 +1,1 @@
-"""What the workspace does with sequences and labels together, one module per job or action."""
+"""Jobs and actions of the workspace on sequences and labels together, one module each."""

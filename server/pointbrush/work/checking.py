@@ -13,14 +13,14 @@ from pointbrush.work.library import LABELS_ALONE, Library
 
 @dataclass(slots=True)
 class Repaired:
-    """What was wrong and is made anew, and what is lost; one sentence each."""
+    """Faults that are repaired, and what is lost; one sentence each."""
 
     rebuilt: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
 
 
 def check_recording(library: Library, store: LabelStore, sequence: str) -> list[str]:
-    """What is wrong with a recording's files, journal and annotations; none when it is sound."""
+    """List faults of a recording's files, journal and annotations; none when it is sound."""
     problems = verify(library.folder / sequence)
     try:
         return problems + store.check(sequence)

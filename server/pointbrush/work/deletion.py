@@ -49,7 +49,7 @@ class Deletion:
         self._tidy_later()
 
     def _register(self, sequence: str) -> None:
-        """What is deleted needs a row that says so, also when its import was interrupted."""
+        """Make sure that a recording has a row, also when its import was interrupted."""
         if sequence in self._store.guards.importing():
             return
         manifest = self._library.look(sequence).manifest

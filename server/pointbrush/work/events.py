@@ -1,4 +1,4 @@
-"""What happens in a workspace, for those who watch it."""
+"""Events of a workspace, for those who watch it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pointbrush.tracking import FrameResult
 
 @dataclass(frozen=True, eq=False)
 class Provisional:
-    """What a tracking run just found in a frame: stored numbers and a label for each."""
+    """Findings of a tracking run in a frame: stored numbers and a label for each."""
 
     sequence: str
     frame: int
@@ -54,7 +54,7 @@ Event = Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
 
 
 class Listeners:
-    """Those who want to hear of events; thread-safe."""
+    """Subscribers to events; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

@@ -139,7 +139,7 @@ def ids_for(name: str) -> Iterator[str]:
 
 
 def stamp_of(path: Path) -> Stamp | None:
-    """Which state of a file this is; None when there is no such file."""
+    """Return the version of a file; None when there is no such file."""
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError, ValueError):

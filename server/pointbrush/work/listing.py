@@ -29,7 +29,7 @@ class Listed:
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Its name."""
         return self.id if self.manifest is None else self.manifest.name
 
 
@@ -68,7 +68,7 @@ def entry(library: Library, store: LabelStore, sequence: str) -> Listed:
 
 
 def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]:
-    """What is wrong with a recording's files, its journal or its annotations; [] if sound.
+    """List faults of a recording's files, its journal or its annotations; [] if sound.
 
     Raises NotFoundError when it has neither, UnavailableError.
     """
@@ -86,7 +86,7 @@ def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]
 
 
 def _told(look: Callable[[], list[str]]) -> list[str]:
-    """What ``look`` finds; where it cannot look, that is a problem of this one recording."""
+    """Return the findings of ``look``; a failure to look is a problem of this one recording."""
     try:
         return look()
     except UnavailableError:

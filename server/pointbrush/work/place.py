@@ -1,4 +1,4 @@
-"""Which database holds a workspace's labels, once they were moved: a note in the workspace."""
+"""Note in a workspace of the database that its labels were moved to."""
 
 from __future__ import annotations
 

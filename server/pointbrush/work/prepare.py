@@ -21,7 +21,7 @@ from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 
 FRAMES = 5
-"""Frames of a juggler and his pins: seconds of work in which nearly every loop has its turn."""
+"""Frames of a juggler and their pins: seconds of work in which nearly every loop has its turn."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,10 @@ export const SCHEMA_HASH = 'aabff11586f4';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
- * What a stroke of shape ``object``, ``grow`` or ``plane`` would take; the newest counts.
+ * Request of what a stroke of shape ``object``, ``grow`` or ``plane`` would take.
  *
- * Without ``samples``: only whether the frame is prepared for objects, which it is from then on.
+ * The newest request counts.  Without ``samples``: only whether the frame is prepared for
+ * objects, which it is from then on.
  */
 export interface Ask {
   type: 'ask';
@@ -19,7 +20,7 @@ export interface Ask {
   previous?: string;
 }
 
-/** What a stroke does with its samples. */
+/** Action of a stroke on its samples. */
 export interface Brush {
   /** sphere, ray, grow, plane, object: metres */
   radius?: number;
@@ -60,7 +61,7 @@ export interface Brush {
   clip?: ClipBox | null;
 }
 
-/** Where this person is, in room coordinates (y up, metres); absent parts are null. */
+/** Place of this person, in room coordinates (y up, metres); absent parts are null. */
 export interface ClientPresence {
   type: 'presence';
   frame?: number;
@@ -385,7 +386,7 @@ export interface SequenceInfo {
   frame: number;
 }
 
-/** Where somebody else is; ``left``: they have gone. */
+/** Place of another person; ``left``: they have gone. */
 export interface ServerPresence {
   type: 'presence';
   viewer: string;

@@ -1,4 +1,4 @@
-"""What is exported: frames with their annotation, and the palette with its numbers."""
+"""Content of an export: frames with their annotation, and the palette with its numbers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PaletteEntry(Protocol):
 
     @property
     def category(self) -> str:
-        """What it is an instance of; "" where it stands for itself."""
+        """Class of which it is an instance; "" where it stands for itself."""
 
     @property
     def color(self) -> str:

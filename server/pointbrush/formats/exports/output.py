@@ -1,4 +1,4 @@
-"""Where an export goes: a folder, a zip, a single file or a stream; whole or not at all."""
+"""Target of an export: a folder, a zip, a single file or a stream; whole or not at all."""
 
 from __future__ import annotations
 

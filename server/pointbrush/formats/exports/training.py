@@ -19,7 +19,7 @@ from pointbrush.formats.npy import write_column
 VALIDATION = 5
 """Every so many frames one is for validation, where there are that many."""
 NONE = -1
-"""What Pointcept takes for points without a class or an instance."""
+"""Value of Pointcept for points without a class or an instance."""
 FEWEST = 5
 """Points that a box must hold to be worth learning."""
 

@@ -67,7 +67,7 @@ def _distances(
 
 
 def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[np.bool_]:
-    """Which cells (C,) may be added: on pieces clicked both ways those nearer to a wanted click."""
+    """Return the cells (C,) that may be added; of pieces clicked both ways the nearer ones."""
     shared = np.zeros(state.piece_count, np.bool_)
     shared[np.intersect1d(wanted.piece, unwanted.piece)] = True
     cells = np.flatnonzero(shared[state.piece])

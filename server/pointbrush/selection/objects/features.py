@@ -1,4 +1,4 @@
-"""What the merge model is asked of two neighbouring pieces: the smaller a, the larger b."""
+"""Features of two neighbouring pieces for the merge model: the smaller a, the larger b."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ class LadderOptions:
 
 @dataclass(frozen=True, slots=True)
 class PatchOptions:
-    """What a click changes at least of the points taken so far."""
+    """Least share of the points taken so far that a click changes."""
 
     least_cells: float = 1.5
     """Times the cell size; the smallest radius of a patch."""

@@ -1,4 +1,4 @@
-"""What is prepared of a frame, so that a click is answered at once."""
+"""Prepared state of a frame, by which a click is answered at once."""
 
 from __future__ import annotations
 

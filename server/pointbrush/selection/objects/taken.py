@@ -1,4 +1,4 @@
-"""What is taken so far, and the least that a click changes of it."""
+"""Points taken so far, and the least that a click changes of them."""
 
 from __future__ import annotations
 

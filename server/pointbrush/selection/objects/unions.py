@@ -116,7 +116,7 @@ def _chain(parent: NDArray[np.int32], piece: int, blocked: Ints) -> Ints:
 
 @compiled
 def _ancestors(parent: NDArray[np.int32], pieces: Ints) -> Mask:
-    """Which nodes hold one of the pieces."""
+    """Return the nodes that hold one of the pieces."""
     held = np.zeros(len(parent), np.bool_)
     for piece in pieces:
         node = piece

@@ -1,4 +1,4 @@
-"""What the value model is asked of a candidate, and its answer: the IoU to expect."""
+"""Features of a candidate for the value model, and its answer: the IoU to expect."""
 
 from __future__ import annotations
 

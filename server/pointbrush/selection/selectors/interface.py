@@ -1,4 +1,4 @@
-"""What a selector is."""
+"""Interface of selectors."""
 
 from __future__ import annotations
 

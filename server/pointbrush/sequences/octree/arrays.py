@@ -67,7 +67,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Where an array lies in its file."""
+    """Extent of an array in its file."""
 
     dtype: np.dtype[Any]
     shape: tuple[int, ...]
@@ -80,13 +80,13 @@ class Entry:
 
     @property
     def stop(self) -> int:
-        """Where it ends."""
+        """Offset of its end."""
         return self.offset + self.count * self.dtype.itemsize
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What an array file says of itself; ``nbytes`` is the file's length."""
+    """Header of an array file; ``nbytes`` is the file's length."""
 
     entries: dict[str, Entry]
     meta: dict[str, Any]
@@ -170,7 +170,7 @@ def parse_arrays(path: Path, data: bytes) -> Arrays:
 
 
 def read_meta(path: Path) -> dict[str, Any]:
-    """What is stored beside the arrays of a folder of them; raises DamagedError."""
+    """Read the facts beside the arrays of a folder; raises DamagedError."""
     with _damaged(path / "meta.json"):
         meta: dict[str, Any] = json.loads((path / "meta.json").read_bytes())
         return meta

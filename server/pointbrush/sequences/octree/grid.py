@@ -1,4 +1,4 @@
-"""What the frames of a sequence share: the shift, the grid and the intensities' range."""
+"""Values that the frames of a sequence share: the shift, the grid and the intensities' range."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Tables:
-    """What stays in memory of a written segment; ``parent`` is the segment above, once known."""
+    """Summary of a written segment in memory; ``parent`` is the segment above, once known."""
 
     points: int
     chunks: NDArray[Any]

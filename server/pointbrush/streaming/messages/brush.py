@@ -100,7 +100,7 @@ ClipBox: Any = create_model(
 
 
 class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is imported
-    """What a stroke does with its samples."""
+    """Action of a stroke on its samples."""
 
     label: LabelId = 0
     tool: Literal[TOOLS] = "paint"  # type: ignore[valid-type]

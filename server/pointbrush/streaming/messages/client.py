@@ -1,4 +1,4 @@
-"""What a page sends."""
+"""Messages that a page sends."""
 
 from __future__ import annotations
 
@@ -138,9 +138,10 @@ class StrokeCancel(Message):
 
 
 class Ask(Message):
-    """What a stroke of shape ``object``, ``grow`` or ``plane`` would take; the newest counts.
+    """Request of what a stroke of shape ``object``, ``grow`` or ``plane`` would take.
 
-    Without ``samples``: only whether the frame is prepared for objects, which it is from then on.
+    The newest request counts.  Without ``samples``: only whether the frame is prepared for
+    objects, which it is from then on.
     """
 
     type: Literal["ask"] = "ask"
@@ -188,7 +189,7 @@ class Track(Message):
 
 
 class ClientPresence(Message):
-    """Where this person is, in room coordinates (y up, metres); absent parts are null."""
+    """Place of this person, in room coordinates (y up, metres); absent parts are null."""
 
     type: Literal["presence"] = "presence"
     frame: FrameIndex = 0

@@ -1,4 +1,4 @@
-"""What the server sends."""
+"""Messages that the server sends."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ class Job(Message):
 
 
 class ServerPresence(Message):
-    """Where somebody else is; ``left``: they have gone."""
+    """Place of another person; ``left``: they have gone."""
 
     type: Literal["presence"] = "presence"
     viewer: Id

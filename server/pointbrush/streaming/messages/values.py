@@ -1,4 +1,4 @@
-"""What messages of both sides are made of: checked numbers, strokes, labels, chunks."""
+"""Parts of messages of both sides: checked numbers, strokes, labels, chunks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What people see beside the points: the palette, its counts and the timeline, of one sequence."""
+"""State of a sequence beside its points: the palette, its counts and the timeline."""
 
 from __future__ import annotations
 

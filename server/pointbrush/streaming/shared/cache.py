@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable, Hashable
 Versioned = tuple[int, bytes]
 """A message, and the revision it is of."""
 ENTRY_BYTES = 512
-"""What an entry costs in memory beside its message: its key above all."""
+"""Bytes of memory of an entry beside its message: its key above all."""
 
 
 class MessageCache:

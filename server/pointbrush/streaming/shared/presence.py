@@ -1,4 +1,4 @@
-"""Where everybody is: the newest of each viewer, relayed at a bounded rate."""
+"""Presence of everybody: the newest place of each viewer, relayed at a bounded rate."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Presence:
         self._changed.setdefault(sequence, {})[presence.viewer] = encode(presence)
 
     def take(self) -> dict[str, dict[str, bytes]]:
-        """What changed since the last time."""
+        """Take what changed since the last time."""
         changed, self._changed = self._changed, {}
         return changed
 

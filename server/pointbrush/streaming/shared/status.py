@@ -1,4 +1,4 @@
-"""Which status number an error of ours has, on REST and in the socket's ``error`` message."""
+"""Status numbers of our errors, on REST and in the socket's ``error`` message."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ PointsMessage = tuple[bytes, memoryview]
 
 
 class Stock:
-    """What never changes of an imported recording.  Event loop only.
+    """Parts of an imported recording that never change.  Event loop only.
 
     The page cache is the cache: what is in memory is sent from there without a thread in between,
     by one viewer or a hundred.  A thread opens a frame the first time, and reads what is not in

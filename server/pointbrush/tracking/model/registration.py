@@ -34,13 +34,13 @@ class Registration:
     whole: bool = False
     """The moving points that hang together there are the object and nothing else."""
     cut_short: bool = False
-    """What makes it much longer ends all round with it, and may be what holds it."""
+    """The part that makes it much longer ends all round with it, and may be what holds it."""
     vain: bool = False
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
     anew: bool = False
     """It was found far from where it was predicted: its motion begins here."""
     faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Those of ``near`` that are hardly before the background."""
+    """Points of ``near`` that are hardly before the background."""
     undisputed: float = 1.0
     """Share of what it claimed there that no other object has."""
     most: float = 1.0
@@ -54,6 +54,6 @@ class Registration:
     beside: I64 | None = None
     """Points of other moving objects beside a large one; None where that is not known."""
     had: I64 = field(default_factory=lambda: np.empty(0, np.int64))
-    """Those of ``moving`` that some object has, this or another; of large objects."""
+    """Points of ``moving`` that some object has, this or another; of large objects."""
     rim: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points in this frame of which it learns nothing."""

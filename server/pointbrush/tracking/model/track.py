@@ -134,7 +134,7 @@ class LastSight:
     vain: bool = False
     cut_short: bool = False
     evidence: Evidence | None = None
-    """What its fit said about itself."""
+    """Evidence from its fit."""
 
 
 @dataclass(eq=False)
@@ -171,7 +171,7 @@ class Track:
     seen alone."""
     bending: Bending = Bending()
     carving_views: list[CarvingView] = field(default_factory=list)
-    """What lay around it in some frames."""
+    """Its surroundings in some frames."""
 
     @property
     def dyed(self) -> bool:

@@ -24,7 +24,7 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.view import View
 
 OTHER = -(2**20)
-"""What other moving objects have, for a label."""
+"""Points of other moving objects, as a label."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

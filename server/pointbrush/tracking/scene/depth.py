@@ -116,11 +116,11 @@ class ImageBackground:
     depth: F32
     last: F32
     scale: F32
-    """How many times ``waver`` each cell wavers."""
+    """Wavering of each cell, in multiples of ``waver``."""
     scene: F32 = field(init=False)
     """The depth behind all that ever moves, as far as the recording shows it; NaN elsewhere."""
     hidden: F32 = field(init=False)
-    """Where the scene should be behind what was labelled in the first frame."""
+    """Depth of the scene expected behind what was labelled in the first frame."""
     nearest: F32 | None = None
     """See ``least``; None where ``depth`` has changed since."""
     anchor: F32 = field(init=False)

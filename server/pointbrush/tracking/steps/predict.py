@@ -43,7 +43,7 @@ class Search:
     many: I64 = field(init=False)
     """Numbers of those that the last iterations use."""
     target: Target = field(init=False)
-    """What the model is fitted to: some of the moving points."""
+    """Some of the moving points, to which the model is fitted."""
     vain: bool = False
     """Other places were tried, and were no better."""
 

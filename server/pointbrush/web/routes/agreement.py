@@ -94,7 +94,7 @@ def get_agreement(
 def get_difference(
     seq: SequenceId, i: FramePath, workspace: Ws, other: Other, by: CompareBy = "name"
 ) -> Response:
-    """Where two annotations differ, as a picture from above.
+    """Draw the differences of two annotations as a picture from above.
 
     Blue: only the first has a label, orange: only the second, pink: another one, light: the same.
     """

@@ -147,7 +147,7 @@ def put_annotation(
 
 @router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
 def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
-    """Where each wire chunk is, which points it holds and how to dequantise them."""
+    """Return each wire chunk's place, its points and how to dequantise them."""
     recording = workspace.recording(seq)
     frame = recording[i]
     rows = [_row(chunk) for chunk in frame.chunks]

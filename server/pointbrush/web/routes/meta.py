@@ -53,13 +53,13 @@ def sign_in(body: SessionBody, request: Request, response: Response) -> SessionO
 
 @router.get("/session", responses=responses())
 def who_am_i(who: Caller) -> SessionOut:
-    """Who the caller is."""
+    """Identity of the caller."""
     return _out(who)
 
 
 @router.get("/me", responses=responses())
 def me(who: Caller) -> MeOut:
-    """Who the caller is, and which message schema the socket speaks."""
+    """Return the caller's identity, and the message schema that the socket speaks."""
     return MeOut(author=who.name, role=who.role, schema_=schema_hash(), version=__version__)
 
 

@@ -1,4 +1,4 @@
-"""Where the frames round one lie when they are laid over it."""
+"""Placements of the frames round one that are laid over it."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Many = Annotated[int, Query(ge=0, le=MAX_FRAMES // 2)]
 
 
 class MovingOut(BaseModel):
-    """Where the points of a tracked label lie, source coordinates."""
+    """Placement of the points of a tracked label, source coordinates."""
 
     label: int
     T_shown_frame: Matrix4
 
 
 class PlacementOut(BaseModel):
-    """Where a frame lies over the shown one, source coordinates, row-major 4x4.
+    """Placement of a frame over the shown one, source coordinates, row-major 4x4.
 
     ``moving``: labels whose points lie elsewhere, by their tracks.
     """

@@ -26,7 +26,7 @@ Person = Annotated[str, Field(max_length=128, pattern=r"^[^\x00-\x1f\x7f]*$")]
 
 
 class FrameReviewBody(Body):
-    """What to set; what is absent stays, "" takes a note or a person away."""
+    """Values to set; absent ones stay, "" takes a note or a person away."""
 
     state: State | None = None
     note: Note | None = None
@@ -43,7 +43,7 @@ class ReviewBody(FrameReviewBody):
 
 
 class StandingOut(BaseModel):
-    """How frames ``first`` to ``last``, or a label as a whole, stand."""
+    """State of frames ``first`` to ``last``, or of a label as a whole."""
 
     first: int | None
     last: int | None
@@ -116,7 +116,7 @@ class ReviewOut(BaseModel):
 
 @router.get("/sequences/{seq}/review", responses=responses(404))
 def get_review(seq: SequenceId, workspace: Ws) -> OverviewOut:
-    """How each frame and label stands."""
+    """Return the state of each frame and label."""
     return OverviewOut.of(workspace.reviewing.overview(seq))
 
 
@@ -135,7 +135,7 @@ def put_review(seq: SequenceId, body: ReviewBody, workspace: Ws, who: Caller) ->
 def get_history(
     seq: SequenceId, workspace: Ws, limit: Annotated[int, Query(ge=1, le=1000)] = 100
 ) -> list[ReviewOut]:
-    """Who decided what, the newest first."""
+    """Return the decisions and their authors, the newest first."""
     return [ReviewOut.of(each) for each in workspace.reviewing.history(seq)[:limit]]
 
 
@@ -146,7 +146,7 @@ def get_frame_review(
     workspace: Ws,
     label: Annotated[int | None, Query(ge=1, le=65534, description="in this frame")] = None,
 ) -> StandingOut:
-    """How a frame stands, or a label in it."""
+    """Set the state of a frame, or of a label in it."""
     return StandingOut.of(workspace.reviewing.frame(seq, i, label or 0))
 
 

@@ -1,4 +1,4 @@
-"""How a headset comes to trust this server's certificate; needs no token."""
+"""Pages by which a headset comes to trust this server's certificate; need no token."""
 
 from __future__ import annotations
 

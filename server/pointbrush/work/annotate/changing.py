@@ -31,7 +31,7 @@ class Changing:
         self._waiting.add(numbers)
 
     def count(self) -> int:
-        """How many of the points taken in so far will change."""
+        """Count the points taken in so far that will change."""
         waiting, self._waiting = self._waiting, PointSet()
         for numbers in waiting.parts():
             for first, mine in by_block(numbers, LAYER_BLOCK):
@@ -53,7 +53,7 @@ class Changing:
         return self._blocks[first]
 
     def _changes(self, values: FrameValues) -> NDArray[np.bool_]:
-        """Which points of a block the brush would change: the rules of ``Write``."""
+        """Return the points of a block that the brush would change, by the rules of ``Write``."""
         if self._spared is None:
             self._spared = self._labels_spared()
         brush, free = self._brush, ~self._spared[values.label]

@@ -53,7 +53,7 @@ def replacement(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Difference:
-    """Where a piece from stored number ``first`` on is not as wanted, and what is wanted there."""
+    """Return the points of a piece from stored number ``first`` that change, and their values."""
 
     first: int
     differs: Packed

@@ -33,7 +33,7 @@ def frame_points(frame: StoredFrame) -> Points:
 
 
 class PaintedFrame:
-    """What a stroke sees and takes in one frame; ``frame`` is its number."""
+    """A frame under a stroke: the points it sees and takes; ``frame`` is its number."""
 
     def __init__(
         self, store: LabelStore, recording: Recording, placement: Placement, brush: Stroke
@@ -97,7 +97,7 @@ class PaintedFrame:
 
     @property
     def changing(self) -> int:
-        """How many of the points taken the stroke will change."""
+        """Count the points taken that the stroke will change."""
         return self._changing.count()
 
     def those_changing(self) -> NDArray[np.int64]:
@@ -106,5 +106,5 @@ class PaintedFrame:
         return np.concatenate([np.empty(0, np.int64), *parts])
 
     def touched(self) -> int:
-        """How many of the points taken can be touched now."""
+        """Count the points taken that can be touched now."""
         return sum(int(np.count_nonzero(self._touchable(part))) for part in self.taken.parts())

@@ -1,4 +1,4 @@
-"""Where frames lie when they are laid over one of them: by the recording's poses and by tracks."""
+"""Placement of frames that are laid over one of them, by the recording's poses and by tracks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UNKNOWN = "lost"
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where one frame lies over the one that is shown.
+    """Placement of one frame over the one that is shown.
 
     ``T_shown_frame`` (4, 4) from its local coordinates to the shown frame's; ``moving`` label →
     the same for the points of that label, whose track says how they moved between the two.

@@ -1,4 +1,4 @@
-"""What of a frame can be pointed at: points that are neither deleted nor of a hidden label."""
+"""Points of a frame that can be pointed at: neither deleted nor of a hidden label."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class Seen:
         self._masks.clear()
 
     def shown(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which of stored ``numbers`` (n,) rays meet and strokes change."""
+        """Return which of stored ``numbers`` (n,) rays meet and strokes change."""
         return self._among(numbers, deleted=False)
 
     def deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which of stored ``numbers`` (n,) are deleted: what is restored."""
+        """Return which of stored ``numbers`` (n,) are deleted, and so can be restored."""
         return self._among(numbers, deleted=True)
 
     def _among(self, numbers: NDArray[np.int64], *, deleted: bool) -> NDArray[np.bool_]:
@@ -50,7 +50,7 @@ class Seen:
         return found
 
     def _mask(self, first: int, *, deleted: bool) -> NDArray[np.bool_]:
-        """Which points of a block are deleted, or are shown."""
+        """Return the points of a block that are deleted, or that are shown, as a mask."""
         mask = self._masks.get((first, deleted))
         if mask is None:
             values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)

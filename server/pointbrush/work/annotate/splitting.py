@@ -22,7 +22,7 @@ LEAST_POINTS = 10
 
 @dataclass(frozen=True)
 class Split:
-    """What a split made: the edit, the new ``labels``, and the ``gap`` (metres) between parts."""
+    """Result of a split: the edit, the new ``labels``, and the ``gap`` (metres) between parts."""
 
     commit: Commit
     labels: tuple[Label, ...]

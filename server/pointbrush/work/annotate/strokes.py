@@ -100,7 +100,7 @@ class LiveStroke:
 
     @property
     def changing(self) -> int:
-        """Those of the points taken so far that the stroke will change; reads the store."""
+        """Return the points taken so far that the stroke will change; reads the store."""
         return sum(one.changing for one in self._painted)
 
     def previewed(self) -> NDArray[np.int64]:

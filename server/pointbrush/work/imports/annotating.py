@@ -41,7 +41,7 @@ TOLD = 100
 
 @dataclass(frozen=True)
 class LabelRequest:
-    """What is to be imported: see ``Workspace.import_labels``."""
+    """Request of an import of labels: see ``Workspace.import_labels``."""
 
     place: Path
     format: str | None = None

@@ -30,7 +30,7 @@ DEFAULT_FPS = 30.0
 PART_POINTS = 1_000_000
 """Points of a large scan that are in memory at once, per step."""
 SAMPLE = "sample recording"
-"""How the source of the sample begins in its manifest."""
+"""Beginning of the sample's source in its manifest."""
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ def label_of(label_id: int, given: SourceLabel | None) -> Label:
 
 
 def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:
-    """What a finished import job reports."""
+    """Return the report of a finished import job."""
     manifest = recording.manifest
     return {
         "sequence": manifest.id,

@@ -1,4 +1,4 @@
-"""What an import would do: format, order, rate, columns, poses, units and up, without writing."""
+"""Preview of an import: format, order, rate, columns, poses, units and up, without writing."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ SAMPLE = 20_000
 
 @dataclass(frozen=True, slots=True)
 class PreviewRequest:
-    """What is to be previewed; the fields are those of an import."""
+    """Request of a preview; the fields are those of an import."""
 
     paths: tuple[Path, ...]
     chosen: Corrections
@@ -61,7 +61,7 @@ class PreviewRequest:
 
 @dataclass(frozen=True, slots=True)
 class UnitGuess:
-    """What a unit of the files seems to be, and ``scale``, metres for each of it."""
+    """Unit that the files seem to have, and ``scale``, metres for each of it."""
 
     name: str
     scale: float
@@ -71,7 +71,7 @@ class UnitGuess:
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """What an import would do; fields as JSON has them."""
+    """Preview of an import; fields as JSON has them."""
 
     name: str
     format: str

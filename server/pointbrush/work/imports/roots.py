@@ -12,7 +12,7 @@ from pointbrush.formats.inside import is_inside, outside
 
 
 def allowed(given: str, roots: Sequence[Path]) -> list[Path]:
-    """What ``given`` (a path or a glob) names under the ``roots``, which are resolved.
+    """Return the paths that ``given`` (a path or a glob) names under the resolved ``roots``.
 
     Raises ForbiddenError for a path that lies or leads outside, or is hidden: always with the same
     text, so that it tells nothing of what is there; NotFoundError for one that is missing inside.

@@ -9,7 +9,7 @@ from pointbrush.errors import BadInputError
 
 @dataclass(frozen=True, slots=True)
 class SensingOptions:
-    """How the kind of sensor behind a frame is told; all above 0."""
+    """Options that tell the kind of sensor behind a frame; all above 0."""
 
     sample: int = 20_000
     """Points that are looked at."""

@@ -119,7 +119,7 @@ def _excused(tracks: Sequence[Mapping[str, Any]]) -> dict[int, set[int]]:
 
 
 def _placed(finding: Finding, sketches: Sketches) -> Finding:
-    """Where it has no place of its own, that of a label of it, in its frame or one beside."""
+    """Return a finding with a place: its own, or its label's in its frame or one beside."""
     if finding.place is not None or finding.first is None or finding.last is None:
         return finding
     for place in _places(finding, sketches):
@@ -136,5 +136,5 @@ def _places(finding: Finding, sketches: Sketches) -> Iterator[tuple[float, float
 
 
 def _order(finding: Finding) -> tuple[bool, int, int]:
-    """What is about the palette, then by frames."""
+    """Order findings: those about the palette, then by frames."""
     return finding.first is not None, finding.first or 0, KINDS.index(finding.kind)

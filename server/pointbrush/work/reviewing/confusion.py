@@ -1,4 +1,4 @@
-"""How far two annotations of the same points agree."""
+"""Agreement of two annotations of the same points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Names = Mapping[int, str]
-"""What a label is compared by: the name, or the category; 0, no label, is "" and compared too."""
+"""Key by which a label is compared: name or category; 0, no label, is "" and compared too."""
 BITS = 16
 
 

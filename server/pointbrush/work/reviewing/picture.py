@@ -20,7 +20,7 @@ BACKGROUND = (17, 19, 24)
 
 
 class Difference(IntEnum):
-    """What two annotations say of a point, in the order in which it is drawn."""
+    """Comparison of two annotations at a point, in the order in which it is drawn."""
 
     UNLABELLED = 0
     SAME = 1
@@ -59,7 +59,7 @@ def draw(places: NDArray[np.float64], what: NDArray[np.uint8]) -> bytes:
 def _window(
     places: NDArray[np.float64], what: NDArray[np.uint8]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What is shown: the labelled points and some room, or all where there are none."""
+    """Return the box that is shown: the labelled points and some room, or all without any."""
     shown = places[what != Difference.UNLABELLED] if what.any() else places
     if not len(shown):
         return np.zeros(2), np.ones(2)

@@ -18,7 +18,7 @@ STATES: tuple[State, ...] = get_args(State)
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """How frames ``first`` to ``last``, or a label, stand.
+    """State of frames ``first`` to ``last``, or of a label.
 
     ``first``, ``last`` are None of a label as a whole; ``label`` is 0 of the frames themselves.
     ``by``, ``at``: the account and time (seconds since the epoch) of the last state or note.

@@ -31,7 +31,7 @@ LEAD = 20
 UNSURE = 0.5
 """Below this confidence a person should look."""
 NOTHING = {"edit": None, "changed": 0, "frames": 0}
-"""What a run reports that found nothing, or was told to drop it."""
+"""Report of a run that found nothing, or was told to drop it."""
 OVERWRITE: dict[str, Only] = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
 
 
@@ -78,7 +78,7 @@ class TrackingWork:
 
 @dataclass(frozen=True)
 class Knowledge:
-    """What people have already said about a frame, in stored order."""
+    """Labels that people have already given a frame, in stored order."""
 
     store: LabelStore
     recording: Sequence
@@ -175,7 +175,7 @@ def load_default_method() -> None:
 
 @dataclass
 class PendingEdit:
-    """What a run has found so far, in the server's process; becomes one edit."""
+    """Findings of a run so far, in the server's process; they become one edit."""
 
     store: LabelStore
     sequence: str

@@ -47,7 +47,7 @@ class Runs:
         self._kept: set[str] = set()
 
     def keep(self, job_id: str) -> None:
-        """What a run has found is to be committed also when it is cancelled."""
+        """The findings of a run are to be committed also when it is cancelled."""
         self._kept.add(job_id)
 
     def start(self, recording: Recording, request: TrackRequest, author: str, edit: str) -> Job:

@@ -1,4 +1,4 @@
-"""When something is suspicious."""
+"""Thresholds from which something is suspicious."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a frame's labels look like: as much of their points as the checks need."""
+"""Sketch of a frame's labels: as much of their points as the checks need."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report tells of a recording."""
+"""Figures of a recording for its report."""
 
 from __future__ import annotations
 
