@@ -144,7 +144,7 @@ class Headset(Desk):
         """Go on with bare hands."""
         self.bare = True
         self.ask("(device.primaryInputMode = 'hand')")
-        self.until("hs.headset.cockpit.hands.right.device?.id === 'hand'")
+        self.until("hs.headset.cockpit.pointers.of('right')?.kind.name === 'hand'")
 
     def button(self, name: str, hand: str = "right") -> None:
         """Press and let go."""

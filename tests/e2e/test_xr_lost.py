@@ -62,13 +62,13 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     headset = put_on()
     headset.paint([truth(0, PERSON)], release=False)
     headset.ask("(device.controllers.right.connected = false)")
-    headset.until("hs.headset.cockpit.hands.right.source === null")
+    headset.until("hs.headset.cockpit.pointers.of('right') === null")
     said = "(hs.headset.cockpit.hud.sign.mesh.visible && hs.headset.cockpit.hud.sign.text)"
     headset.until(f"{said} === 'The right controller is away'")
     headset.settled()
     assert painted(server, 0) > 5
     headset.ask("(device.controllers.right.connected = true)")
-    headset.until("hs.headset.cockpit.hands.right.source !== null")
+    headset.until("hs.headset.cockpit.pointers.of('right') !== null")
     headset.until(f"{said} === false", 15)
     headset.trigger(0)
     count = painted(server, 0)

@@ -139,7 +139,7 @@ def test_grips_drag_and_scale_the_room_and_the_brush_paints_where_it_is(
 def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: Truth) -> None:
     server.create_label(SEQUENCE, "other", "#5ea2ff")
     headset = put_on(VIVE)
-    headset.until("hs.headset.cockpit.hands.right.device?.id === 'vive'")
+    headset.until("hs.headset.cockpit.pointers.of('right')?.device.id === 'vive'")
 
     def quadrant(x: float, y: float, hand: str = "right") -> None:
         headset.ask(f"device.controllers.{hand}.updateAxes('touchpad', {x}, {y})")

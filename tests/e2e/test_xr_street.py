@@ -94,7 +94,7 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     origin = f"{cockpit}.palette.mesh.position.clone().set(0, 0, 0)"
     palette = in_left_eye(headset, f"{cockpit}.palette.mesh.localToWorld({origin})")
     brush = in_left_eye(headset, f"{cockpit}.painter.tip")
-    grip = in_left_eye(headset, f"{cockpit}.hands.right.place")
+    grip = in_left_eye(headset, f"{cockpit}.pointers.of('right').place")
     near = headset.ask("pb.engine.viewer.renderer.xr.getSession().renderState.depthNear")
     assert near <= 0.05
     assert headset.ask("pb.engine.viewer.reversible")
@@ -102,7 +102,7 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     headset.screenshot("street-with-hands")
     for hand in HANDS:
         headset.ask(f"(device.controllers.{hand}.connected = false)")
-    headset.until("hs.headset.cockpit.hands.right.source === null")
+    headset.until("hs.headset.cockpit.pointers.of('right') === null")
     without = picture(headset)
     headset.screenshot("street-without-hands")
     assert changed(with_hands, without, palette, 20) > 0.9

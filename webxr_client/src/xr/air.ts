@@ -3,9 +3,9 @@ import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Line, LineBas
 import type { Viewer } from '../cloud/viewer';
 import type { Brush, SequenceInfo } from '../protocol/messages';
 import type { Way } from '../tools/ways';
-import type { Hand } from './hand';
 import { AirLasso } from './lasso';
 import type { Place } from './place';
+import type { Pointer } from './pointer';
 
 const CORNERS = 4000;
 const SMALLEST = 0.005;
@@ -41,14 +41,14 @@ export class AirShape {
     this.to.copy(tip);
   }
 
-  go(tip: Vector3, other: Hand): void {
+  go(tip: Vector3, other: Pointer | null): void {
     if (this.boxes) this.stretch(tip, other);
     else if (this.lasso.add(tip)) this.drawLast(tip);
   }
 
   /** Between both hands while the other trigger is held too; else from where one began. */
-  private stretch(tip: Vector3, other: Hand): void {
-    const two = other.tracked && other.trigger >= 0.5;
+  private stretch(tip: Vector3, other: Pointer | null): void {
+    const two = other?.tracked === true && other.trigger >= 0.5;
     this.from.copy(two ? other.origin : this.start);
     if (two) this.from.addScaledVector(other.direction, other.tip[0]!);
     this.to.copy(tip);

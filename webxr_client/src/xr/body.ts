@@ -1,94 +1,126 @@
-/** What one sees of a hand: its model, its ray, its tips; and the panel that it points at. */
+/** What one sees of a pointer: its model, its ray, its tips; and the panel that it is on. */
 import type { Matrix4, Object3D } from 'three';
-import type { Hand } from './hand';
 import { BUTTON_TICK } from './haptics';
-import { controllerModel, disposeModel, HandModel, Ray } from './model';
+import type { Model } from './kinds/kind';
+import { Ray } from './model';
+import { Switch } from './pad';
 import type { Painter } from './painter';
 import type { Panel } from './panel';
+import type { Pointer } from './pointer';
 import type { Lessons } from './lessons';
 import { Tips } from './tips';
 
+/** Metres before a panel at which a fingertip is on it, and at which it has let go again. */
+const HOVER = 0.05;
+const LET_GO = 0.008;
+
 export class Body {
   readonly tips: Tips;
-  joints: HandModel | null = null;
-  /** The panel that its ray is on. */
+  /** The panel that its ray or its fingertip is on. */
   on: Panel | null = null;
+  private readonly model: Model | null;
   private readonly ray = new Ray();
-  private model: Object3D | null = null;
+  /** The fingertip's press: it must come from before the panel. */
+  private readonly poke = new Switch();
+  private before: Panel | null = null;
+  private poking = false;
+  /** Whether its words are those of the one that paints. */
+  private explained: boolean | null = null;
+  /** Seconds for which it has been out of sight. */
+  readonly unseen = new Float64Array(1);
 
   constructor(
-    readonly hand: Hand,
+    readonly pointer: Pointer,
     lessons: Lessons,
+    scene: Object3D,
+    rig: Object3D,
   ) {
-    this.tips = new Tips(lessons, hand);
-  }
-
-  addTo(scene: Object3D, rig: Object3D): void {
-    rig.add(this.hand.grip);
+    this.tips = new Tips(lessons, pointer);
+    rig.add(pointer.grip);
     scene.add(this.ray.line);
+    this.model = pointer.kind.model(pointer.source, pointer.device);
+    if (this.model) (this.model.gripped ? pointer.grip : rig).add(this.model.object);
   }
 
-  /** A controller or hand has come. */
-  dress(source: XRInputSource, paints: boolean, rig: Object3D): void {
-    this.strip();
-    this.hand.attach(source);
-    if (source.hand) {
-      this.joints = new HandModel(source.hand);
-      rig.add(this.joints.mesh);
-    } else {
-      this.model = controllerModel(this.hand.device!);
-      this.hand.grip.add(this.model);
-    }
-    this.explain(paints);
-  }
-
-  /** A bare hand's joints; `rig` is where the headset's space lies in the scene. */
+  /** Take in a bare hand's joints; `rig` is where the headset's space lies in the scene. */
   follow(frame: XRFrame, space: XRReferenceSpace, rig: Matrix4): void {
-    const { hand, joints } = this;
-    joints?.update(frame, space);
-    hand.hasPinch = joints?.pinch(hand.pinch) ?? false;
-    if (hand.hasPinch) hand.pinch.applyMatrix4(rig);
+    const { pointer, model } = this;
+    if (!model || model.gripped) return;
+    model.update?.(frame, space);
+    pointer.hasPinch = model.pinch?.(pointer.pinch) ?? false;
+    if (pointer.hasPinch) pointer.pinch.applyMatrix4(rig);
+    pointer.hasFingertip = model.fingertip?.(pointer.fingertip) ?? false;
+    if (pointer.hasFingertip) pointer.fingertip.applyMatrix4(rig);
   }
 
+  /** Write what its buttons do; what comes and goes with a press needs no words. */
   explain(paints: boolean): void {
+    if (!this.pointer.holds || this.explained === paints) return;
+    this.explained = paints;
     this.tips.set(paints);
   }
 
-  /** It has gone. */
-  strip(): void {
-    if (this.model) disposeModel(this.model);
-    this.joints?.dispose();
-    this.model = this.joints = null;
-    this.tips.clear();
-    this.hand.detach();
+  /** Let it meet the panels; a held one keeps it. `painter`: what it paints with. */
+  point(panels: readonly Panel[], painter: Painter | null): void {
+    const { pointer } = this;
+    const free = pointer.tracked && !painter?.painting;
+    const poked = free && pointer.hasFingertip ? this.nearest(panels, true) : null;
+    if (this.poking && !poked) this.leave();
+    this.poking = poked !== null;
+    const nearest = poked ?? (free ? this.nearest(panels, false) : null);
+    const touch = this.poke.update(poked ? this.touchOf(poked) : 0);
+    if (this.on !== nearest) this.leave();
+    this.on = nearest;
+    if (nearest?.point(poked ? touch : pointer.edge.click, this)) {
+      pointer.pulse(BUTTON_TICK.strength, BUTTON_TICK.milliseconds);
+    }
+    this.drawRay(poked ? null : nearest, painter);
   }
 
-  /** Let the ray meet the panels; a held one keeps it. `painter`: what this hand paints with. */
-  point(panels: readonly Panel[], painter: Painter | null): void {
-    const { hand } = this;
-    const held = this.on?.held ? this.on : null;
-    const { length } = this.ray;
+  private leave(): void {
+    this.on?.leave(this);
+    this.on = null;
+  }
+
+  /** The panel that the fingertip is at (`poking`), or that the ray meets first. */
+  private nearest(panels: readonly Panel[], poking: boolean): Panel | null {
+    const { pointer, on } = this;
+    const held = on?.heldBy(this) ? on : null;
     let nearest: Panel | null = null;
-    const free = hand.tracked && !painter?.painting;
     for (let i = 0; i < panels.length; i++) {
       const panel = panels[i]!;
-      if (!free || (held && panel !== held)) continue;
-      if (!panel.meet(hand.origin, hand.direction)) continue;
-      if (nearest && panel.away[0]! >= nearest.away[0]!) continue;
+      if (held ? panel !== held : !panel.isFree) continue;
+      const met = poking
+        ? panel.touched(pointer.fingertip, HOVER)
+        : panel.meet(pointer.origin, pointer.direction);
+      if (!met || (nearest && panel.away[0]! >= nearest.away[0]!)) continue;
       nearest = panel;
     }
-    if (this.on && this.on !== nearest) this.on.leave();
-    this.on = nearest;
-    if (nearest?.point(hand.edge.click)) {
-      hand.pulse(BUTTON_TICK.strength, BUTTON_TICK.milliseconds);
-    }
-    if (nearest) length[0] = nearest.away[0]!;
-    else length[0] = painter && hand.tracked ? painter.reach[0]! : -1;
-    this.ray.show(hand.origin, hand.direction);
+    return nearest;
+  }
+
+  /** How far the fingertip presses: 1 once it went through the panel from before. */
+  private touchOf(panel: Panel): number {
+    const away = panel.away[0]!;
+    if (away > LET_GO) this.before = panel;
+    if (this.before !== panel || away > LET_GO) return 0;
+    return away <= 0 ? 1 : 0.5;
+  }
+
+  private drawRay(nearest: Panel | null, painter: Painter | null): void {
+    const { pointer, ray } = this;
+    const { length } = ray;
+    if (!pointer.kind.drawn || this.poking) length[0] = -1;
+    else if (nearest) length[0] = nearest.away[0]!;
+    else length[0] = painter && pointer.tracked ? painter.reach[0]! : -1;
+    ray.show(pointer.origin, pointer.direction);
   }
 
   dispose(): void {
-    this.strip();
+    this.leave();
+    this.model?.dispose();
+    this.tips.clear();
+    this.pointer.grip.removeFromParent();
     this.ray.dispose();
   }
 }

@@ -7,8 +7,8 @@ import { isStroke, state } from '../state';
 import { brushColor } from '../tools/brush';
 import type { Way } from '../tools/ways';
 import { seenIn, type Seen } from '../tools/seen';
-import type { Hand } from './hand';
 import type { Place } from './place';
+import type { Pointer } from './pointer';
 import { tint } from './tint';
 
 /** The ray looks for the surface so often. */
@@ -46,7 +46,7 @@ export class BrushLook {
   show(
     visible: boolean,
     way: Way,
-    hand: Hand,
+    hand: Pointer,
     tip: Vector3,
     radius: Float64Array,
     now: number,
@@ -76,7 +76,14 @@ export class BrushLook {
     return this.newColor();
   }
 
-  private followRay(hand: Hand, radius: number, now: number, through: boolean): void {
+  /** Nothing points. */
+  hide(): void {
+    this.ball.visible = false;
+    this.reach[0] = -1;
+    this.engine.viewer.uniforms.lightNothing();
+  }
+
+  private followRay(hand: Pointer, radius: number, now: number, through: boolean): void {
     const { uniforms } = this.engine.viewer;
     const { place, scratch, way } = this;
     if (through) {
@@ -94,7 +101,7 @@ export class BrushLook {
   }
 
   /** What the hand's ray meets first. */
-  hit(hand: Hand, radius: number): Hit | null {
+  hit(hand: Pointer, radius: number): Hit | null {
     const frame = this.engine.playback.frame;
     if (!frame) return null;
     const { local, aim, place, scratch } = this;

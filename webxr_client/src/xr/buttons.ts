@@ -1,9 +1,9 @@
 /** What sticks, pads and buttons do besides painting. */
 import { actions } from '../actions';
 import { state } from '../state';
-import type { Hand } from './hand';
 import { LEVEL_TICK, type Pulse } from './haptics';
 import type { Lessons } from './lessons';
+import type { Pointer } from './pointer';
 
 /** The brush grows by this factor a second at full lean. */
 const GROWTH = 4;
@@ -18,7 +18,12 @@ export class Buttons {
   ) {}
 
   /** After the labels had their part of the other hand's pad. */
-  update(brush: Hand, other: Hand, seconds: Float64Array, now: number): void {
+  update(brush: Pointer | null, other: Pointer | null, seconds: Float64Array, now: number): void {
+    if (brush) this.ofBrush(brush, seconds, now);
+    if (other) this.ofOther(other);
+  }
+
+  private ofBrush(brush: Pointer, seconds: Float64Array, now: number): void {
     this.time(brush, now);
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {
@@ -29,6 +34,9 @@ export class Buttons {
       actions.undo();
       this.lessons.done('undo');
     }
+  }
+
+  private ofOther(other: Pointer): void {
     if (other.edge.primary === 1) {
       this.togglePanel();
       this.lessons.done('panel');
@@ -46,7 +54,7 @@ export class Buttons {
   }
 
   /** Left and right are frames; held, they run; the middle plays. */
-  private time(hand: Hand, now: number): void {
+  private time(hand: Pointer, now: number): void {
     const step = hand.repeatX.update(hand.pad.x, now);
     if (step !== 0) {
       actions.step(step);
@@ -60,13 +68,13 @@ export class Buttons {
   }
 
   /** Up and down: the size of the brush, or the level of the object that is shown. */
-  private size(hand: Hand, seconds: Float64Array, now: number): void {
+  private size(hand: Pointer, seconds: Float64Array, now: number): void {
     const { y } = hand.pad;
     if ((state.object.peek()?.levels ?? 0) > 0) {
       this.level(hand.repeatY.update(y, now));
       return;
     }
-    if (hand.device?.pad === 'touchpad') {
+    if (hand.device.pad === 'touchpad') {
       const notch = hand.repeatY.update(y, now);
       if (notch === 0) return;
       actions.nudgeRadius(notch * NOTCHES);

@@ -9,10 +9,8 @@ import { Listeners } from '../listeners';
 import { notify, state } from '../state';
 import { roomWay } from '../tools/ways';
 import { Buttons } from './buttons';
-import { Controllers } from './controllers';
 import { faceEyes } from './facing';
 import { Feelings } from './feelings';
-import type { Hand } from './hand';
 import type { Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
 import { ObjectSign } from './object-sign';
@@ -21,6 +19,8 @@ import { Painter } from './painter';
 import { PalettePanel } from './palette-panel';
 import type { Panel } from './panel';
 import { Place } from './place';
+import type { Pointer } from './pointer';
+import { Pointers } from './pointers';
 import type { Poses } from './poses';
 import { Presence } from './presence';
 import { Pulse } from './pulse';
@@ -38,11 +38,15 @@ import { follow, watch } from '../watch';
 const EYES = 1.6;
 /** Where the palette's middle is from the hand that holds it: above, and towards the other one. */
 const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
-const HELD = { left: { ...ABOVE, right: 0.07 }, right: { ...ABOVE, right: -0.07 } } as const;
+const HELD = {
+  left: { ...ABOVE, right: 0.07 },
+  right: { ...ABOVE, right: -0.07 },
+  none: { ...ABOVE, right: 0 },
+} as const;
 
 export class Cockpit {
   readonly rig = new Rig();
-  readonly controllers: Controllers;
+  readonly pointers: Pointers;
   readonly painter: Painter;
   readonly palette: PalettePanel;
   readonly timeline = new TimelinePanel();
@@ -81,9 +85,9 @@ export class Cockpit {
   ) {
     const { viewer } = engine;
     this.place = new Place(viewer);
-    const feel = (strength: number, ms: number): void => this.brushHand.pulse(strength, ms);
+    const feel = (strength: number, ms: number): void => this.brush?.pulse(strength, ms);
     this.painter = new Painter(engine, this.place, feel);
-    this.controllers = new Controllers(session, poses, this.rig, this.lessons, {
+    this.pointers = new Pointers(session, poses, this.rig, viewer.scene, this.lessons, {
       brushGone: () => this.painter.finish(),
       say: (text) => this.hud.say(text),
     });
@@ -92,6 +96,7 @@ export class Cockpit {
         scaleTo: (scale) => this.scaleTo(scale),
         reset: () => this.reset(),
         recentre: () => this.stand(),
+        go: () => this.locomotion.ask(),
       },
       session,
     );
@@ -106,12 +111,9 @@ export class Cockpit {
     this.listen();
   }
 
-  get brushHand(): Hand {
-    return this.controllers.brush;
-  }
-
-  get hands(): Controllers['hands'] {
-    return this.controllers.hands;
+  /** What paints. */
+  get brush(): Pointer | null {
+    return this.pointers.brush;
   }
 
   private assemble(): void {
@@ -125,40 +127,37 @@ export class Cockpit {
       this.hud.group,
       this.objectSign.group,
     );
-    for (const body of this.controllers.bodies) body.addTo(viewer.scene, group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
-    this.controllers.explain();
   }
 
   /** The palette stands over the other hand, turned to the face however that is held. */
   private holdPalette(): void {
-    const { side, grip, tracked } = this.controllers.other;
+    const holder = this.pointers.palette;
     const { mesh } = this.palette;
-    mesh.visible = tracked;
-    if (!tracked) return;
-    faceEyes(mesh, grip.position, this.rig.headInRig, HELD[side]);
+    mesh.visible = holder?.tracked === true;
+    if (!holder?.tracked) return;
+    faceEyes(mesh, holder.grip.position, this.rig.headInRig, HELD[holder.side]);
     mesh.updateMatrixWorld();
   }
 
   private switchLabels(now: number): void {
     const { mesh } = this.palette;
     const at = mesh.visible ? this.paletteAt.setFromMatrixPosition(mesh.matrixWorld) : null;
-    if (this.labelSwitch.update(this.controllers.other, this.rig, at, now)) {
-      this.lessons.done('label');
-    }
+    const { other } = this.pointers;
+    if (other && this.labelSwitch.update(other, this.rig, at, now)) this.lessons.done('label');
   }
 
   private listen(): void {
     const { undo } = this;
-    this.controllers.listen();
+    this.pointers.listen();
     this.divide();
     undo.push(this.engine.viewer.ticks.add((now, frame) => this.update(now, frame)));
     // The headset's own way to recentre moved its space: the next picture has the new poses.
     const space = this.engine.viewer.renderer.xr.getReferenceSpace();
     const moved = (): void => {
       this.standing = false;
-      this.painter.interrupt();
+      this.interrupt();
     };
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
@@ -171,8 +170,7 @@ export class Cockpit {
         seated = value.seated;
         if (value.hand === side) return;
         side = value.hand;
-        this.painter.finish();
-        this.controllers.explain();
+        this.pointers.assign();
       }),
     );
   }
@@ -201,29 +199,31 @@ export class Cockpit {
     this.poses.read(frame, space);
     if (!this.rig.update(this.poses)) return;
     if (!this.standing) this.stand();
-    this.controllers.update(frame, space, seconds);
+    this.pointers.update(frame, space, seconds);
     this.rig.group.updateMatrixWorld(true);
     this.parts.run(now);
   }
 
   /** What a picture is made of, each part guarded: haptics that fail must not still the panels. */
   private divide(): void {
-    const { parts, controllers, seconds } = this;
+    const { parts, pointers, seconds } = this;
     parts.add(() => this.holdPalette());
     parts.add(() => this.moveWorld());
     parts.add(() => this.place.update());
-    parts.add(() => controllers.point(this.panels, this.farPanels, this.painter));
+    parts.add(() => pointers.point(this.panels, this.farPanels, this.painter));
     parts.add((now) => this.switchLabels(now));
-    parts.add((now) => this.buttons.update(controllers.brush, controllers.other, seconds, now));
-    parts.add(() => this.locomotion.update(controllers.other, seconds));
+    parts.add((now) => this.buttons.update(pointers.brush, pointers.other, seconds, now));
+    parts.add(() => this.go());
     parts.add((now) => this.paint(now));
     parts.add(() => this.feelings.update());
     parts.add((now) => this.tellOthers(now));
     parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
     for (const panel of this.panels) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
-    parts.add(() => controllers.teach(seconds));
-    parts.add(() => this.objectSign.update(this.rig, this.painter.tip, controllers.brush.tracked));
+    parts.add(() => pointers.teach(seconds));
+    parts.add(() =>
+      this.objectSign.update(this.rig, this.painter.tip, this.brush?.tracked === true),
+    );
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
@@ -251,40 +251,56 @@ export class Cockpit {
   }
 
   private moveWorld(): void {
-    const { left, right } = this.hands;
+    const { brush, other } = this.pointers;
     const { world } = this.engine.viewer;
     const was = this.grab.active;
     // Both triggers make a box between the hands.
     const busy = this.painter.painting || roomWay().name === 'box';
     const grown = this.grab.update(
       world,
-      this.controllers.holds(left, busy) ? left.place : null,
-      this.controllers.holds(right, busy) ? right.place : null,
+      this.pointers.holds(other, busy, was) ? other!.place : null,
+      this.pointers.holds(brush, busy, was) ? brush!.place : null,
     );
     if (this.grab.active && !was) this.lessons.done('grab');
     // The ball keeps its size in the hand.
     if (grown !== 1) actions.setRadius(state.brush.peek().radius / grown);
   }
 
+  private go(): void {
+    const { brush, other } = this.pointers;
+    this.locomotion.update(other, brush, this.pointing(brush), this.seconds);
+  }
+
+  /** Whether a pointer is on a panel. */
+  private pointing(pointer: Pointer | null): boolean {
+    return pointer !== null && this.pointers.bodyOf(pointer).on !== null;
+  }
+
   private paint(now: number): void {
-    const { brush, other } = this.controllers;
+    const { brush, other } = this.pointers;
     const before = this.painter.painting;
-    const blocked = this.controllers.bodyOf(brush).on !== null || this.grab.active;
-    if (this.rig.jumps !== this.jumps) this.painter.interrupt();
+    const blocked = this.pointing(brush) || this.grab.active || this.locomotion.waits;
+    if (this.rig.jumps !== this.jumps) this.interrupt();
     this.jumps = this.rig.jumps;
     this.painter.update(brush, other, this.rig.head, blocked, now);
     if (this.painter.painting && !before) this.lessons.done('paint');
   }
 
+  /** What was at hand is elsewhere: the stroke ends, and presses must be let go. */
+  private interrupt(): void {
+    this.painter.interrupt(this.brush);
+    this.pointers.disarm();
+  }
+
   private tellOthers(now: number): void {
-    const { rig, painter, controllers } = this;
-    this.presence.update(now, rig, controllers.both, painter.tip, this.engine.viewer.world);
+    const { rig, painter, pointers } = this;
+    this.presence.update(now, rig, pointers, painter.tip, this.engine.viewer.world);
   }
 
   // ── the world ──────────────────────────────────────────────────────────────────────────────
 
   private scaleTo(scale: number): void {
-    this.painter.interrupt();
+    this.interrupt();
     const { world } = this.engine.viewer;
     const about = new Vector3().copy(this.rig.head).addScaledVector(this.rig.ahead, 0.6);
     about.y = scale < 1 ? 0.8 : 0;
@@ -310,7 +326,7 @@ export class Cockpit {
     this.feelings.dispose();
     this.pulse.dispose();
     this.locomotion.dispose();
-    this.controllers.dispose();
+    this.pointers.dispose();
     for (const panel of this.panels) panel.dispose();
     this.hud.dispose();
     this.objectSign.dispose();

@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { deviceFor } from './devices';
-import { Hand } from './hand';
+import { controller } from './kinds/controller';
+import { Pointer } from './pointer';
 import { Poses } from './poses';
 
 /** Profiles as browsers list them: the controller's own, then what it falls back to. */
@@ -20,19 +21,22 @@ const CONTROLLERS: readonly (readonly [string, readonly string[], number, string
 const NAMES = ['trigger', 'squeeze', 'touchpad', 'stick', 'a', 'b'] as const;
 type Pressed = Partial<Record<(typeof NAMES)[number], number>>;
 
-/** A hand that holds a controller whose gamepad says this in one frame. */
-function holding(profiles: readonly string[], pressed: Pressed, axes: number[]): Hand {
-  const buttons = NAMES.map((name) => ({ value: pressed[name] ?? 0, pressed: false }));
-  const source = { profiles, gamepad: { axes, buttons }, targetRaySpace: {} };
+/** A controller that was let go, and then says this in one frame. */
+function holding(profiles: readonly string[], pressed: Pressed, axes: number[]): Pointer {
+  const buttons = NAMES.map(() => ({ value: 0, pressed: false }));
+  const gamepad = { axes: axes.map(() => 0), buttons };
+  const source = { profiles, gamepad, targetRaySpace: {} } as unknown as XRInputSource;
   const matrix = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
-  const hand = new Hand('right');
-  hand.attach(source as unknown as XRInputSource);
   const poses = new Poses({} as unknown as XRSpace);
-  poses.setHand(1, hand.source);
+  const pointer = new Pointer(source, controller, 0, true, poses.add(source));
   const frame = { getPose: () => ({ transform: { matrix } }) } as unknown as XRFrame;
+  const rig = pointer.grip.matrix.clone();
   poses.read(frame, {} as unknown as XRReferenceSpace);
-  hand.update(poses, hand.grip.matrix.clone());
-  return hand;
+  pointer.update(poses, rig);
+  gamepad.axes = axes;
+  NAMES.forEach((name, i) => (buttons[i]!.value = pressed[name] ?? 0));
+  pointer.update(poses, rig);
+  return pointer;
 }
 
 const profilesOf = (name: string): readonly string[] =>

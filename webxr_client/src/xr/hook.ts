@@ -41,8 +41,8 @@ export function installHeadsetHook(
     },
     /** How far the ball's middle is before the pointing ray's origin. */
     tipAhead: () => {
-      const { painter, brushHand } = headset.cockpit!;
-      return painter.tip.distanceTo(brushHand.origin);
+      const { painter, brush } = headset.cockpit!;
+      return brush ? painter.tip.distanceTo(brush.origin) : 0;
     },
     /** Where a place on a panel (0..1 from the upper left) is, and its way out of it. */
     onPanel: (name: 'palette' | 'timeline', u: number, v: number): { at: Triple; out: Triple } => ({
@@ -73,10 +73,24 @@ export function installHeadsetHook(
       halted: halted.peek(),
       pulse: viewer.uniforms.pulse,
     }),
+    /** What points: its kind, side, buttons, and what it is for. */
+    pointers: () => {
+      const { bodies, brush, other, palette } = headset.cockpit!.pointers;
+      return bodies.map(({ pointer }) => ({
+        kind: pointer.kind.name,
+        side: pointer.side,
+        device: pointer.device.id,
+        tracked: pointer.tracked,
+        roles: Object.entries({ brush, other, palette }).flatMap(([role, one]) =>
+          one === pointer ? role : [],
+        ),
+      }));
+    },
     /** What the controllers explain. */
     tips: (side: Side) => {
-      const { controllers } = headset.cockpit!;
-      return controllers.bodyOf(controllers.hands[side]).tips.shown;
+      const { pointers } = headset.cockpit!;
+      const pointer = pointers.of(side);
+      return pointer ? pointers.bodyOf(pointer).tips.shown : [];
     },
     /** The others in the room: whose head, hands and brush one sees. */
     people: () => people.seen(),

@@ -3,8 +3,8 @@ import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Label } from '../protocol/messages';
 import { state } from '../state';
-import type { Hand } from './hand';
 import { LEVEL_TICK } from './haptics';
+import type { Pointer } from './pointer';
 import type { Rig } from './rig';
 import { xrSettings } from './settings';
 
@@ -31,8 +31,8 @@ export class LabelSwitch {
   private readonly way = new Vector3();
 
   /** Once per picture, before the pad walks; true when another label was chosen. */
-  update(hand: Hand, rig: Rig, palette: Vector3 | null, now: number): boolean {
-    const glides = xrSettings.peek().move === 'smooth' && hand.device?.pad === 'stick';
+  update(hand: Pointer, rig: Rig, palette: Vector3 | null, now: number): boolean {
+    const glides = xrSettings.peek().move === 'smooth' && hand.device.pad === 'stick';
     const looking = palette !== null && this.looksAt(rig, palette);
     const lean = labelLean(hand.pad.y, looking, glides);
     const step = -hand.repeatY.update(lean, now);

@@ -1,14 +1,15 @@
 /** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
 import { BufferGeometry, DoubleSide, DynamicDrawUsage, Float32BufferAttribute, GLSL3, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
-import type { Hand } from './hand';
 import { Switch } from './pad';
+import type { Pointer } from './pointer';
 import type { Rig } from './rig';
 import { xrSettings } from './settings';
 import { within } from './vectors';
 
 const SEGMENTS = 32;
-const SPEED = 6.5;
-const GRAVITY = 9.8;
+/** Metres a second, and how fast that falls. */
+const THROWN = [6.5, 9.8] as const;
+const STRAIGHT = [1000, 9.8] as const;
 const FARTHEST = 12;
 const GLIDE = 1.8;
 /** Radians a second. */
@@ -42,7 +43,11 @@ export class Locomotion {
   private readonly point = new Vector3();
   private readonly by = new Vector3();
   private readonly turns = new Switch();
+  private readonly leanUp = new Switch();
   private valid = false;
+  /** The next press goes where it points. */
+  private asked = false;
+  private pressed = false;
 
   constructor(private readonly rig: Rig) {
     const geometry = new BufferGeometry();
@@ -82,15 +87,31 @@ export class Locomotion {
     }
   }
 
-  /** The hand that does not paint: lean forward to aim, let go to be there; sideways to turn. */
-  update(hand: Hand, seconds: Float64Array): void {
+  /** Let the next press go where it points: for what has no stick. */
+  ask(): void {
+    this.asked = true;
+    this.pressed = false;
+  }
+
+  /** A press is for going, not for painting. */
+  get waits(): boolean {
+    return this.asked;
+  }
+
+  /**
+   * The hand that does not paint: lean forward to aim, let go to be there; sideways to turn.  `brush`
+   * aims when that was asked for, unless it is `busy` with a panel.
+   */
+  update(hand: Pointer | null, brush: Pointer | null, busy: boolean, seconds: Float64Array): void {
     const { move, snap } = xrSettings.peek();
-    const { x, y } = hand.pad;
-    const smooth = move === 'smooth' && hand.device?.pad === 'stick';
+    const x = hand ? hand.pad.x : 0;
+    const y = hand ? hand.pad.y : 0;
+    const smooth = move === 'smooth' && hand?.device.pad === 'stick';
     const turning = this.turn(x, snap, seconds);
     const gliding = smooth && Math.abs(y) > 0;
-    if (gliding) this.glide(hand, y * seconds[0]!);
+    if (hand && gliding) this.glide(hand, y * seconds[0]!);
     else this.teleport(hand, smooth ? 0 : y);
+    if (this.asked && !this.aiming) this.pressToGo(busy ? null : brush);
     this.shade(gliding || turning, seconds);
   }
 
@@ -106,7 +127,7 @@ export class Locomotion {
     return x !== 0;
   }
 
-  private glide(hand: Hand, amount: number): void {
+  private glide(hand: Pointer, amount: number): void {
     this.by
       .copy(hand.direction)
       .setY(0)
@@ -115,28 +136,50 @@ export class Locomotion {
     this.rig.move(this.by);
   }
 
-  private teleport(hand: Hand, y: number): void {
-    const edge = hand.leanUp.update(Math.max(0, y));
+  private teleport(hand: Pointer | null, y: number): void {
+    const edge = this.leanUp.update(Math.max(0, y));
     if (edge === 1) this.aiming = true;
     if (edge === -1) {
-      if (this.aiming && this.valid) this.rig.moveTo(this.target);
+      if (this.aiming) this.go();
       this.aiming = false;
     }
-    this.arc.visible = this.aiming;
-    if (this.aiming) this.throwArc(hand);
-    this.ring.visible = this.aiming && this.valid;
+    this.aim(this.aiming ? hand : null);
   }
 
-  private throwArc(hand: Hand): void {
+  /** The press that was asked for: aims while it is held or before, goes when it is let go. */
+  private pressToGo(brush: Pointer | null): void {
+    this.aim(brush?.tracked === true ? brush : null);
+    if (brush?.edge.click === 1) this.pressed = true;
+    if (brush?.edge.click !== -1 || !this.pressed) return;
+    this.asked = this.pressed = false;
+    this.go();
+    this.aim(null);
+  }
+
+  private go(): void {
+    if (this.valid) this.rig.moveTo(this.target);
+  }
+
+  private aim(hand: Pointer | null): void {
+    this.arc.visible = hand !== null;
+    if (hand) this.throwArc(hand);
+    else this.valid = false;
+    this.ring.visible = this.arc.visible && this.valid;
+  }
+
+  /** Down to the floor: thrown by a hand, straight on from the eyes. */
+  private throwArc(hand: Pointer): void {
     const places = this.arc.geometry.getAttribute('position');
     const { origin, direction } = hand;
-    const fall = direction.y * SPEED;
+    const [speed, gravity] = hand.reach === 'far' ? STRAIGHT : THROWN;
+    const fall = direction.y * speed;
+    const height = Math.max(0, origin.y);
     // When the arc comes down to the floor.
-    const flight = (fall + Math.sqrt(fall * fall + 2 * GRAVITY * Math.max(0, origin.y))) / GRAVITY;
+    const flight = (fall + Math.sqrt(fall * fall + 2 * gravity * height)) / gravity;
     for (let i = 0; i < SEGMENTS; i++) {
       const t = (flight * i) / (SEGMENTS - 1);
-      this.point.copy(origin).addScaledVector(direction, SPEED * t);
-      this.point.y -= (GRAVITY / 2) * t * t;
+      this.point.copy(origin).addScaledVector(direction, speed * t);
+      this.point.y -= (gravity / 2) * t * t;
       places.setXYZ(i, this.point.x, this.point.y, this.point.z);
     }
     places.needsUpdate = true;

@@ -2,6 +2,7 @@
 import { BufferGeometry, CapsuleGeometry, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Object3D, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Device } from './devices';
+import type { Model } from './kinds/kind';
 import { tint } from './tint';
 
 const BODY = 0x2b3440;
@@ -58,7 +59,8 @@ export function controllerModel(device: Device): Mesh {
 }
 
 /** A hand as its 25 joints. */
-export class HandModel {
+export class HandModel implements Model {
+  readonly gripped = false;
   readonly mesh: InstancedMesh;
   private readonly matrices = new Float32Array(16 * JOINTS);
   private readonly radii = new Float32Array(JOINTS);
@@ -100,6 +102,17 @@ export class HandModel {
       (m[16 * THUMB + 14]! + m[16 * INDEX + 14]!) / 2,
     );
     return this.mesh.visible;
+  }
+
+  /** The tip of the index finger, in the headset's space. */
+  fingertip(out: Vector3): boolean {
+    const { matrices: m } = this;
+    out.set(m[16 * INDEX + 12]!, m[16 * INDEX + 13]!, m[16 * INDEX + 14]);
+    return this.mesh.visible;
+  }
+
+  get object(): Object3D {
+    return this.mesh;
   }
 
   dispose(): void {

@@ -13,17 +13,18 @@ import { roomWay, wayOf, type Way } from '../tools/ways';
 import { AirShape } from './air';
 import { Asking } from './asking';
 import { BrushLook } from './brush-look';
-import type { Hand } from './hand';
 import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from './haptics';
 import type { Place } from './place';
+import type { Pointer } from './pointer';
 import type { Level } from './pressure';
 
 /** A sample each time the tip has moved by this part of the radius. */
 const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
 const PICK_RADIUS = 0.03;
-/** A trigger pressed less than this is released. */
-const RELEASED = 0.1;
+/** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
+const DEPTH_EVERY_MS = 60;
+const DEPTH_RADIUS = 0.03;
 
 type Triple = [number, number, number];
 
@@ -39,14 +40,15 @@ export class Painter {
   private level: Level = 0;
   /** The trigger went down to point at something once, and is not up again. */
   private pointing = false;
-  /** The trigger was seen released since the hand came, a panel had it, or one jumped. */
-  private armed = false;
+  /** The press is not one that a panel or the room had first. */
+  private free = false;
   /** The frame that the stroke began in, as asked for and as shown. */
   private readonly begunIn = { asked: -1, shown: -1 };
   private readonly counter = new ChangeCounter();
   private readonly mine = new Set<string>();
   private readonly local = new Vector3();
   private readonly aim = new Vector3();
+  private lastDepth = 0;
   /** `local` and `aim` in the words of strokes. */
   private readonly sample: { origin: Triple; direction: Triple } = {
     origin: [0, 0, 0],
@@ -101,24 +103,41 @@ export class Painter {
   }
 
   /** Once per frame. `blocked`: the trigger is for something else (a panel). */
-  update(hand: Hand, other: Hand, head: Vector3, blocked: boolean, now: number): void {
-    const usable = hand.tracked && state.sequence.peek() !== null;
-    if (this.painting && (!usable || this.moved())) this.interrupt();
-    if (hand.trigger < RELEASED) this.armed = usable;
-    else if (!usable || (blocked && !this.painting)) this.armed = false;
-    const level = usable ? hand.pressure.update(this.armed ? hand.trigger : 0, now) : 0;
+  update(
+    hand: Pointer | null,
+    other: Pointer | null,
+    head: Vector3,
+    blocked: boolean,
+    now: number,
+  ): void {
+    if (hand?.tracked !== true || state.sequence.peek() === null) {
+      this.interrupt(hand);
+      this.free = false;
+      this.rest();
+      return;
+    }
+    if (this.moved()) this.interrupt(hand);
+    if (hand.trigger === 0) this.free = true;
+    else if (blocked && !this.painting) this.free = false;
+    const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
     this.measureBall();
-    this.aimTip(hand);
+    this.aimTip(hand, level, now);
     if (level !== this.level) this.turnTo(level, hand, head);
     if (this.level > 0) this.go(hand, other, now);
     const way = this.level > 0 ? this.way : roomWay();
-    if (this.level === 0) this.askAhead(usable && !blocked, way, hand, now);
-    const color = this.look.show(usable && !blocked, way, hand, this.tip, this.radius, now);
+    if (this.level === 0) this.askAhead(!blocked, way, hand, now);
+    const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.material.color.set(color);
   }
 
+  /** Nobody is there to paint. */
+  private rest(): void {
+    this.asking.leave();
+    this.look.hide();
+  }
+
   /** Show what a press would take. */
-  private askAhead(there: boolean, way: Way, hand: Hand, now: number): void {
+  private askAhead(there: boolean, way: Way, hand: Pointer, now: number): void {
     if (!there || !isStroke(state.tool.peek())) {
       this.asking.leave();
       return;
@@ -128,7 +147,7 @@ export class Painter {
   }
 
   /** Put the ray that a press of `way` sends into `local` and `aim`. */
-  private aimAt(way: Way, hand: Hand): void {
+  private aimAt(way: Way, hand: Pointer): void {
     const { place, local, aim } = this;
     place.directionToLocal(hand.direction, aim);
     place.toLocal(way.far ? hand.origin : this.tip, local);
@@ -144,15 +163,16 @@ export class Painter {
   /** What is on screen, or may be painted, is not what the stroke began with. */
   private moved(): boolean {
     const { asked, shown } = this.begunIn;
+    if (!this.painting) return false;
     const there = state.frame.peek() === asked && state.shown.peek().frame === shown;
     return !there || !canEdit.peek();
   }
 
-  /** The stroke ends here, what was drawn in the air is void, and the trigger must be let go. */
-  interrupt(): void {
+  /** The stroke ends here, what was drawn in the air is void, and its press must be let go. */
+  interrupt(hand: Pointer | null): void {
     if (!this.painting) return;
     this.finish();
-    this.armed = false;
+    hand?.disarm();
   }
 
   private measureBall(): void {
@@ -160,7 +180,13 @@ export class Painter {
     this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
   }
 
-  private aimTip(hand: Hand): void {
+  /** Where the brush is: at the pinch, before a controller, or along the ray where that hits. */
+  private aimTip(hand: Pointer, level: Level, now: number): void {
+    if (hand.reach === 'far') {
+      if (this.level === 0) this.findDepth(hand, level > 0, now);
+      hand.along(this.tip);
+      return;
+    }
     if (hand.hasPinch) {
       this.tip.copy(hand.pinch);
       return;
@@ -174,7 +200,15 @@ export class Painter {
     tip.z = origin.z + ahead * direction.z;
   }
 
-  private turnTo(level: Level, hand: Hand, head: Vector3): void {
+  /** At the first surface that the ray meets; while one paints it stays that far. */
+  private findDepth(hand: Pointer, pressed: boolean, now: number): void {
+    if (!pressed && now - this.lastDepth < DEPTH_EVERY_MS) return;
+    this.lastDepth = now;
+    const hit = this.look.hit(hand, DEPTH_RADIUS);
+    if (hit) hand.depth[0] = hit.distance * this.place.scale;
+  }
+
+  private turnTo(level: Level, hand: Pointer, head: Vector3): void {
     const before = this.level;
     if (before > 0) this.finish(head);
     this.level = level;
@@ -213,7 +247,7 @@ export class Painter {
     return stroke;
   }
 
-  private go(hand: Hand, other: Hand, now: number): void {
+  private go(hand: Pointer, other: Pointer | null, now: number): void {
     if (this.way.samples === 'drawn') {
       this.air.go(this.tip, other);
       return;
@@ -238,7 +272,7 @@ export class Painter {
   }
 
   /** Put the next sample into `local` and `aim`; false when none is due. */
-  private aimSample(hand: Hand, now: number): boolean {
+  private aimSample(hand: Pointer, now: number): boolean {
     const { place, local, aim, last } = this;
     place.directionToLocal(hand.direction, aim);
     const once = this.way.samples === 'once';
@@ -285,7 +319,7 @@ export class Painter {
     }
   }
 
-  private pointAt(hand: Hand): void {
+  private pointAt(hand: Pointer): void {
     const tool = state.tool.peek();
     if (tool === 'pick') this.pick(hand);
     if (tool !== 'floor') return;
@@ -295,7 +329,7 @@ export class Painter {
     this.pulse(0.5, 30);
   }
 
-  private pick(hand: Hand): void {
+  private pick(hand: Pointer): void {
     const hit = this.look.hit(hand, PICK_RADIUS);
     const label = hit ? (this.engine.playback.frame?.labelOf(hit.point) ?? 0) : 0;
     if (label === 0 || label === DELETED) return;

@@ -3,6 +3,8 @@ import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeo
 import { tint } from './tint';
 import { LIGHT, Ui, type Area } from './ui';
 
+/** Metres behind the panel to which a fingertip still presses it. */
+const THROUGH = 0.04;
 /** A texture takes its time to reach the GPU. */
 const REDRAW_MS = 60;
 
@@ -22,6 +24,8 @@ export abstract class Panel {
   private dirty = true;
   private drawn = -Infinity;
   private pressed: Area | null = null;
+  /** What presses it: nothing else moves it meanwhile. */
+  private holder: object | null = null;
   /** The area that the ray is on, and the light on it. */
   private hover = -1;
   private readonly light: Mesh<PlaneGeometry, MeshBasicMaterial>;
@@ -93,14 +97,34 @@ export abstract class Panel {
     if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
     this.at[0] = u * this.ui.width;
     this.at[1] = v * this.ui.height;
-    // A panel that has grown counts metres of its own.
-    const e = this.mesh.matrixWorld.elements;
-    this.away[0] = distance * Math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+    this.away[0] = distance * this.grown();
     return true;
   }
 
-  /** The ray is on the panel (after `meet`). `edge` 1: pressed now, −1: let go. */
-  point(edge: number): boolean {
+  /** Whether a fingertip is over the panel, nearer than `reach`; remembers where, and how far. */
+  touched(tip: Vector3, reach: number): boolean {
+    if (!this.mesh.visible || !this.mesh.parent?.visible) return false;
+    const { from, inverse } = this;
+    from.copy(tip).applyMatrix4(inverse.copy(this.mesh.matrixWorld).invert());
+    const away = from.z * this.grown();
+    if (away > reach || away < -THROUGH) return false;
+    const u = from.x / this.size.width + 0.5;
+    const v = 0.5 - from.y / this.size.height;
+    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
+    this.at[0] = u * this.ui.width;
+    this.at[1] = v * this.ui.height;
+    this.away[0] = away;
+    return true;
+  }
+
+  /** How many metres one of its own is. */
+  private grown(): number {
+    const e = this.mesh.matrixWorld.elements;
+    return Math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+  }
+
+  /** `by` is on the panel (after `meet` or `touched`). `edge` 1: pressed now, −1: let go. */
+  point(edge: number, by: object): boolean {
     const { ui, at } = this;
     const hover = ui.find(at);
     const entered = hover !== this.hover && hover >= 0;
@@ -110,6 +134,7 @@ export abstract class Panel {
     }
     if (edge === 1) {
       this.pressed = ui.areas[hover] ?? null;
+      this.holder = by;
       this.tell(this.pressed?.act);
     } else if (this.pressed?.drag) {
       this.tell(this.pressed.drag);
@@ -118,17 +143,24 @@ export abstract class Panel {
     return entered || edge === 1;
   }
 
-  get held(): boolean {
-    return this.pressed !== null;
+  heldBy(one: object): boolean {
+    return this.pressed !== null && this.holder === one;
   }
 
-  letGo(): void {
+  /** Nothing presses it. */
+  get isFree(): boolean {
+    return this.pressed === null;
+  }
+
+  private letGo(): void {
     this.pressed?.release?.();
-    this.pressed = null;
+    this.pressed = this.holder = null;
   }
 
-  leave(): void {
-    if (this.pressed) this.letGo();
+  /** `one` is not on it any more. */
+  leave(one: object): void {
+    if (this.heldBy(one)) this.letGo();
+    if (!this.isFree) return;
     this.hover = -1;
     this.light.visible = false;
   }

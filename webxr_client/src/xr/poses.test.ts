@@ -29,18 +29,20 @@ describe.each([true, false])('poses of a frame, fillPoses there: %s', (fills) =>
     const poses = new Poses(space(1));
     const right = { targetRaySpace: space(2), gripSpace: space(3) } as unknown as XRInputSource;
     const left = { targetRaySpace: space(4) } as unknown as XRInputSource;
-    poses.setHand(1, right);
-    poses.setHand(0, left);
+    const [one, two] = [poses.add(right), poses.add(left)];
     poses.read(frameWith(fills), BASE);
     expect(poses.head(out) && x()).toBe(1);
-    expect(poses.ray(1, out) && x()).toBe(2);
-    expect(poses.grip(1, out) && x()).toBe(3);
-    expect(poses.ray(0, out) && x()).toBe(4);
-    expect(poses.grip(0, out)).toBe(false);
-    poses.setHand(1, null);
+    expect(poses.ray(one, out) && x()).toBe(2);
+    expect(poses.grip(one, out) && x()).toBe(3);
+    expect(poses.ray(two, out) && x()).toBe(4);
+    expect(poses.grip(two, out)).toBe(false);
+    poses.remove(one);
     poses.read(frameWith(fills), BASE);
-    expect(poses.ray(1, out)).toBe(false);
-    expect(poses.ray(0, out) && x()).toBe(4);
+    expect(poses.ray(one, out)).toBe(false);
+    expect(poses.ray(two, out) && x()).toBe(4);
+    expect(poses.add(right)).toBe(one);
+    for (let more = 2; more < 8; more++) expect(poses.add(left)).toBe(more);
+    expect(poses.add(left)).toBe(-1);
   });
 
   it('are none while tracking is lost, and come back', () => {

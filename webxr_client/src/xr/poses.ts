@@ -1,13 +1,15 @@
 /**
- * Where the head and the hands are in the headset's space, read into one array in each frame.
+ * Where the head and the inputs are in the headset's space, read into one array in each frame.
  * `XRFrame.fillPoses` (WebXR Hand Input) writes there itself; `getPose` makes objects for each.
  */
 import type { Matrix4 } from 'three';
 
 const HEAD = 0;
+/** More inputs at once than hands, controllers and fingers on a screen are. */
+const INPUTS = 8;
 const RAYS = 1;
-const GRIPS = 3;
-const PLACES = 5;
+const GRIPS = RAYS + INPUTS;
+const PLACES = GRIPS + INPUTS;
 
 export class Poses {
   /** A column-major 4×4 for each place; NaN where nothing was seen. */
@@ -15,6 +17,7 @@ export class Poses {
   /** What is read, and the place of each. */
   private readonly spaces: XRSpace[] = [];
   private readonly places: number[] = [];
+  private readonly taken: boolean[] = new Array<boolean>(INPUTS).fill(false);
   private readonly filled = new Float32Array(16 * PLACES);
 
   /** `head`: the session's viewer space. */
@@ -23,10 +26,21 @@ export class Poses {
     this.places.push(HEAD);
   }
 
-  /** A hand's spaces from now on; null: it is away. */
-  setHand(hand: 0 | 1, source: XRInputSource | null): void {
-    this.setPlace(RAYS + hand, source?.targetRaySpace ?? null);
-    this.setPlace(GRIPS + hand, source?.gripSpace ?? null);
+  /** Read an input's spaces from now on, by the number that is returned; −1: there are too many. */
+  add(source: XRInputSource): number {
+    const input = this.taken.indexOf(false);
+    if (input < 0) return -1;
+    this.taken[input] = true;
+    this.setPlace(RAYS + input, source.targetRaySpace);
+    this.setPlace(GRIPS + input, source.gripSpace ?? null);
+    return input;
+  }
+
+  /** An input has gone. */
+  remove(input: number): void {
+    this.taken[input] = false;
+    this.setPlace(RAYS + input, null);
+    this.setPlace(GRIPS + input, null);
   }
 
   private setPlace(place: number, space: XRSpace | null): void {
@@ -72,14 +86,14 @@ export class Poses {
     return this.take(HEAD, out);
   }
 
-  /** A hand's pointing ray: its origin, and its way along −z. */
-  ray(hand: 0 | 1, out: Matrix4): boolean {
-    return this.take(RAYS + hand, out);
+  /** An input's pointing ray: its origin, and its way along −z. */
+  ray(input: number, out: Matrix4): boolean {
+    return this.take(RAYS + input, out);
   }
 
-  /** Where a hand holds its controller. */
-  grip(hand: 0 | 1, out: Matrix4): boolean {
-    return this.take(GRIPS + hand, out);
+  /** Where an input is held. */
+  grip(input: number, out: Matrix4): boolean {
+    return this.take(GRIPS + input, out);
   }
 
   private take(place: number, out: Matrix4): boolean {

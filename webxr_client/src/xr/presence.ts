@@ -4,7 +4,7 @@ import type { Afterwards } from '../cloud/afterwards';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
 import { state } from '../state';
-import type { Hand } from './hand';
+import type { Pointers } from './pointers';
 import type { Rig } from './rig';
 
 const PERIOD_MS = 100;
@@ -42,17 +42,17 @@ export class Presence {
     this.stop = afterwards.runs.add(this.tell);
   }
 
-  update(now: number, rig: Rig, hands: readonly Hand[], tip: Vector3, world: Object3D): void {
+  update(now: number, rig: Rig, pointers: Pointers, tip: Vector3, world: Object3D): void {
     if (now - this.last[0]! < PERIOD_MS || state.sequence.peek() === null) return;
     this.last[0] = now;
     this.roomFromScene.copy(world.matrixWorld).invert();
     const { message } = this;
     this.write(this.head, rig.head, rig.turned, world.quaternion);
     for (let i = 0; i < 2; i++) {
-      const hand = hands[i]!;
+      const hand = pointers.of(i === 0 ? 'left' : 'right');
       const pose = this.hands[i as 0 | 1];
-      if (hand.tracked) this.write(pose, hand.place, hand.turn, world.quaternion);
-      message.hands[i] = hand.tracked ? pose : null;
+      if (hand?.tracked) this.write(pose, hand.place, hand.turn, world.quaternion);
+      message.hands[i] = hand?.tracked ? pose : null;
     }
     this.place(this.brush, tip);
     message.radius = state.brush.peek().radius;

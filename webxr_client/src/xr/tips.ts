@@ -2,8 +2,8 @@
 import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type BufferGeometry, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { faceEyes, type Facing } from './facing';
-import type { Hand } from './hand';
 import { tipsFor, type Lessons, type Tip } from './lessons';
+import type { Pointer } from './pointer';
 import { SIZES } from './sizes';
 import { tint } from './tint';
 import { FONT, INK } from './ui';
@@ -25,14 +25,13 @@ export class Tips {
 
   constructor(
     private readonly lessons: Lessons,
-    private readonly hand: Hand,
+    private readonly hand: Pointer,
   ) {}
 
   /** Write anew what the hand's buttons do. */
   set(paints: boolean): void {
     this.clear();
     const { hand } = this;
-    if (!hand.device) return;
     this.tips = tipsFor(hand.device, paints, hand.side === 'left');
     this.opacity = new Float64Array(this.tips.length).fill(1);
     this.mesh = plate(this.tips, hand.side === 'left' ? -1 : 1);

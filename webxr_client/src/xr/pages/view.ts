@@ -10,6 +10,8 @@ export interface WorldControls {
   reset(): void;
   /** Stand before the recording again, with the timeline at hand. */
   recentre(): void;
+  /** The next press goes where it points. */
+  go(): void;
 }
 
 const SCALES = [
@@ -45,7 +47,7 @@ export function drawView(
 const TURNS = [30, 45, 90, 0];
 
 /** The widths of the last row's buttons, in shares of it. */
-const END = [0.31, 0.25, 0.19, 0.25] as const;
+const END = [0.23, 0.21, 0.2, 0.14, 0.22] as const;
 
 function drawEnd(ui: Ui, x: number, y: number, inner: number, world: WorldControls): void {
   const { snap } = xrSettings.peek();
@@ -53,6 +55,7 @@ function drawEnd(ui: Ui, x: number, y: number, inner: number, world: WorldContro
   const buttons: readonly [ButtonLook, () => void][] = [
     [{ text: turn }, () => change({ snap: TURNS[(TURNS.indexOf(snap) + 1) % TURNS.length]! })],
     [{ text: 'Recentre' }, () => world.recentre()],
+    [{ text: 'Go there' }, () => world.go()],
     [{ text: 'Floor' }, () => actions.setTool('floor')],
     [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
   ];

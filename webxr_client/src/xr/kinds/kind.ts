@@ -1,0 +1,56 @@
+/** What a kind of WebXR input is to the page.  A kind is one file here and one row of the table. */
+import type { Object3D, Vector3 } from 'three';
+import { deviceFor, type Device } from '../devices';
+
+/** `near`: it paints at its place; `far`: where its ray first hits, and drags at that depth. */
+export type Reach = 'near' | 'far';
+
+/** What one sees of an input. */
+export interface Model {
+  readonly object: Object3D;
+  /** It follows the grip; else it places itself in the headset's space. */
+  readonly gripped: boolean;
+  update?(frame: XRFrame, space: XRReferenceSpace): void;
+  /** Where thumb and index finger meet, in the headset's space; false: not seen. */
+  pinch?(out: Vector3): boolean;
+  /** The tip of the index finger, in the headset's space; false: not seen. */
+  fingertip?(out: Vector3): boolean;
+  dispose(): void;
+}
+
+export interface Kind {
+  /** As messages call it. */
+  readonly name: string;
+  is(source: XRInputSource): boolean;
+  readonly reach: Reach;
+  /** It comes to press and goes when it is let go. */
+  readonly momentary: boolean;
+  /** It stays between presses and is held somewhere: a palette can stand over it. */
+  readonly holds: boolean;
+  /** Its ray begins where one sees something, and is drawn. */
+  readonly drawn: boolean;
+  /** It comes and goes by itself, which nobody must be told. */
+  readonly fleeting: boolean;
+  /** Where its buttons and pads are. */
+  device(source: XRInputSource): Device;
+  /** How far it is pressed, 0..1; `selecting`: between `selectstart` and `selectend`. */
+  press(gamepad: Gamepad | null, device: Device, selecting: boolean): number;
+  /** Make what one sees of it; null: nothing. */
+  model(source: XRInputSource, device: Device): Model | null;
+}
+
+/** The value of a gamepad's button, 0..1; 0 where there is none. */
+export function buttonValue(gamepad: Gamepad | null, button: number): number {
+  return gamepad && button >= 0 ? (gamepad.buttons[button]?.value ?? 0) : 0;
+}
+
+/** What points from afar and only selects: pressed or not, nothing to see, no buttons besides. */
+export const SELECTS = {
+  reach: 'far',
+  holds: false,
+  drawn: false,
+  fleeting: true,
+  device: () => deviceFor(['generic-button'], 0, false),
+  press: (_gamepad, _device, selecting) => (selecting ? 1 : 0),
+  model: () => null,
+} as const satisfies Partial<Kind>;

@@ -1,0 +1,126 @@
+/** For tests: input sources, their sessions and frames, as WebXR describes them. */
+import { Matrix4, Scene } from 'three';
+import { vi } from 'vitest';
+import { Lessons } from './lessons';
+import { Pointers } from './pointers';
+import { Poses } from './poses';
+import { Rig } from './rig';
+
+export interface SourceLook {
+  readonly mode?: string;
+  readonly side?: XRHandedness;
+  readonly profile?: string;
+  readonly hand?: boolean;
+  readonly axes?: number[];
+}
+
+/** A source whose poses and trigger a test sets. */
+export class TestSource {
+  readonly targetRayMode: string;
+  readonly handedness: XRHandedness;
+  readonly profiles: readonly string[];
+  readonly hand: ReadonlyMap<string, unknown> | undefined;
+  readonly gamepad: { axes: number[]; buttons: { value: number }[] } | undefined;
+  readonly targetRaySpace: { seen: boolean };
+  readonly gripSpace: { seen: boolean } | undefined;
+  seen = true;
+
+  constructor({ mode = 'tracked-pointer', side = 'right', profile, hand, axes = [] }: SourceLook) {
+    this.targetRayMode = mode;
+    this.handedness = side;
+    this.profiles = [profile ?? 'generic-trigger-squeeze-touchpad'];
+    this.hand = hand ? new Map() : undefined;
+    const buttons = Array.from({ length: 6 }, () => ({ value: 0 }));
+    if (mode === 'tracked-pointer' && !hand) this.gamepad = { axes, buttons };
+    this.targetRaySpace = { seen: true };
+    if (mode === 'tracked-pointer') this.gripSpace = this.targetRaySpace;
+  }
+
+  get xr(): XRInputSource {
+    return this as unknown as XRInputSource;
+  }
+
+  set trigger(value: number) {
+    this.gamepad!.buttons[0]!.value = value;
+  }
+
+  set squeeze(value: number) {
+    this.gamepad!.buttons[1]!.value = value;
+  }
+
+  set tracked(value: boolean) {
+    this.targetRaySpace.seen = value;
+  }
+}
+
+/** Every space that is seen lies at the origin. */
+export const FRAME = {
+  getPose: ({ seen }: { seen: boolean }) =>
+    seen ? { transform: { matrix: new Float32Array(new Matrix4().elements) } } : null,
+} as unknown as XRFrame;
+export const BASE = {} as unknown as XRReferenceSpace;
+
+class TestSession extends EventTarget {
+  inputSources: XRInputSource[] = [];
+  trackedSources: XRInputSource[] = [];
+  visibilityState: XRVisibilityState = 'visible';
+}
+
+/** The pointers of a session, and what happens to it. */
+export class Worn {
+  readonly session = new TestSession();
+  readonly said: string[] = [];
+  /** How often somebody else became the one that paints. */
+  gone = 0;
+  readonly pointers: Pointers;
+  private readonly poses = new Poses({ seen: true } as unknown as XRSpace);
+
+  constructor(...sources: TestSource[]) {
+    vi.stubGlobal('document', { createElement: () => ({ getContext: pen }) });
+    this.session.inputSources = sources.map(({ xr }) => xr);
+    this.pointers = new Pointers(
+      this.session as unknown as XRSession,
+      this.poses,
+      new Rig(),
+      new Scene(),
+      new Lessons(),
+      { brushGone: () => (this.gone += 1), say: (text) => this.said.push(text) },
+    );
+    this.pointers.listen();
+  }
+
+  /** One picture. */
+  go(seconds = 0.01): void {
+    this.poses.read(FRAME, BASE);
+    this.pointers.update(FRAME, BASE, Float64Array.of(seconds));
+  }
+
+  change(added: TestSource[], removed: TestSource[] = [], type = 'inputsourceschange'): void {
+    const event = new Event(type);
+    const xr = (all: TestSource[]): XRInputSource[] => all.map((one) => one.xr);
+    this.session.dispatchEvent(Object.assign(event, { added: xr(added), removed: xr(removed) }));
+  }
+
+  select(source: TestSource, down: boolean): void {
+    const event = new Event(down ? 'selectstart' : 'selectend');
+    this.session.dispatchEvent(Object.assign(event, { inputSource: source.xr }));
+  }
+
+  show(state: XRVisibilityState): void {
+    this.session.visibilityState = state;
+    this.session.dispatchEvent(new Event('visibilitychange'));
+  }
+}
+
+/** A canvas's pen that draws nothing: words are for the eyes. */
+function pen(): object {
+  const nothing = (): void => undefined;
+  return {
+    canvas: {},
+    measureText: () => ({ width: 1 }),
+    beginPath: nothing,
+    roundRect: nothing,
+    fill: nothing,
+    fillText: nothing,
+  };
+}
