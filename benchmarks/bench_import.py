@@ -30,7 +30,7 @@ from pointbrush.sequences import import_large, open_sequence
 from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_vertices
-from pointbrush.sequences.kdtree import build, pack, unpack
+from pointbrush.sequences.kdtree import build
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.order import morton_order, progressive
 from pointbrush.sequences.octree.quantise import ROOM_STEP
@@ -247,7 +247,6 @@ def small() -> None:
     grid = Grid(np.zeros(3), ROOM_STEP, None)
     colors = wire_colors(frame.rgb[order], None, None, len(xyz))
     stream = encode_chunk(stored, colors, grid).data
-    arrays = pack(build(stored))
     encoded = encode_frame(frame, grid)
     print(f"frame of the sample recording, {len(xyz):,} points, within {encoded.error:.5f} m:")
     print(f"  {len(encoded.wire) / len(xyz):.2f} bytes a point,", end=" ")
@@ -257,7 +256,6 @@ def small() -> None:
         "quantise and encode": lambda: encode_chunk(stored, colors, grid),
         "decode in Python": lambda: decode_vertices(stream, len(xyz)),
         "build the k-d tree": lambda: build(stored),
-        "load the k-d tree": lambda: unpack(arrays, stored, trusted=True),
         "all that import does": lambda: encode_frame(frame, grid),
     }.items():
         times = []

@@ -110,5 +110,5 @@ def real(scene: str) -> list[Frame]:
 
 def _with_trees(frames: list[Frame]) -> list[Frame]:
     for frame in frames:
-        _ = frame.kdtree  # stored with a recording, so not part of the cost
+        _ = frame.kdtree  # of the frame, which other tools share: not part of the tracker's cost
     return frames

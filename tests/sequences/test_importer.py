@@ -191,15 +191,25 @@ def test_blocks_bound_their_points_and_find_them(tmp_path: Path) -> None:
         assert np.array_equal(run.max(axis=0), blocks.hi[b])
 
 
-def test_the_tree_is_loaded_not_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    put([frame(5000)], tmp_path / "s")
+@pytest.mark.parametrize("made", ["scattered", "in a plane", "at one place", "on a coarse grid"])
+def test_the_tree_finds_what_is_near(tmp_path: Path, made: str) -> None:
+    rng = np.random.default_rng(3)
+    xyz = rng.uniform(-2, 2, (3000, 3)).astype(np.float32)
+    if made == "in a plane":
+        xyz[:, 1] = 1e3
+    elif made == "at one place":
+        xyz[:] = xyz[0]
+    elif made == "on a coarse grid":
+        xyz = np.rint(xyz)
+    put([PointFrame(xyz)], tmp_path / "s")
     stored = open_sequence(tmp_path / "s")[0]
-    monkeypatch.setattr("pointbrush.sequences.kdtree.build", None)
-    query = np.random.default_rng(3).uniform(-2, 2, (50, 3)).astype(np.float32)
-    distance, nearest = stored.kdtree.query(query)
+    query = xyz[:50] + rng.uniform(-0.2, 0.2, (50, 3)).astype(np.float32)
     every = np.linalg.norm(stored.xyz.astype(float) - query.astype(float)[:, None], axis=2)
-    assert np.array_equal(nearest, every.argmin(axis=1))
+    distance, nearest = stored.kdtree.query(query)
     assert distance == pytest.approx(every.min(axis=1))
+    assert every[np.arange(50), nearest] == pytest.approx(distance)
+    for found, away in zip(stored.kdtree.query_ball_point(query, 0.5), every, strict=True):
+        assert sorted(found) == np.flatnonzero(away <= 0.5).tolist()
     assert stored.kdtree is open_sequence(tmp_path / "s")[0].kdtree
 
 

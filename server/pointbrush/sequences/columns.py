@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import blocks, kdtree
+from pointbrush.sequences import blocks
 from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.octree.order import morton_order, progressive
 
@@ -150,8 +150,6 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         if column is not None:
             arrays[name] = column.take(order, axis=0)
     arrays |= {"chunks": chunks.table, **block_arrays(xyz, first)}
-    if len(xyz):
-        arrays |= kdtree.pack(kdtree.build(xyz))
     return Encoded(arrays, chunks.wire, chunks.error)
 
 

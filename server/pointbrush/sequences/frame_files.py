@@ -138,11 +138,6 @@ class CopiedFiles(FrameFiles):
         """See FrameFiles."""
         return [self.path]
 
-    @property
-    def trusted(self) -> bool:
-        """Whether there is a checksum that the arrays are compared with."""
-        return self.checksum(self.path) is not None
-
     def arrays(self) -> Arrays:
         """All arrays, compared with their checksum: a copy that no change of the file reaches."""
         key = str(self.path), self._identity

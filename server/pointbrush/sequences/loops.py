@@ -1,6 +1,6 @@
-"""Compiled loops of the import: packing of the vertex codec, short ways through a chunk.
+"""Compiled loops: packing of the vertex codec, short ways through a chunk, k-d trees.
 
-They take long to load, so that modules which also serve import them where they encode.
+They take long to load, so that modules import them where they are needed.
 """
 
 from __future__ import annotations
@@ -193,3 +193,86 @@ def _add_cost(left: NDArray[np.int16], size: int, at: int, distance: NDArray[np.
         change = np.int16(abs(np.int16(left[place] - at)))
         cost = change + np.int16(_TOO_FAR if change > _FOUR_BITS else 0)
         distance[place] = np.uint16(distance[place] + np.uint16(cost))
+
+
+@compiled
+def split_points(
+    xyz: NDArray[np.float32], leaf: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Split points (N, 3), N > 0, at sliding midpoints until ``leaf`` or fewer are together.
+
+    Returns nodes (M, 5): axis, -1 for a leaf, first and behind the last of its points, the nodes
+    below and above the split; the splits (M,); and the points' numbers (N,) in the nodes' order.
+    """
+    count = len(xyz)
+    points, numbers = xyz.copy(), np.arange(count)
+    nodes, splits = np.empty((count // 8 + 64, 5), np.int64), np.empty(count // 8 + 64, np.float64)
+    nodes[0, 1], nodes[0, 2] = 0, count
+    made = 1
+    node, nodes[0, 0] = 0, -1
+    while node >= 0:
+        # Nodes that wait are linked by their first column; a subtree lies together in the end.
+        waiting, first, stop = nodes[node, 0], nodes[node, 1], nodes[node, 2]
+        axis, low, high = _longest_side(points, first, stop)
+        nodes[node, 0] = -1
+        nodes[node, 3] = nodes[node, 4] = -1
+        splits[node] = 0.0
+        # Points that are all at one place stay together.
+        if stop - first > leaf and high > low:
+            split = np.float32((np.float64(low) + np.float64(high)) / 2)
+            split = split if split > low else high
+            middle = _part(points, numbers, first, stop, axis, split)
+            if made + 2 > len(nodes):
+                nodes = np.concatenate((nodes, np.empty_like(nodes)))
+                splits = np.concatenate((splits, np.empty_like(splits)))
+            nodes[made, 1], nodes[made, 2] = first, middle
+            nodes[made + 1, 1], nodes[made + 1, 2] = middle, stop
+            nodes[node, 0], splits[node] = axis, split
+            nodes[node, 3], nodes[node, 4] = made, made + 1
+            nodes[made, 0], nodes[made + 1, 0] = made + 1, waiting
+            waiting = made
+            made += 2
+        node = waiting
+    return nodes[:made].copy(), splits[:made].copy(), numbers
+
+
+@innermost
+def _longest_side(
+    points: NDArray[np.float32], first: int, stop: int
+) -> tuple[int, np.float32, np.float32]:
+    """Axis along which points reach farthest, and from where to where."""
+    axis, low, high = 0, points[first, 0], points[first, 0]
+    for other in range(3):
+        least = most = points[first, other]
+        for place in range(first + 1, stop):
+            value = points[place, other]
+            least = value if value < least else least
+            most = value if value > most else most
+        if np.float64(most) - least > np.float64(high) - low:
+            axis, low, high = other, least, most
+    return axis, low, high
+
+
+@innermost
+def _part(
+    points: NDArray[np.float32],
+    numbers: NDArray[np.int64],
+    first: int,
+    stop: int,
+    axis: int,
+    split: np.float32,
+) -> int:
+    """Bring the points below ``split`` to the front; returns where the others begin."""
+    low, high = first, stop - 1
+    while True:
+        while low <= high and points[low, axis] < split:
+            low += 1
+        while low <= high and points[high, axis] >= split:
+            high -= 1
+        if low > high:
+            return low
+        for other in range(3):
+            points[low, other], points[high, other] = points[high, other], points[low, other]
+        numbers[low], numbers[high] = numbers[high], numbers[low]
+        low += 1
+        high -= 1

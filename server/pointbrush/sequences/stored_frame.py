@@ -245,7 +245,7 @@ class StoredFrame:
 
     @property
     def kdtree(self) -> cKDTree[None]:
-        """The tree over ``xyz``, loaded once and shared; querying it is thread-safe.
+        """The tree over ``xyz``, built once and shared; querying it is thread-safe.
 
         Raises TooLargeError for an octree's frame: build one over the points of a region.
         """
@@ -254,9 +254,8 @@ class StoredFrame:
                 f"frame {self.index}: expected a frame small enough for a k-d tree, "
                 f"got {self.count:,} points"
             )
-        files = self._files
         return _trees.get(
-            (str(files.path), self._identity, self.index),
-            lambda: kdtree.unpack(files.arrays(), self.xyz, trusted=files.trusted),
+            (str(self._files.path), self._identity, self.index),
+            lambda: kdtree.build(self.xyz),
             size=max(self.count, 1),
         )

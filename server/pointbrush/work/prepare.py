@@ -16,6 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
+from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.tracking import METHODS, Seed, TrackOptions
@@ -56,6 +57,7 @@ def prepare() -> None:
     """
     made = generate("tabletop", 1, 1).frame(0)
     encode_frame(made, GridChooser()([made]))
+    kdtree.build(made.xyz.astype(np.float32))
     select_object(made)
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("tabletop", 1, 3), "auto")
