@@ -9,12 +9,12 @@ export interface Accumulation {
   readonly after: number;
 }
 
-/** What the server takes in one stroke on each side. */
+/** Frames on each side that the server takes in one stroke. */
 export const MOST_AROUND = 500;
 
 export const accumulation = signal<Accumulation>({ on: false, before: 5, after: 5 });
 
-/** Those on screen now, the nearest first; none while time runs. */
+/** Frames over the one on screen now, the nearest first; none while time runs. */
 export const placedFrames = signal<readonly PlacedFrame[]>([]);
 
 /** Frames that are wanted but not shown: too many points for one picture. */

@@ -1,5 +1,5 @@
 /**
- * What a user can ask for, from a button, a key or a controller.  The engine implements these
+ * Actions that a user can ask for, from a button, a key or a controller.  The engine implements these
  * (`bindActions`); before it does, they do nothing.
  */
 import type { Bookmark } from './engine/bookmarks';
@@ -36,7 +36,7 @@ export interface ChosenFile {
   readonly path: string;
 }
 
-/** What a person says of files, by the names of the server's options. */
+/** Corrections of a person to files, by the names of the server's options. */
 export interface ImportOptions {
   readonly name?: string;
   readonly fps?: number;
@@ -89,7 +89,7 @@ export interface Actions {
   stepObject(levels: number): boolean;
   /** Take the object that a stroke can be completed to; false when none is offered. */
   completeObject(): boolean;
-  /** What is clicked next is another object. */
+  /** Make the next click begin another object. */
   endObject(): void;
   setView(settings: Partial<ViewSettings>): void;
   viewFrom(preset: ViewPreset): void;
@@ -143,11 +143,11 @@ export interface Actions {
 
   // tracking and other long work
   track(request: TrackRequest): void;
-  /** What was found in this frame is right: its doubtful labels count as painted. */
+  /** Accept this frame: its doubtful labels count as painted. */
   acceptHere(): Promise<void>;
   /** The same for all doubtful frames round this one. */
   acceptStretch(): Promise<void>;
-  /** What was found in the doubtful frames round this one is wrong: away with it. */
+  /** Clear what was found in the doubtful frames round this one. */
   clearStretch(): Promise<void>;
   /** Find it anew, from the sure frame beside them. */
   trackStretch(): void;

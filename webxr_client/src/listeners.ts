@@ -1,5 +1,5 @@
 /**
- * What runs in every picture or with every message.  One that throws costs its own work only: the
+ * Listeners of every picture or message.  One that throws costs its own work only: the
  * failure is told once, in words, and the others and the next picture go on.
  */
 import { notify } from './state';

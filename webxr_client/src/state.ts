@@ -98,7 +98,7 @@ export const state = {
     follow: false,
   }),
   hover: signal<Hover | null>(null),
-  /** What the object tool offers or has taken; null when nothing. */
+  /** Candidate that the object tool offers or has taken; null when nothing. */
   object: signal<ObjectView | null>(null),
   view: signal<ViewSettings>({
     color: 'rgb',
@@ -121,7 +121,7 @@ export const state = {
   uploads: signal<readonly Upload[]>([]),
   /** Files that wait to be imported; null when there are none. */
   importing: signal<ImportDraft | null>(null),
-  /** What undo and redo would change, in words; null when there is nothing. */
+  /** Edits that undo and redo would take, in words; null when there is nothing. */
   undo: signal<string | null>(null),
   redo: signal<string | null>(null),
   /** Newest first; filled when `actions.loadHistory` was called. */

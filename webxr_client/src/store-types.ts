@@ -1,4 +1,4 @@
-/** What the store holds, in types: `state.ts` has the signals. */
+/** Types of the store's values: `state.ts` has the signals. */
 import type { ChosenFile, ImportOptions } from './actions';
 import type { Welcome } from './protocol/messages';
 
@@ -57,7 +57,7 @@ export interface SequenceSummary {
   readonly fps: number;
   /** Points of the largest frame. */
   readonly points: number;
-  /** What is wrong with it, in a sentence: it cannot be opened; null when it is sound. */
+  /** Fault, in a sentence: it cannot be opened; null when it is sound. */
   readonly damaged: string | null;
 }
 
@@ -72,7 +72,7 @@ export interface DeletedSequence {
   readonly until: string;
 }
 
-/** What is on screen now. */
+/** View of what is on screen now. */
 export interface Shown {
   readonly frame: number;
   /** Points loaded of `total`; fewer while the frame still sharpens. */
@@ -104,16 +104,16 @@ export interface TimelineTable {
 
 // ── tools ────────────────────────────────────────────────────────────────────────────────────
 
-/** What a stroke does to points. */
+/** Action of a stroke on points. */
 export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
 
 /**
- * What the button or trigger is for. `navigate`: moves the camera; `pick`: takes a label; `floor`:
+ * Use of the button or trigger. `navigate`: moves the camera; `pick`: takes a label; `floor`:
  * points at what the recording stands on.
  */
 export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
 
-/** How a stroke chooses points: an object, under the brush, a region, a flat surface, an outline. */
+/** Shape of a stroke: an object, the brush, a region, a flat surface, an outline. */
 export type BrushShape = 'object' | 'brush' | 'fill' | 'plane' | 'lasso';
 
 export interface BrushSettings {
@@ -127,11 +127,11 @@ export interface BrushSettings {
   readonly takeLabelled: boolean;
   /** After a stroke the object that it lies on is offered. */
   readonly complete: boolean;
-  /** What is painted is tracked on by itself. */
+  /** Whether painted points are tracked on by themselves. */
   readonly follow: boolean;
 }
 
-/** What is under the mouse or the controller's ray. */
+/** Target under the mouse or the controller's ray. */
 export interface Hover {
   /** 0 unlabeled. */
   readonly label: number;
@@ -141,7 +141,7 @@ export interface Hover {
   readonly points: number;
 }
 
-/** What the panels and the room show of the tool. */
+/** State of the tool that the panels and the room show. */
 export interface ObjectView {
   /** Levels offered, from part to group, and the one shown. */
   readonly levels: number;
@@ -159,7 +159,7 @@ export interface ObjectView {
 // ── view ─────────────────────────────────────────────────────────────────────────────────────
 
 /**
- * What points are coloured by. `confidence` and `provenance` colour each label by how sure tracking is
+ * Colouring of points. `confidence` and `provenance` colour each label by how sure tracking is
  * of it in this frame, and by the share of its points that a person painted.
  */
 export type ColorMode =
@@ -188,7 +188,7 @@ export interface ViewSettings {
   readonly boxes: boolean;
   /** The ways of the objects through the frames near the playhead. */
   readonly trails: boolean;
-  /** Where the objects were in the frame before, faintly, while time stands. */
+  /** Ghost of the objects in the frame before, while time stands. */
   readonly ghost: boolean;
 }
 
@@ -214,7 +214,7 @@ export interface Notice {
   readonly kind: 'info' | 'success' | 'error';
   readonly title: string;
   readonly detail: string;
-  /** What one can do about it: a button. */
+  /** Remedy: a button. */
   readonly action?: { readonly label: string; readonly run: () => void };
 }
 
@@ -225,7 +225,7 @@ export interface Upload {
   readonly total: number;
 }
 
-/** What an import of files would do, in the server's words. */
+/** Preview of an import of files, in the server's words. */
 export interface ImportPreview {
   readonly name: string;
   readonly format: string;
@@ -256,7 +256,7 @@ export interface ImportPreview {
   readonly upload: string | null;
 }
 
-/** What an import of labels found, or would. */
+/** Findings of an import of labels, or of its preview. */
 export interface LabelsFound {
   readonly labelled: number;
   readonly matched: number;

@@ -1,4 +1,4 @@
-/** What runs whenever signals change.  Setters run it, so that it never throws into them. */
+/** Effects that run whenever signals change.  Setters run them, so that they never throw into them. */
 import { effect, untracked, type ReadonlySignal } from '@preact/signals';
 import { tellFailure } from './listeners';
 

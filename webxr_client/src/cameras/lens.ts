@@ -23,7 +23,7 @@ const NEAREST = 0.05;
 const STEPS = 12;
 
 export class Lens {
-  /** Where a place came to: pixels, and metres ahead of the camera. */
+  /** Projection of a place: pixels, and metres ahead of the camera. */
   readonly at = new Float64Array(3);
   private readonly rows: Float64Array;
   private readonly k: Float64Array;
@@ -123,7 +123,7 @@ export class Lens {
     return [along(0), along(1), along(2)];
   }
 
-  /** Where the camera is, local metres. */
+  /** Position of the camera, local metres. */
   get eye(): [number, number, number] {
     const { rows } = this;
     const along = (k: 0 | 1 | 2): number =>

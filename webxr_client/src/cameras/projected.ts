@@ -91,7 +91,7 @@ export class Projected {
   }
 }
 
-/** Where a point of a frame is, local metres; null when it is not here. */
+/** Return the position of a frame's point, local metres; null when it is not here. */
 export function placeOf(frame: CloudFrame, point: number): [number, number, number] | null {
   const piece = frame.pieceOf(point);
   if (!piece) return null;

@@ -1,4 +1,4 @@
-/** What the strip of cameras shares with the cloud: pictures, what is on screen, the place pointed at. */
+/** State that the strip of cameras shares with the cloud: pictures and the place pointed at. */
 import { signal } from '@preact/signals';
 import type { CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
@@ -7,7 +7,7 @@ import type { CameraPicture } from './lens';
 export interface Pointed {
   /** Local metres. */
   readonly place: Vec;
-  /** Where one points at it. */
+  /** Place in it that one points at. */
   readonly by: 'cloud' | 'picture';
 }
 

@@ -1,12 +1,12 @@
 /**
- * What can wait until a picture has gone to the display: messages above all, since posting one wakes
+ * Work that can wait until a picture has gone to the display: messages above all, since posting one wakes
  * another thread, which may take this one's place on a busy processor.
  */
 import { Listeners } from '../listeners';
 import { Timing } from './timing';
 
 export class Afterwards {
-  /** What is done each time that somebody asks for it. */
+  /** Work that is done each time that somebody asks for it. */
   readonly runs = new Listeners();
   readonly ms = new Timing();
   /** Whether times are taken. */

@@ -1,4 +1,4 @@
-/** What surrounds the recording: a quiet sky, a horizon, and a floor with a metre grid. */
+/** Surroundings of the recording: a quiet sky, a horizon, and a floor with a metre grid. */
 import {
   BackSide,
   GLSL3,

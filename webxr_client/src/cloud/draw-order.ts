@@ -1,11 +1,11 @@
 /**
- * What is drawn, and in which order, without garbage.  three.js empties its lists for each picture,
+ * Draw lists and their order, without garbage.  three.js empties its lists for each picture,
  * fills them again and copies them to sort them; these keep their entries and arrays, and sort
  * themselves in place by three's own rules.
  */
 import type { BufferGeometry, Material, Object3D, Scene, WebGLRenderer } from 'three';
 
-/** What of an entry decides when it is drawn. */
+/** Keys of an entry that decide when it is drawn. */
 export interface Drawn {
   readonly id: number;
   readonly groupOrder: number;
@@ -17,7 +17,7 @@ export interface Drawn {
   readonly materialVariant: number;
 }
 
-/** What is solid: by material, so that programs change seldom, then the nearest first. */
+/** Order solid entries by material, so that programs change seldom, then the nearest first. */
 export function solidBefore(a: Drawn, b: Drawn): boolean {
   if (a.groupOrder !== b.groupOrder) return a.groupOrder < b.groupOrder;
   if (a.renderOrder !== b.renderOrder) return a.renderOrder < b.renderOrder;
@@ -26,7 +26,7 @@ export function solidBefore(a: Drawn, b: Drawn): boolean {
   return a.z === b.z ? a.id < b.id : a.z < b.z;
 }
 
-/** What one sees through: the farthest first. */
+/** Order transparent entries, the farthest first. */
 export function clearBefore(a: Drawn, b: Drawn): boolean {
   if (a.groupOrder !== b.groupOrder) return a.groupOrder < b.groupOrder;
   if (a.renderOrder !== b.renderOrder) return a.renderOrder < b.renderOrder;

@@ -17,7 +17,7 @@ export class CloudFrame {
   labelsVersion = 0;
   readonly overlays = new Map<string, Overlay>();
   private readonly buffers: ArrayBuffer[] = [];
-  /** What `shown` said last, and the versions then. */
+  /** Last answer of `shown`, and the versions then. */
   private said: Shown | null = null;
   private saidVersion = -1;
   /** Label values that came before their points. */
@@ -134,7 +134,7 @@ export class CloudFrame {
     return this.complete && this.total === 0;
   }
 
-  /** What to tell of it while it is on screen; another object after each change, and only then. */
+  /** Description while it is on screen; another object after each change, and only then. */
   get shown(): Shown {
     const { index, loaded, total, version } = this;
     if (!this.said || this.saidVersion !== version) {
@@ -230,7 +230,7 @@ function search(numbers: Uint32Array, number: number): number {
   return numbers[at] === number ? at : -1;
 }
 
-/** How much denser the frame's first `shown` points are than the piece's level: scales its spacing. */
+/** Density of the frame's first `shown` points over the piece's level: scales its spacing. */
 export function densityFactor(frame: CloudFrame, piece: Piece, shown = frame.loaded): number {
   writeDensity(factor, 0, frame, piece, shown);
   return factor[0]!;

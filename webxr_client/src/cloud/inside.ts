@@ -1,4 +1,4 @@
-/** Which points of a frame a camera sees inside an outline; as the server finds them. */
+/** Points of a frame that a camera sees inside an outline; as the server finds them. */
 import { BLOCK } from './blocks';
 import type { CloudFrame } from './frame';
 import { blocksOf, type Piece } from './piece';

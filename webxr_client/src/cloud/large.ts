@@ -65,7 +65,7 @@ class Page {
     this.buffers.writeLabels(scratch, count);
   }
 
-  /** Where finer chunks cover the same place, coarse points shrink to their size. */
+  /** Shrink coarse points to the size of finer chunks that cover the same place. */
   setDensity(factor: number): void {
     const { piece } = this;
     if (piece) this.table.setRow(this.row, piece.origin, piece.scale, factor);

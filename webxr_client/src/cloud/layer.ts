@@ -48,7 +48,7 @@ export function directionIn({ inverse }: Layer, [x, y, z]: Vec): [number, number
   return place.set(x, y, z).transformDirection(inverse).toArray();
 }
 
-/** Where a ray first meets the surface of `frame` and of the layers over it; see `firstHit`. */
+/** Return the first hit of a ray on `frame` and on the layers over it; see `firstHit`. */
 export function firstHitAmong(
   frame: CloudFrame,
   layers: readonly Layer[],

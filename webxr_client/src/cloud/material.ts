@@ -7,7 +7,7 @@ import { writeDensity, type CloudFrame } from './frame';
 import type { PlacedFrame } from './layer';
 import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
-/** What colours labels only leaves the points themselves plain. */
+/** Modes that colour labels only and leave the points themselves plain. */
 const COLOR_MODES = {
   rgb: 0,
   intensity: 1,
@@ -21,7 +21,7 @@ const COLOR_MODES = {
 const LABELS_ONLY: readonly string[] = ['label', 'confidence', 'provenance'];
 const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
 
-/** How a recording with these fields is coloured when `wanted` is asked for. */
+/** Return the mode of a recording with these fields when `wanted` is asked for. */
 export function colorModeOf(wanted: ColorMode, fields: readonly string[]): ColorMode {
   let mode = wanted;
   if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
@@ -32,7 +32,7 @@ export function colorModeOf(wanted: ColorMode, fields: readonly string[]): Color
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
 const FILL = 1.85;
 
-/** Where `PointUniforms.settings` has what: the rows of the shader's array. */
+/** Rows of the shader's array in `PointUniforms.settings`. */
 const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
 const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
@@ -41,7 +41,7 @@ const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
 const INTENSITY_FIT = 36;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
 
-/** What the brush lights up: a ball, or what lies round a half-line. */
+/** Region that the brush lights up: a ball, or the surroundings of a half-line. */
 const [NONE, BALL, RAY] = [0, 1, 2];
 
 /**
@@ -140,7 +140,7 @@ export class PointUniforms {
     this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
   }
 
-  /** How far labels that a person should look at stand out, 0..1. */
+  /** Emphasis of labels that a person should look at, 0..1. */
   get pulse(): number {
     return this.settings.value[PULSE]!;
   }
@@ -215,7 +215,7 @@ export class ChunkTable {
 /** Labels of one frame that lie elsewhere than the rest of it. */
 const MOST_MOVING = 64;
 
-/** Where a frame lies that is laid over the one on screen. */
+/** Placement of a frame that is laid over the one on screen. */
 export class Placement {
   readonly uniforms: Record<'placed' | 'moving' | 'movingCount', IUniform>;
   private readonly data = new Float32Array(MOST_MOVING * 16);

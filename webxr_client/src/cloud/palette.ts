@@ -5,7 +5,7 @@ import type { Label } from '../protocol/messages';
 const SIDE = 256;
 /** Shows what a click would take: lighter than the label that it would get. */
 export const PREVIEW = 65534;
-/** How much of the preview's colour is white. */
+/** Share of white in the preview's colour. */
 const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
 /** Strokes leave its points alone: it is locked, or hidden for all. */

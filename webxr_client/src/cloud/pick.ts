@@ -1,4 +1,4 @@
-/** What a ray or a ball meets among the points on the page; blocks of points are culled whole. */
+/** Picking by a ray or a ball among the points on the page; blocks of points are culled whole. */
 import { Matrix4, Quaternion } from 'three';
 import { BLOCK } from './blocks';
 import { densityFactor, type CloudFrame } from './frame';
@@ -15,7 +15,7 @@ export interface Hit {
 }
 
 /**
- * Where a ray first meets the surface, or null.  Local coordinates, `direction` of unit length.
+ * Return the place in which a ray first meets the surface, or null.  Local coordinates, `direction` of unit length.
  *
  * As on the server: a point counts as met when the ray passes it within about the cloud's own
  * spacing there, never farther than `radius`; where nothing is that near, `radius` decides.

@@ -1,4 +1,4 @@
-/** Where most of a frame's values lie: what ramps of colour run over. */
+/** Range of most of a frame's values, over which ramps of colour run. */
 import type { Matrix4 } from 'three';
 import type { CloudFrame } from './frame';
 

@@ -5,7 +5,7 @@ const LENGTH = 256;
 export class Timing {
   private readonly values = new Float32Array(LENGTH);
   private count = 0;
-  /** When it was marked last; −1 when what came before does not count. */
+  /** Moment of the last mark; −1 when what came before does not count. */
   private readonly marked = Float64Array.of(-1);
 
   add(ms: number): void {
@@ -23,7 +23,7 @@ export class Timing {
     marked[0] = now;
   }
 
-  /** What is marked next has nothing to do with what was before. */
+  /** Begin anew: the next mark has nothing to do with the one before. */
   interrupt(): void {
     this.marked[0] = -1;
   }

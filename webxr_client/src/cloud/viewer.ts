@@ -55,7 +55,7 @@ export class Viewer {
   private over: PlacedFrames | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
-  /** What the ramps run over, once there are points. */
+  /** Range of the ramps, once there are points. */
   private fitted: Spread | null = null;
   /** The headset's pictures have reversed depth. */
   readonly reversible: boolean;
@@ -203,7 +203,7 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** What shows the recording. */
+  /** Objects that show the recording. */
   private get cloud(): Slots | LargeCloud | null {
     return this.slots ?? this.large;
   }

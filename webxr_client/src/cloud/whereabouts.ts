@@ -1,4 +1,4 @@
-/** Where a label's points are in a frame. */
+/** Place of a label's points in a frame. */
 import { Vector3 } from 'three';
 import type { CloudFrame } from './frame';
 

@@ -1,4 +1,4 @@
-/** Where the mouse points: rays into the recording, and what they meet. */
+/** Aim of the mouse: rays into the recording, and what they meet. */
 import { Matrix4, Vector3 } from 'three';
 import type { CloudFrame } from '../cloud/frame';
 import { layers } from '../accumulation';
@@ -64,7 +64,7 @@ export class Aim {
     };
   }
 
-  /** What lies under the cursor, within `radius` of its ray. */
+  /** Return what lies under the cursor, within `radius` of its ray. */
   hit(radius: number): LayerHit | null {
     const frame = this.frame();
     if (!frame || !this.inside) return null;

@@ -11,7 +11,7 @@ function setUp(): DeskCamera {
   return camera;
 }
 
-/** Where a place is on screen, −1..1. */
+/** Return the place of a point on screen, −1..1. */
 function onScreen(camera: DeskCamera, ...place: [number, number, number]): Vector3 {
   camera.camera.updateMatrixWorld();
   return new Vector3(...place).project(camera.camera);

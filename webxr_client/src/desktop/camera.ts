@@ -13,14 +13,14 @@ const NOTCH = 0.86;
 const SLIDE = 0.8;
 const WALK_KEYS = ['w', 'a', 's', 'd', 'e', 'q', 'shift'];
 
-/** Where a flight begins or ends; `half`: of an orthographic picture, 0: perspective. */
+/** Begin or end of a flight; `half`: of an orthographic picture, 0: perspective. */
 interface Station {
   readonly position: Vector3;
   readonly quaternion: Quaternion;
   half: number;
 }
 
-/** What can be looked at again. */
+/** View that can be returned to. */
 export interface View {
   readonly eye: readonly [number, number, number];
   readonly target: readonly [number, number, number];
@@ -33,11 +33,11 @@ function station(): Station {
 }
 
 export class DeskCamera {
-  /** What turning goes round and zooming goes to; room coordinates. */
+  /** Pivot of turning and target of zooming; room coordinates. */
   readonly pivot = new Vector3();
   /** Metres a second. */
   walkSpeed = 2;
-  /** How far away an orthographic eye stays, so that all lies before it; metres. */
+  /** Distance of an orthographic eye, so that all lies before it; metres. */
   depth = 100;
   private readonly held = new Set<string>();
   private readonly euler = new Euler(0, 0, 0, 'YXZ');
@@ -154,7 +154,7 @@ export class DeskCamera {
     this.flyTo(new Vector3(...eye), new Vector3(...target), half, false);
   }
 
-  /** Where the camera is now, or will be once it has arrived. */
+  /** Return the camera's view, or the one at which it is about to arrive. */
   get view(): View {
     const { position, half } = this.flying ? this.to : this.now();
     return { eye: position.toArray(), target: this.pivot.toArray(), half };

@@ -1,4 +1,4 @@
-/** Where to look from: the sensor's own view where there is one, else an overview. */
+/** Choose a first view: the sensor's own where there is one, else an overview. */
 import { Vector3, type Matrix4 } from 'three';
 import type { ViewPreset } from '../actions';
 import type { CloudFrame } from '../cloud/frame';

@@ -7,7 +7,7 @@ import type { KeyBinding } from './keys';
 const table = new Map<string, KeyBinding>();
 for (const binding of COMMANDS) for (const key of binding.keys) table.set(key, binding);
 
-/** How `KEYS` writes the key of an event. */
+/** Return an event's key as `KEYS` writes it. */
 export function keyName(event: KeyboardEvent): string {
   const key = event.key.toLowerCase();
   const printable = key.length === 1 && !/[a-z]/.test(key);

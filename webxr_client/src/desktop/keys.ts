@@ -8,7 +8,7 @@ import { DESK_WAYS } from '../tools/ways';
 export interface KeyBinding {
   /** `KeyboardEvent.key` values, lower case; `ctrl+`, `shift+` and `alt+` before them. */
   readonly keys: readonly string[];
-  /** What to print, e.g. "Space". */
+  /** Name in print, e.g. "Space". */
   readonly shown: string;
   readonly what: string;
   readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Recordings';

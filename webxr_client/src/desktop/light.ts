@@ -13,7 +13,7 @@ import type { Aim } from './aim';
 import { BrushRing } from './cursor';
 
 export class BrushLight {
-  /** Where the brush is on the surface, room coordinates; null off the recording. */
+  /** Place of the brush on the surface, room coordinates; null off the recording. */
   at: Vector3 | null = null;
   private readonly ring = new BrushRing();
   private readonly color = new Color();

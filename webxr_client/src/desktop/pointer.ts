@@ -43,7 +43,7 @@ export class DeskPointer {
   private readonly last = { x: 0, y: 0 };
   /** Notches of the wheel that are no level yet. */
   private turned = 0;
-  /** Where the stroke went, to be completed to an object. */
+  /** Path of the stroke, to be completed to an object. */
   private readonly path = new Path();
   private readonly aim: Aim;
   private readonly light: BrushLight;
@@ -75,7 +75,7 @@ export class DeskPointer {
     on('contextmenu', (event) => event.preventDefault());
   }
 
-  /** Where the brush is on the surface, room coordinates; null off the recording. */
+  /** Place of the brush on the surface, room coordinates; null off the recording. */
   get brushAt(): Vector3 | null {
     return this.light.at;
   }
@@ -185,7 +185,7 @@ export class DeskPointer {
     return true;
   }
 
-  /** What is on screen, or may be painted, is another: a stroke ends here, an outline is void. */
+  /** End a stroke and drop an outline: another frame is on screen, or other points may be painted. */
   interrupt(): void {
     if (this.drag === 'lasso' || this.lasso.open) this.cancel();
     if (this.drag !== 'stroke') return;

@@ -5,7 +5,7 @@ interface Finger {
   y: number;
 }
 
-/** How two fingers moved since the last time. */
+/** Movement of two fingers since the last time. */
 export interface Pinch {
   /** Their middle, and how far it moved, pixels. */
   readonly x: number;

@@ -1,4 +1,4 @@
-/** How the desk looks at the recording. */
+/** Views of the recording at the desk. */
 import { signal } from '@preact/signals';
 
 /** The picture is orthographic; the engine writes it. */

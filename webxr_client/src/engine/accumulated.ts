@@ -54,7 +54,7 @@ export function localMatrix(rows: readonly number[], shift: readonly number[]): 
 }
 
 export class Accumulated {
-  /** Where frames lie over frame `over`, by their numbers. */
+  /** Placements of frames over frame `over`, by their numbers. */
   private placements = new Map<number, Omit<PlacedFrame, 'frame'>>();
   private over = -1;
   private asked = 0;

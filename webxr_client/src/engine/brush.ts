@@ -8,7 +8,7 @@ type BrushActions = Pick<
 >;
 
 const RADIUS_NOTCH = 1.15;
-/** What the eraser gives way to when it is put down. */
+/** Tool that follows the eraser when it is put down. */
 let painter: Tool = 'paint';
 
 export function setRadius(metres: number): void {

@@ -1,5 +1,5 @@
 /**
- * How many points can be drawn in time: fewer when pictures come too slowly, more again while they
+ * Budget of points that can be drawn in time: fewer when pictures come too slowly, more again while they
  * come in time.  Pure: times of pictures come in.
  */
 
@@ -22,7 +22,7 @@ const PATIENCE_MS = 1000;
 const LONGEST_PATIENCE_MS = 30_000;
 /** A cut that makes pictures faster by no more than this part was of no use. */
 const FASTER = 0.92;
-/** Where what is not points takes most of the time, points may take half as much again. */
+/** Share by which points may take longer where other work takes most of the time. */
 const SHARE_OF_REST = 1.5;
 /** Fewer would show nothing. */
 export const FEWEST_POINTS = 10_000;
@@ -38,7 +38,7 @@ export class PointBudget {
   private patience = PATIENCE_MS;
   /** More points are being tried since then. */
   private triedAt = -1;
-  /** What pictures took, and how many points they had, when points were last cut. */
+  /** Time of pictures, and the number of their points, when points were last cut. */
   private cutMean = 0;
   private cutDrawn = 0;
   /** The best that can be hoped for: a display at 30 Hz, a slow machine. */
@@ -83,7 +83,7 @@ export class PointBudget {
     this.change(now);
   }
 
-  /** What the last cut says of the time that is not the points'; true when it was of no use. */
+  /** Learn from the last cut how much time is not the points'; true when it was of no use. */
   private learnFloor(mean: number, target: number, drawn: number, now: number): boolean {
     if (this.points <= FEWEST_POINTS) {
       // Nothing is left to take away: all of it is the rest.

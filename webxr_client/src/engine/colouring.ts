@@ -21,7 +21,7 @@ export function mixed(from: string, to: string, share: number): string {
   return `#${parts.join('')}`;
 }
 
-/** How sure tracking is of a label in a frame. */
+/** Confidence of tracking in a label of a frame. */
 export function confidenceColour(row: TimelineRow | undefined, frame: number): string {
   const points = row?.points[frame] ?? 0;
   if (!row || points === 0) return UNKNOWN;

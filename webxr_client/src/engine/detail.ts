@@ -92,7 +92,7 @@ export class Detail {
     this.ask(cloud, new Set(chosen), here, missing, now);
   }
 
-  /** Where the camera is in the frame's own coordinates: at the desk, or on somebody's head. */
+  /** Position of the camera in the frame's own coordinates: at the desk, or on somebody's head. */
   private look(): void {
     const { camera, room, viewHeight, renderer } = this.viewer;
     // In the headset the camera has the eyes' projection.

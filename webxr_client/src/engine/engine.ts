@@ -72,7 +72,7 @@ export class Engine {
   private readonly accumulated: Accumulated;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
-  /** What was on screen when the mouse last looked. */
+  /** Frame on screen when the mouse last looked. */
   private seen: Shown | null = null;
 
   constructor(canvas: HTMLCanvasElement, early: Early) {

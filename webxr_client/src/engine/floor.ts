@@ -8,7 +8,7 @@ import type { PointerSample } from '../tools/sample';
 import { watch } from '../watch';
 import { attempt, sequencePath } from './recordings';
 
-/** What level a floor: with one more the oldest goes. */
+/** Places that level a floor: with one more the oldest goes. */
 const MOST = 3;
 /** Metres round the place pointed at that light up. */
 export const FLOOR_SPOT = 0.15;

@@ -84,7 +84,7 @@ export class Following {
     return true;
   }
 
-  /** How many edits an undo takes back; it ends what runs. */
+  /** End what runs; return the number of edits that an undo takes back. */
   undo(): number {
     const both = this.joined !== null;
     this.clear();

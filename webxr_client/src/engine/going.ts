@@ -26,7 +26,7 @@ export interface GoingDeps {
 export class Going {
   /** A label to go to once the frame that it is in has come. */
   private wanted: { readonly label: number; readonly frame: number } | null = null;
-  /** Where the followed label was when it was last seen. */
+  /** Place of the followed label when it was last seen. */
   private label = 0;
   private seen: CloudFrame | null = null;
   private readonly last = new Vector3();

@@ -11,7 +11,7 @@ export function installHook(engine: Engine): void {
     schema: SCHEMA_HASH,
     state,
     engine,
-    /** What is on screen. */
+    /** Points on screen. */
     shown: () => ({ ...state.shown.peek(), drawn: viewer.drawn }),
     /** Label id → points of it in a cached frame, as shown; deleted points under −1. */
     labels: (index = state.shown.peek().frame): Record<string, number> => {
@@ -52,7 +52,7 @@ export function installHook(engine: Engine): void {
       engine.camera.lookAt(position.clone().set(...eye), position.clone().set(...target), true);
       viewer.invalidate();
     },
-    /** Where a point (source coordinates) is on the page, CSS pixels of the canvas. */
+    /** Place of a point (source coordinates) on the page, CSS pixels of the canvas. */
     project: (point: [number, number, number]): [number, number] => {
       const shift = state.sequence.peek()?.shift ?? [0, 0, 0];
       viewer.camera.updateMatrixWorld();

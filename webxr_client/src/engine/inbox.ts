@@ -1,4 +1,4 @@
-/** What the worker brings, and where it goes: the cache, the store, strokes, notices. */
+/** Dispatch of the worker's messages: to the cache, the store, strokes, notices. */
 import type { Following } from './following';
 import { actions } from '../actions';
 import type { CloudFrame } from '../cloud/frame';
@@ -26,7 +26,7 @@ export interface InboxDeps {
   readonly link: Link;
   /** A recording was opened that was not open before. */
   readonly opened: () => void;
-  /** What was opened while the page loaded, or null. */
+  /** Recording that was opened while the page loaded, or null. */
   readonly opening: Promise<string | null>;
 }
 
@@ -204,7 +204,7 @@ function tellRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
   return job.state === 'done' ? notify('success', 'Tracked', job.message) : null;
 }
 
-/** What a stopped job leaves, in words. */
+/** Say in words what a stopped job leaves. */
 function kept(job: Extract<PlainMessage, { type: 'job' }>): string {
   return job.kind === 'tracking' ? job.message : '';
 }

@@ -88,7 +88,7 @@ async function update(id: number, patch: LabelPatch): Promise<void> {
   });
 }
 
-/** How many labels are being made: until then nothing is painted with the one before. */
+/** Number of labels that are being made: until then nothing is painted with the one before. */
 let making = 0;
 
 async function create(name?: string, color?: string, category = ''): Promise<number> {

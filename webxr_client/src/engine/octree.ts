@@ -27,7 +27,7 @@ export interface ChunkRow {
   readonly parent: number;
 }
 
-/** Where one stands and what one sees, in the frame's own coordinates. */
+/** View of the camera, in the frame's own coordinates. */
 export interface View {
   readonly eye: Vector3;
   readonly frustum: Frustum;

@@ -61,7 +61,7 @@ export class Pacing {
     viewer.setLimit(now - this.movedAt[0]! > REST_MS ? ALL_POINTS : points);
   }
 
-  /** What the last picture says. */
+  /** Take note of the last picture. */
   private note(now: number): void {
     const { picture, viewer } = this;
     viewer.intervalMs.last(picture);

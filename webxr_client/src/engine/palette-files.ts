@@ -7,7 +7,7 @@ import { attempt, sequencePath } from './recordings';
 
 export interface Template {
   readonly name: string;
-  /** How many labels it has. */
+  /** Number of its labels. */
   readonly labels: number;
 }
 

@@ -14,7 +14,7 @@ import { state } from '../state';
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
 const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).deviceMemory ?? 4);
 
-/** Where playing goes on: at the other end once it leaves the stretch that is looped. */
+/** Return the frame at which playing goes on: the other end, once it leaves the looped stretch. */
 function looped(frame: number, direction: 1 | -1): number {
   const range = frameRange.peek();
   if (!range || !state.loop.peek()) return frame;
@@ -123,7 +123,7 @@ export class Playback {
     this.sync();
   }
 
-  /** What is laid over the frame on screen changed. */
+  /** Show other frames over the one on screen. */
   lookAround(): void {
     if (this.info && !state.playing.peek()) this.sendSeek();
   }
@@ -152,7 +152,7 @@ export class Playback {
     if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
   }
 
-  /** What is paused is wanted whole, however many of its points are drawn. */
+  /** Ask for the whole of a paused frame, however many of its points are drawn. */
   private pace(): Pace {
     return { points: state.playing.peek() ? this.pointBudget : null };
   }

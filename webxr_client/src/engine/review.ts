@@ -32,7 +32,7 @@ export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
 
 /** The request of the run that goes on now, if it is one that stops. */
 let asked: TrackRequest | null = null;
-/** What the run that waits was asked to do. */
+/** Request of the run that waits. */
 let stopped: TrackRequest | null = null;
 /** The table of the run's frames may come a little after its end. */
 const PATIENCE_MS = 3000;

@@ -1,4 +1,4 @@
-/** What is done to labels in a stretch of frames, from the timeline. */
+/** Actions on labels in a stretch of frames, from the timeline. */
 import type { Actions } from '../actions';
 import { api } from '../net/rest';
 import { state } from '../state';

@@ -1,4 +1,4 @@
-/** What the page's address says of the place: frame, label and camera beside the recording. */
+/** Place in the page's address: frame, label and camera beside the recording. */
 
 /** Eye, then a point that it looks at; room coordinates, metres. */
 export type View = readonly [number, number, number, number, number, number];

@@ -5,7 +5,7 @@ import { finishChunk } from './density';
 import type { BufferPool } from './pool';
 import { MAX_CHUNKS, STRIDE, type Segment, type SegmentChunk } from './segment';
 
-/** Where a chunk's vertices carry flags on the wire. */
+/** Offset of the flags in a chunk's vertices on the wire. */
 const FLAGS = 10;
 
 /** Resolves once the WASM decoder can be used. */

@@ -110,7 +110,7 @@ interface Rule {
   /** Spacing grows with the distance from the sensor. */
   readonly grows: boolean;
   readonly factor: number;
-  /** How far a run may depart from the rule. */
+  /** Greatest departure of a run from the rule. */
   readonly least: number;
   readonly most: number;
   /** Part of the spacing that a point should fill. */

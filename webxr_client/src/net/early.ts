@@ -1,4 +1,4 @@
-/** What goes out before the rest of the page has come: the socket, and which recording to open. */
+/** First messages, before the rest of the page has come: the socket, and the recording to open. */
 import { forgetPlace, placeIn } from './address';
 import { Link } from './link';
 import { api } from './rest';

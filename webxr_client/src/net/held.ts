@@ -1,4 +1,4 @@
-/** What the server has sent of each frame, so that a new connection need not send it again. */
+/** Record of what the server has sent of each frame, so that a new connection need not send it again. */
 import type { Annotation, Frame } from '../protocol/messages';
 
 interface Held {

@@ -21,11 +21,11 @@ export class Link {
 
   /** Edits begun here; the worker hears of them a little later. */
   private begun = 0;
-  /** How many edits more than it had heard of the worker last said to be without an answer. */
+  /** Number of edits without an answer that the worker last told, beyond those it had heard of. */
   private unanswered = 0;
 
   private listener: ((message: FromWorker) => void) | null = null;
-  /** What came before anybody listened. */
+  /** Messages that came before anybody listened. */
   private readonly unheard: FromWorker[] = [];
 
   constructor() {
@@ -90,7 +90,7 @@ export class Link {
     this.reportPending();
   }
 
-  /** What the worker has not heard of yet has no answer either. */
+  /** Count edits that the worker has not heard of yet: they have no answer either. */
   private reportPending(): void {
     const count = this.unanswered + this.begun;
     this.tell({ t: 'pending', count, heard: this.begun });

@@ -12,7 +12,7 @@ export interface SegmentChunk {
   /** Stored number of the first point. */
   readonly first: number;
   readonly count: number;
-  /** Where the points lie in the segment's vertices, in points. */
+  /** Offset of the points in the segment's vertices, in points. */
   readonly start: number;
   readonly origin: readonly [number, number, number];
   readonly scale: readonly [number, number, number];

@@ -1,4 +1,4 @@
-/** What the page, the socket's worker and the decoder tell each other. */
+/** Messages between the page, the socket's worker and the decoder. */
 import type { ClientMessage, Frame, Open, ServerMessage } from '../protocol/messages';
 import type { Unsent } from '../store-types';
 import type { Segment } from './segment';
@@ -22,7 +22,7 @@ export type FromPage =
   /** Segments' buffers that are free again. */
   | { t: 'recycle'; buffers: ArrayBuffer[] };
 
-/** How the page keeps up: points of a frame that it can show in time, or null. */
+/** Pace of the page: points of a frame that it can show in time, or null. */
 export interface Pace {
   readonly points: number | null;
 }
@@ -47,7 +47,7 @@ export interface LabelUpdate {
 type Bulk = 'frame' | 'annotation';
 export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
 
-/** What the decoder hands on as it is. */
+/** Messages that the decoder hands on as they are. */
 type Plain =
   | {
       t: 'link';
@@ -70,7 +70,7 @@ export interface Decoded {
   readonly decodeMs: number;
 }
 
-/** What comes to the page, in the server's order. */
+/** Messages to the page, in the server's order. */
 export type FromWorker =
   | Plain
   /** Points, and the values that came just ahead of them. */

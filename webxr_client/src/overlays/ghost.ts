@@ -1,4 +1,4 @@
-/** Where the labelled objects were a frame before: their points, faint, while one steps and paints. */
+/** Ghost of the labelled objects a frame before: their points, faint, while one steps and paints. */
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { type CloudFrame } from '../cloud/frame';
 import { dotMaterial, type PointUniforms } from '../cloud/material';

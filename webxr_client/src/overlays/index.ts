@@ -1,4 +1,4 @@
-/** What is drawn over the recording, at the desk and in the headset: boxes, trails, a ghost. */
+/** Overlays on the recording, at the desk and in the headset: boxes, trails, a ghost. */
 import type { CloudFrame } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
 import { state } from '../state';
@@ -16,14 +16,14 @@ export class Overlays {
   /** Something else than frames changed: the palette, what is to be shown. */
   private dirty = true;
   private head = -1;
-  /** Where one last came from in time: 1 when stepping forward. */
+  /** Direction of the last step in time: 1 is forward. */
   private direction = 1;
   private boxed: CloudFrame | null = null;
   private seen = -1;
   private ghostOf: CloudFrame | null = null;
   private ghostVersion = -1;
   private next = 0;
-  /** Where the recording stood when it was looked at. */
+  /** Placement of the recording when it was looked at. */
   private room: readonly number[] | null = null;
 
   constructor(private readonly engine: Engine) {

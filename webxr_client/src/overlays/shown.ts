@@ -1,4 +1,4 @@
-/** Which labels one looks at now, and their colours: looked up for every frame that plays. */
+/** Labels that are shown now, and their colours: looked up for every frame that plays. */
 import { Color } from 'three';
 import type { Label } from '../protocol/messages';
 import { state } from '../state';

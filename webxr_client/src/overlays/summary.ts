@@ -1,4 +1,4 @@
-/** Where each label is in a frame: the middle of its points, and an upright box round them. */
+/** Summary of each label in a frame: the middle of its points, and an upright box round them. */
 import { Matrix4 } from 'three';
 import { type CloudFrame } from '../cloud/frame';
 import { DELETED, type Piece } from '../cloud/piece';
@@ -28,7 +28,7 @@ export class Summary {
   }
 }
 
-/** What is used while a frame is looked at; grown when needed, and used for every frame. */
+/** Buffers used while a frame is looked at; grown when needed, and used for every frame. */
 class Scratch {
   /** Label → position in the summary, −1 while it was not met. */
   readonly slots = new Int16Array(65536).fill(-1);
@@ -80,7 +80,7 @@ export class Summaries {
     return this.known.get(frame)?.versions !== frame.version;
   }
 
-  /** What was last known of a frame. */
+  /** Last summary of a frame. */
   peek(frame: CloudFrame): Summary | null {
     return this.known.get(frame) ?? null;
   }
@@ -216,7 +216,7 @@ function finish({ moments, bounds }: Scratch, out: Summary): void {
   }
 }
 
-/** Where `values` has what: the middle of the points, of the box, and its half edges. */
+/** Offsets in `values`: the middle of the points, of the box, and its half edges. */
 export const MIDDLE = 0;
 export const BOX = 3;
 export const HALF = 6;

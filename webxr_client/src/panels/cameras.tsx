@@ -10,7 +10,7 @@ import { Button } from './controls';
 
 /** Pixels of the raster that points are drawn in, across. */
 const RASTER = 480;
-/** How near to a point's pixel the pointer must be, pixels of the raster. */
+/** Greatest distance of the pointer from a point's pixel, pixels of the raster. */
 const REACH = 9;
 
 /** In the tool bar's second row, where the recording has pictures. */

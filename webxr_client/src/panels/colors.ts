@@ -87,7 +87,7 @@ function encoded(value: number): string {
     .padStart(2, '0');
 }
 
-/** How different two colours look; 0 is the same. */
+/** Visible difference of two colours; 0 is the same. */
 export function difference(one: string, other: string): number {
   const a = oklab(one);
   const b = oklab(other);

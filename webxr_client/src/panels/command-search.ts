@@ -1,4 +1,4 @@
-/** What the command palette offers for some words. */
+/** Search of the command palette by words. */
 import { actions } from '../actions';
 import { COMMANDS } from '../desktop/commands';
 import { state } from '../state';
@@ -6,7 +6,7 @@ import { listed } from './palette-list';
 
 export interface Command {
   readonly what: string;
-  /** What it belongs to, shown beside it. */
+  /** Group, shown beside it. */
   readonly group: string;
   /** The shortcut to print; empty when there is none. */
   readonly shown: string;
@@ -41,7 +41,7 @@ export function commandsNow(): readonly Command[] {
   return [...table, ...labels, ...recordings];
 }
 
-/** Those with every word, best first: words at the beginning of the text, then of a word. */
+/** Return the commands with every word, best first: at the beginning of the text, then of a word. */
 export function found<T extends Omit<Command, 'run'>>(
   commands: readonly T[],
   query: string,

@@ -1,4 +1,4 @@
-/** What can be downloaded. */
+/** Downloads. */
 import { signal } from '@preact/signals';
 import type { RefObject } from 'preact';
 import { actions } from '../actions';

@@ -1,4 +1,4 @@
-/** Who changed what and when; a line leads to its frame. */
+/** History of changes, with author and time; a line leads to its frame. */
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';

@@ -1,4 +1,4 @@
-/** What is done rarely to a label. */
+/** Rare actions on a label. */
 import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
 import { actions } from '../actions';

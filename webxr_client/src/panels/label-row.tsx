@@ -96,7 +96,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
   );
 }
 
-/** How a row shows that one is being dragged: it is the one, or the one comes before it. */
+/** State of a row while one is dragged: it is the one, or the one comes before it. */
 function dropOf(id: number): string | undefined {
   const at = dragged.value;
   if (at?.id === id) return 'moves';

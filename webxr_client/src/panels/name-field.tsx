@@ -4,7 +4,7 @@ import { useRef } from 'preact/hooks';
 interface NameFieldProps {
   name: string;
   maxLength?: number;
-  /** What was typed, without space around it; null: given up. */
+  /** The typed name, without space around it; null: given up. */
   onFinish: (name: string | null) => void;
 }
 

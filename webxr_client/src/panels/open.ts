@@ -1,4 +1,4 @@
-/** What is open over the page, of what more than one place opens. */
+/** Popovers that more than one place opens. */
 import { signal } from '@preact/signals';
 
 export const helpOpen = signal(false);

@@ -1,4 +1,4 @@
-/** How the lasso is drawn. */
+/** Kinds of lasso. */
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { RadioGroup, type RadioOption } from './radio-group';
 

@@ -1,4 +1,4 @@
-/** What the palette lists now, and the numbers of its labels. */
+/** Labels that the palette lists now, and their numbers. */
 import { computed, signal } from '@preact/signals';
 import { state } from '../state';
 import { inGroups, matching, worthGrouping } from './palette-order';
@@ -24,7 +24,7 @@ export const shownGroups = computed(() =>
     .filter(({ labels }) => labels.length > 0),
 );
 
-/** What a key says for the n-th label, from 1: 1 to 9, then Shift 1 to 9. */
+/** Key of the n-th label, from 1: 1 to 9, then Shift 1 to 9. */
 export function keyOf(n: number): string | null {
   if (n <= 9) return String(n);
   return n <= 18 ? `⇧${n - 9}` : null;

@@ -1,4 +1,4 @@
-/** How the palette lists labels: what is searched for, by category, in the order of the server. */
+/** Order of the palette: labels that are searched for, by category, in the order of the server. */
 import type { Label } from '../protocol/messages';
 
 export interface LabelGroup {

@@ -1,4 +1,4 @@
-/** Who else is here, and whether the server is. */
+/** Other people here, and the state of the server. */
 import { signal } from '@preact/signals';
 import { state, type Person } from '../state';
 import { inkOn } from './colors';

@@ -1,4 +1,4 @@
-/** How values become colours: the ramp, the part of the values that it spans, what colours mean. */
+/** Legend and range of a colour ramp: the part of the values that it spans, what colours mean. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';

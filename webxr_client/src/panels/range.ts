@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 
 export interface FrameRange {
-  /** Where the user began; tracking starts there, forward or backward. */
+  /** Frame at which the user began; tracking starts there, forward or backward. */
   readonly from: number;
   readonly to: number;
 }

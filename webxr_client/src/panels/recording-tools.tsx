@@ -1,4 +1,4 @@
-/** What is done rarely to a recording of a list: another name, away with it. */
+/** Rare actions on a recording of a list: rename, delete. */
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { canManage, type SequenceSummary } from '../state';

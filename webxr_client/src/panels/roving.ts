@@ -8,7 +8,7 @@ const STEPS: Readonly<Record<string, number>> = {
   ArrowUp: -1,
 };
 
-/** Where a key leads in a list of `length`, from `at`; null when it is not one of these. */
+/** Return the place to which a key leads in a list of `length`, from `at`; null: another key. */
 export function nextIndex(key: string, at: number, length: number): number | null {
   if (length === 0) return null;
   if (key === 'Home') return 0;

@@ -1,4 +1,4 @@
-/** What lies over the canvas: states, progress, what is under the pointer. */
+/** Overlay of the canvas: states, progress, what is under the pointer. */
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';

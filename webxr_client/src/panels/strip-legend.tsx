@@ -1,4 +1,4 @@
-/** What the colours of the strips mean. */
+/** Legend of the strips' colours. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { activeLabel } from '../state';

@@ -1,4 +1,4 @@
-/** What a strip of the timeline says at a frame, in words. */
+/** Words for a strip of the timeline at a frame. */
 import type { TimelineRow } from '../state';
 import { plural } from './format';
 import { cellKind, type CellKind } from './timeline-layout';

@@ -45,7 +45,7 @@ export const STRIP_INK = {
   bad: '#ff7b72',
 } as const;
 
-/** How solid the name of a hidden label is: still legible. */
+/** Opacity of the name of a hidden label: still legible. */
 export const HIDDEN = 0.75;
 
 const SOLIDITY: Record<CellKind, number> = {
@@ -57,7 +57,7 @@ const SOLIDITY: Record<CellKind, number> = {
   lost: 0.22,
 };
 
-/** How solid a tracked stretch is of the most that it can be: half where it is least sure. */
+/** Opacity of a tracked stretch, as a share of the most: half where it is least sure. */
 function shadeOf(sure: number): number {
   return Math.max(0.4, 0.3 + 0.7 * sure);
 }

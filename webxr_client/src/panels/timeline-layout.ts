@@ -1,5 +1,5 @@
 /**
- * Where things are on the timeline: pure functions, shared by the desk and the room.
+ * Layout of the timeline: pure functions, shared by the desk and the room.
  *
  * A `Span` is the visible stretch of frames; frame i covers [i, i + 1), so that its middle is
  * where the playhead stands.
@@ -13,7 +13,7 @@ export interface Span {
   readonly length: number;
 }
 
-/** What a stretch of a strip says; later ones in `SEVERITY` win where frames share a pixel. */
+/** State of a stretch of a strip; later ones in `SEVERITY` win where frames share a pixel. */
 export type CellKind = 'none' | 'tracked' | 'painted' | 'occluded' | 'doubtful' | 'lost';
 const SEVERITY: readonly CellKind[] = [
   'none',
@@ -30,7 +30,7 @@ export const DOUBTFUL_BELOW = 0.5;
 const OCCLUDED = 3;
 const LOST = 4;
 
-/** What the label's cell of a frame says. */
+/** State of the label's cell of a frame. */
 export function cellKind(row: TimelineRow, frame: number): CellKind {
   if (row.state[frame] === LOST) return 'lost';
   if (row.state[frame] === OCCLUDED) return 'occluded';

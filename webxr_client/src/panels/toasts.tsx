@@ -1,4 +1,4 @@
-/** What happened: short messages at the bottom of the canvas. */
+/** Short messages on what happened, at the bottom of the canvas. */
 import { actions } from '../actions';
 import { state, type Notice } from '../state';
 import { Button } from './controls';

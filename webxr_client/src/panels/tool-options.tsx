@@ -146,7 +146,7 @@ function BrushOptions() {
 
 const afterOpen = signal(false);
 
-/** What follows a stroke by itself. */
+/** Actions that follow a stroke by themselves. */
 function AfterStroke({ path }: { path: boolean }) {
   const anchor = useRef<HTMLButtonElement>(null);
   const brush = state.brush.value;
@@ -188,7 +188,7 @@ function AfterStroke({ path }: { path: boolean }) {
 
 const overlaysOpen = signal(false);
 
-/** What is drawn over the recording: the setting, its name, what it is for. */
+/** Overlays: the setting, its name, what it is for. */
 const OVERLAYS: readonly (readonly [
   'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
   string,

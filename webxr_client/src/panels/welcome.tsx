@@ -115,7 +115,7 @@ function Row({ row }: { row: SequenceSummary }) {
 
 const day = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium' });
 
-/** What was deleted and can be brought back. */
+/** Recordings that were deleted and can be brought back. */
 function Deleted() {
   const [shown, setShown] = useState(false);
   const { value: deleted } = state.deleted;

@@ -1,4 +1,4 @@
-/** How far another annotation of the same points agrees, and where it does not. */
+/** Agreement with another annotation of the same points, and the places where they differ. */
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { attempt, sequencePath } from '../engine/recordings';

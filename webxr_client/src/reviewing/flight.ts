@@ -7,7 +7,7 @@ import { follow } from '../watch';
 import type { Place } from './types';
 import { marked, pointing } from './store';
 
-/** How near one comes, as a share of the recording's diagonal, and in metres. */
+/** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.1;
 const [NEAREST, FARTHEST] = [0.8, 10];
 /** Looking down at least so much shows what stands before and behind. */

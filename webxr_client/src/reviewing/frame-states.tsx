@@ -18,7 +18,7 @@ interface Draft {
 }
 
 const NOTHING: Draft = { note: '', place: null, first: null, last: null };
-/** What is being written, kept while other tabs are looked at. */
+/** Draft of a note, kept while other tabs are looked at. */
 export const draft = signal<Draft>(NOTHING);
 
 const VERBS: Readonly<Record<ReviewState, string>> = {

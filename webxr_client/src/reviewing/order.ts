@@ -1,4 +1,4 @@
-/** Which finding comes next, and how things of the review are said; nothing here asks the server. */
+/** Order of findings, and the review's words; nothing here asks the server. */
 import type { Agreement, Finding, Overview, ReviewPatch, ReviewState, Standing } from './types';
 
 export const STATES: readonly ReviewState[] = ['open', 'review', 'accepted', 'rejected'];
@@ -40,7 +40,7 @@ export function framesOf({ first, last }: Pick<Standing, 'first' | 'last'>): str
   return first === last ? `frame ${first}` : `frames ${first}–${last}`;
 }
 
-/** How a frame itself stands. */
+/** Return the state of a frame itself. */
 export function standingOf(overview: Overview | null, frame: number): Standing | null {
   const covers = ({ first, last, label }: Standing): boolean =>
     label === null && first !== null && last !== null && first <= frame && frame <= last;
@@ -65,7 +65,7 @@ export function assignmentsOf(overview: Overview | null): readonly Standing[] {
   return runs;
 }
 
-/** What accepts a finding as it is: each of its labels in its frames, or the frames. */
+/** Return the decisions that accept a finding: each of its labels in its frames, or the frames. */
 export function acceptances({ labels, first, last }: Finding): readonly ReviewPatch[] {
   const frames = first === null || last === null ? {} : { first, last };
   const parts = labels.map((label) => ({ ...frames, label, state: 'accepted' as const }));

@@ -1,4 +1,4 @@
-/** Who does which frames. */
+/** Assignment of frames to people. */
 import { signal } from '@preact/signals';
 import { Button } from '../panels/controls';
 import { plural } from '../panels/format';

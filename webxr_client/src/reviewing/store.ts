@@ -1,4 +1,4 @@
-/** What the review panel shows, and what it asks of the server. */
+/** State of the review panel, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
 import { actions } from '../actions';
 import { attempt, sequencePath } from '../engine/recordings';
@@ -20,7 +20,7 @@ export const checking = signal(false);
 export const current = signal<string | null>(null);
 /** The place that the camera flew to, source coordinates; it is marked. */
 export const marked = signal<Place | null>(null);
-/** What takes the place that the next click points at; null when nobody points. */
+/** Receiver of the place that the next click points at; null when nobody points. */
 export const pointing = signal<((place: Place) => void) | null>(null);
 
 export const waiting = computed(() => unsettled(checks.value?.findings ?? []));
@@ -52,7 +52,7 @@ export async function refresh(): Promise<void> {
   }
 }
 
-/** What others have decided meanwhile; without a server things stay as they were. */
+/** Fetch what others have decided meanwhile; without a server things stay as they were. */
 async function lookAgain(): Promise<void> {
   const id = state.sequence.peek()?.id;
   if (!id || !reviewOpen.peek() || document.hidden) return;

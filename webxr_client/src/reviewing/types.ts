@@ -1,9 +1,9 @@
-/** What REST tells of the review, by the server's names. */
+/** Answers of REST on the review, by the server's names. */
 
 export type ReviewState = 'open' | 'review' | 'accepted' | 'rejected';
 export type Place = readonly [number, number, number];
 
-/** How frames `first` to `last` stand, or (null) a label as a whole; label null: the frames. */
+/** State of frames `first` to `last`, or (null) of a label as a whole; label null: the frames. */
 export interface Standing {
   readonly first: number | null;
   readonly last: number | null;
@@ -40,11 +40,11 @@ export interface Finding {
 
 export interface Checks {
   readonly findings: readonly Finding[];
-  /** What was not looked at, in sentences. */
+  /** Checks that were left out, in sentences. */
   readonly unchecked: readonly string[];
 }
 
-/** What may be set of frames, or of a label. */
+/** Values that may be set of frames, or of a label. */
 export interface ReviewPatch {
   readonly first?: number;
   readonly last?: number;

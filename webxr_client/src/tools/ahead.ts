@@ -1,4 +1,4 @@
-/** What a stroke that is still drawn or placed as one piece would take: shown until it is made. */
+/** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
 import { layers } from '../accumulation';
 import type { CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';

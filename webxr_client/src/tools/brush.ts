@@ -1,4 +1,4 @@
-/** What a stroke sends: the store's settings in the words of the wire. */
+/** Brush of a stroke: the store's settings in the words of the wire. */
 import { framesAround } from '../accumulation';
 import { actions } from '../actions';
 import type { Brush } from '../protocol/messages';
@@ -6,7 +6,7 @@ import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from
 import { hiddenHere } from './seen';
 import type { Way } from './ways';
 
-/** Why one cannot paint now, and what to do about it; null when one can. */
+/** Return the reason that one cannot paint now, and what to do about it; null when one can. */
 export function refusal(): readonly [title: string, detail: string] | null {
   const tool = state.tool.peek();
   if (state.connection.peek().state === 'refused') {

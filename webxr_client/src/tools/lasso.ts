@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 
 export type OutlineKind = 'free' | 'rectangle' | 'polygon';
 
-/** How the lasso is drawn. */
+/** Kind of lasso. */
 export const outlineKind = signal<OutlineKind>('free');
 
 const KINDS: readonly OutlineKind[] = ['free', 'rectangle', 'polygon'];

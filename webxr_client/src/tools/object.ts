@@ -26,7 +26,7 @@ export interface ObjectDeps {
   readonly frame: () => CloudFrame | null;
   /** Source minus local coordinates. */
   readonly shift: () => Vec;
-  /** What a click would do, in the words of the wire; null when it may not. */
+  /** Action of a click, in the words of the wire; null when it may not. */
   readonly brush: () => Brush | null;
   /** The picture must be drawn anew. */
   readonly changed: () => void;
@@ -64,7 +64,7 @@ interface Taken extends Clicks {
   /** Points of it. */
   readonly indices: Uint32Array;
   readonly candidate: string;
-  /** What took it: it refines as well, whatever tool the hand has by then. */
+  /** Tool that took it: it refines as well, whatever tool the hand has by then. */
   readonly brush: Brush;
 }
 

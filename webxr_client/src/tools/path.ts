@@ -1,4 +1,4 @@
-/** Where a stroke went, so that it can be completed to an object; nothing is allocated meanwhile. */
+/** Path of a stroke, so that it can be completed to an object; nothing is allocated meanwhile. */
 import type { PointerSample } from './sample';
 
 /** Places that are kept; a longer stroke keeps every second one, and so on. */

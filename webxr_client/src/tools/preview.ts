@@ -1,4 +1,4 @@
-/** What a stroke will paint, found on the page's own points, shown until the server has answered. */
+/** Preview of a stroke, found on the page's own points, shown until the server has answered. */
 import { Matrix4, Quaternion } from 'three';
 import { type CloudFrame } from '../cloud/frame';
 import { directionIn, firstHitAmong, placeIn, type Layer } from '../cloud/layer';
@@ -100,7 +100,7 @@ class Part {
 }
 
 export class StrokePreview {
-  /** Where the ball was at the last sample. */
+  /** Place of the ball at the last sample. */
   private readonly last: [number, number, number] = [NaN, NaN, NaN];
   private readonly parts: readonly Part[];
 
@@ -112,7 +112,7 @@ export class StrokePreview {
     private readonly seen: Seen,
     /** Source minus local coordinates. */
     shift: Vec,
-    /** What is laid over the frame. */
+    /** Frames laid over the one on screen. */
     private readonly layers: readonly Layer[] = [],
   ) {
     const others = layers.map(

@@ -1,4 +1,4 @@
-/** What every pointing device yields: the mouse, a controller, a hand. */
+/** Sample of a pointing device: the mouse, a controller, a hand. */
 import type { Vec } from '../cloud/pick';
 
 /** Local coordinates of the recording, metres; `direction` of unit length. */

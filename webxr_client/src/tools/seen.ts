@@ -1,4 +1,4 @@
-/** Which points one sees now: rays meet them, and strokes may change them. */
+/** Points that are shown now: rays meet them, and strokes may change them. */
 import type { PaletteTexture } from '../cloud/palette';
 import { DELETED } from '../cloud/piece';
 import { state } from '../state';

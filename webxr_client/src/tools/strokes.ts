@@ -26,7 +26,7 @@ export interface StrokeDeps {
   readonly seen: Seen;
   /** Labels that only this viewer hides. */
   readonly hidden: () => number[];
-  /** What is laid over the frame on screen. */
+  /** Frames laid over the one on screen. */
   readonly layers: () => readonly Layer[];
   /** Labels on screen changed. */
   readonly changed: () => void;
@@ -56,7 +56,7 @@ class Batch {
   /** By number: the first samples of the pool.  An array that grows and shrinks is garbage too. */
   private readonly firsts: Required<Sample>[][] = [];
 
-  /** When the stroke began, milliseconds. */
+  /** Moment at which the stroke began, milliseconds. */
   constructor(private readonly started: number) {}
 
   add({ origin, direction }: PointerSample, shift: Vec, now: number): void {
@@ -69,7 +69,7 @@ class Batch {
     sample.t = Math.max(0, (now - this.started) | 0);
   }
 
-  /** What was added since the last call. */
+  /** Samples added since the last call. */
   take(): Required<Sample>[] {
     const { count } = this;
     this.count = 0;

@@ -5,7 +5,7 @@ const LEAST = 1024;
 const SPREAD = 0x9e3779b1;
 
 export class Touched {
-  /** What will change, sorted; the first `size` count. */
+  /** Points that will change, sorted; the first `size` count. */
   numbers = new Uint32Array(LEAST);
   size = 0;
   /** Found since the last `settle`, in the order they were met. */

@@ -13,15 +13,15 @@ export interface Way {
   readonly name: WayName;
   /** The setting of the brush that it belongs to. */
   readonly shape: BrushShape;
-  /** What strokes call it. */
+  /** Name in strokes. */
   readonly wire: NonNullable<Brush['shape']>;
   readonly icon: IconName;
   /** On the palette in the room, and at the desk where it is there. */
   readonly label: string;
   readonly desk: { readonly label: string; readonly tip: string; readonly key: string } | null;
-  /** What a pressed button or trigger gives: clicks, a path, one place, or something drawn. */
+  /** Input of a pressed button or trigger: clicks, a path, one place, or something drawn. */
   readonly samples: 'clicks' | 'path' | 'once' | 'drawn';
-  /** What it would take is lit by the page, or asked of the server; null: not shown before. */
+  /** Source of its preview: the page, or the server; null: not shown before. */
   readonly preview: 'lit' | 'asked' | null;
   /** In the headset: takes what is at the tip, or what the ray meets first. */
   readonly far: boolean;
@@ -137,14 +137,14 @@ export function wayOf(name: WayName): Way {
   return WAYS.find((way) => way.name === name)!;
 }
 
-/** What the hand in the room takes points by. */
+/** Shapes by which the hand in the room takes points. */
 export function roomWay(): Way {
   const { shape } = state.brush.peek();
   const tip = xrSettings.peek().tip;
   return WAYS.find((way) => way.shape === shape && (shape !== 'brush' || way.name === tip))!;
 }
 
-/** What the mouse takes points by. */
+/** Shapes by which the mouse takes points. */
 export function deskWay(shape: BrushShape = state.brush.peek().shape): DeskWay {
   return DESK_WAYS.find((way) => way.shape === shape)!;
 }
