@@ -97,8 +97,8 @@ checks: $(STAMPS)/dev $(STAMPS)/node
 
 lint: $(STAMPS)/dev
 	@echo "== ruff, import-linter, wire types"
-	@$(BIN)/ruff check server tests benchmarks
-	@$(BIN)/ruff format --check --quiet server tests benchmarks
+	@$(BIN)/ruff check server tests benchmarks docs
+	@$(BIN)/ruff format --check --quiet server tests benchmarks docs
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pointbrush.streaming.typescript --check
 
@@ -124,7 +124,7 @@ bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, w
 	@$(BIN)/pointbrush bench
 
 format: $(STAMPS)/dev $(STAMPS)/node
-	@$(BIN)/ruff check --fix --quiet server tests benchmarks; $(BIN)/ruff format --quiet server tests benchmarks
+	@$(BIN)/ruff check --fix --quiet server tests benchmarks docs; $(BIN)/ruff format --quiet server tests benchmarks docs
 	@$(NPM) run --silent format
 
 clean:

@@ -1,0 +1,44 @@
+"""Import every folder of recordings below one folder, several at a time.
+
+    python docs/examples/bulk_import.py http://127.0.0.1:8080 TOKEN recordings/
+
+A recording that is on the server already, by its name, is left out: the script can be run again
+after it was stopped. All get the same palette.
+"""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from pointbrush.client import Client
+from pointbrush.errors import PointbrushError
+
+AT_ONCE = 4
+TEMPLATE = "semantickitti"
+
+
+def main(url: str, token: str, folder: str) -> None:
+    """Upload what is not there yet, and tell how each import ended."""
+    with Client(url, token) as client:
+        known = {recording.name for recording in client.sequences()}
+        wanted = [path for path in sorted(Path(folder).iterdir()) if path.is_dir()]
+        new = [path for path in wanted if path.name not in known]
+        print(f"{len(wanted) - len(new)} are there already, {len(new)} to import")
+
+        def load(path: Path) -> str:
+            try:
+                recording = client.import_files([path], name=path.name)
+            except PointbrushError as error:
+                return f"{path.name}: {error}"
+            recording.add_palette(TEMPLATE)
+            return f"{path.name}: {len(recording.frames)} frames as {recording.id}"
+
+        with ThreadPoolExecutor(AT_ONCE) as threads:
+            for line in threads.map(load, new):
+                print(line)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:4])

@@ -1,0 +1,71 @@
+"""Frames and labels as a dataset that torch's DataLoader takes; torch itself is not needed here.
+
+python docs/examples/dataset.py http://127.0.0.1:8080 TOKEN juggling juggling.zip
+
+from torch.utils.data import DataLoader
+loader = DataLoader(LabelledFrames("juggling.zip", points=8192), batch_size=4, num_workers=2)
+for batch in loader:
+    batch["xyz"], batch["rgb"], batch["label"]     # (4, 8192, 3), (4, 8192, 3), (4, 8192)
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from pointbrush.client import Client
+
+
+class LabelledFrames:
+    """An npz export: item i is a dict of arrays of frame i.
+
+    ``points``: as many are drawn from each frame, so that frames stack to batches; None keeps all.
+    ``classes``: names of the categories, ``label`` their places in it, 0 for unlabeled.
+    """
+
+    def __init__(self, export: str | Path, points: int | None = None) -> None:
+        self.export, self.points = Path(export), points
+        with zipfile.ZipFile(self.export) as archive:
+            self.names = sorted(name for name in archive.namelist() if name.endswith(".npz"))
+            labels = json.loads(archive.read("palette.json"))["labels"]
+        named = {label["id"]: label["category"] or label["name"] for label in labels}
+        self.classes = ["unlabeled", *sorted(set(named.values()))]
+        self.class_of = np.zeros(1 << 16, np.int64)
+        for label, name in named.items():
+            self.class_of[label] = self.classes.index(name)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __getitem__(self, index: int) -> dict[str, np.ndarray]:
+        # Opened anew for each item: the workers of a DataLoader are processes of their own.
+        with (
+            zipfile.ZipFile(self.export) as archive,
+            np.load(io.BytesIO(archive.read(self.names[index]))) as arrays,
+        ):
+            xyz = arrays["xyz"].astype(np.float32)
+            rgb = arrays["rgb"].astype(np.float32) / 255 if "rgb" in arrays else np.zeros_like(xyz)
+            label = self.class_of[arrays["label"]]
+        if self.points is not None:
+            rng = np.random.default_rng(index)
+            chosen = rng.choice(len(xyz), self.points, replace=len(xyz) < self.points)
+            xyz, rgb, label = xyz[chosen], rgb[chosen], label[chosen]
+        return {"xyz": xyz, "rgb": rgb, "label": label}
+
+
+def main(url: str, token: str, sequence: str, out: str) -> None:
+    """Export a recording and tell what is in it."""
+    with Client(url, token) as client:
+        client[sequence].export("npz", Path(out))
+    frames = LabelledFrames(out)
+    labelled = sum(int((frame["label"] > 0).sum()) for frame in frames)
+    print(f"{len(frames)} frames, {labelled:,} labelled points, {len(frames.classes) - 1} classes")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:5])
