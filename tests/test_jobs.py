@@ -94,7 +94,7 @@ def runner(seen: Seen, scheduler: str) -> Iterator[JobRunner]:
 
 
 def submit(runner: JobRunner, seen: Seen, work: Count) -> Job:
-    return runner.submit("tracking", "s", work, seen.finish, seen.item, seen.end)
+    return runner.submit(Job("tracking", "s"), work, seen.finish, seen.item, seen.end)
 
 
 def test_a_job_reports_and_hands_over_everything_before_it_finishes(
@@ -117,7 +117,7 @@ class Priority:
 
 def test_work_gives_way_to_the_server(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
-        job = runner.submit("tracking", "s", Priority(), seen.finish, seen.item)
+        job = runner.submit(Job("tracking", "s"), Priority(), seen.finish, seen.item)
         assert runner.wait(job.id, 60).state == "done"
     server = os.getpriority(os.PRIO_PROCESS, 0)
     assert seen.items[0] > server or server == 19  # which nothing can give way to
@@ -138,7 +138,7 @@ class Mark:
 def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         runner.make_ready(leave_a_mark)
-        job = runner.submit("tracking", "s", Mark(), seen.finish, seen.item)
+        job = runner.submit(Job("tracking", "s"), Mark(), seen.finish, seen.item)
         assert runner.wait(job.id, 60).state == "done"
     assert seen.items == ["ready"]
     others = multiprocessing.active_children()

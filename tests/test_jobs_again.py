@@ -43,10 +43,10 @@ def test_a_job_whose_worker_died_is_begun_once_more(
 ) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)) as runner:
         job = runner.submit(
-            "tracking", "s", DieOnce(tmp_path / "died"), seen.finish, seen.item, seen.end,
+            Job("tracking", "s"), DieOnce(tmp_path / "died"), seen.finish, seen.item, seen.end,
             restart=lambda _: seen.items.clear(),
         )  # fmt: skip
-        other = runner.submit("tracking", "t", Count(2), lambda _job, _cancelled: {})
+        other = runner.submit(Job("tracking", "t"), Count(2), lambda _job, _cancelled: {})
         job, other = runner.wait(job.id, 120), runner.wait(other.id, 120)
     assert (job.state, job.error, other.state) == ("done", None, "done")
     assert seen.items == list(range(6))
@@ -116,4 +116,4 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
 
 
 def submit(runner: JobRunner, seen: Seen) -> Job:  # noqa: F811
-    return runner.submit("tracking", "s", Count(2), seen.finish, seen.item, seen.end)
+    return runner.submit(Job("tracking", "s"), Count(2), seen.finish, seen.item, seen.end)

@@ -15,13 +15,13 @@ import socket
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future
 from concurrent.futures import CancelledError as FutureCancelledError
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection, Listener
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from pointbrush.errors import (
     CancelledError,
@@ -31,7 +31,7 @@ from pointbrush.errors import (
     UnavailableError,
 )
 from pointbrush.scheduler import DaskExecutor, DisconnectedError, own_host
-from pointbrush.worker import Work, local_processes, run_work
+from pointbrush.worker import Work, end_processes, local_processes, run_work
 
 logger = logging.getLogger(__name__)
 
@@ -39,6 +39,8 @@ JobKind = Literal["import", "tracking", "export"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
+END_SECONDS = 2.0
+"""How long the work of a server that is stopped may take to heed it."""
 TRIES = 2
 """A job whose worker dies is begun once more."""
 SUBMISSIONS = 5
@@ -55,9 +57,9 @@ KEPT_JOBS = 1000
 class Job:
     """State of one job; a new value at every change."""
 
-    id: str
     kind: JobKind
     sequence: str | None
+    id: str = field(default_factory=lambda: str(uuid.uuid4()))
     state: JobState = "queued"
     progress: float = 0.0
     message: str = ""
@@ -68,6 +70,18 @@ class Job:
     """The person who started it."""
     edit: str | None = None
     """The edit that it makes, if any."""
+    request: Mapping[str, Any] | None = None
+    """What begins it again when its server has ended, as JSON; None when nothing does."""
+
+
+class Book(Protocol):
+    """Where jobs are written down, for whoever comes after this process."""
+
+    def begun(self, job: Job) -> None:
+        """Note a job before it is handed out; what this raises keeps it from being so."""
+
+    def changed(self, job: Job) -> None:
+        """Note that a job has changed."""
 
 
 @dataclass
@@ -83,6 +97,8 @@ class _Running:
     submissions: int = 1
     connection: Connection[Any, Any] | None = None
     cancelled: bool = False
+    left: bool = False
+    """Another server does it from here on: it ends without a result."""
     drained: threading.Event = field(default_factory=threading.Event)
     ended: threading.Event = field(default_factory=threading.Event)
 
@@ -121,19 +137,17 @@ class JobRunner:
         self._jobs: dict[str, Job] = {}
         self._running: dict[str, _Running] = {}
         self._closed = False
+        self.book: Book | None = None
         threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
 
     def submit(
         self,
-        kind: JobKind,
-        sequence: str | None,
+        job: Job,
         work: Work,
         finish: Callable[[Job, bool], dict[str, Any]],
         on_item: Callable[[Job, Any], None] | None = None,
         done: Callable[[Job], None] | None = None,
         restart: Callable[[Job], None] | None = None,
-        owner: str | None = None,
-        edit: str | None = None,
     ) -> Job:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
@@ -142,7 +156,8 @@ class JobRunner:
         however the job ended.  When a worker dies, the work is begun once more, after
         ``restart(job)``: it drops what came so far.  So ``work`` must be safe to begin again.
         """
-        job = Job(id=str(uuid.uuid4()), kind=kind, sequence=sequence, owner=owner, edit=edit)
+        if self.book is not None:
+            self.book.begun(job)
         with self._lock:
             future = self._hand_out(job.id, work)
             running = _Running(work, future, finish, on_item, done, restart)
@@ -200,25 +215,43 @@ class JobRunner:
             time.sleep(0.02)
         return job
 
+    def leave(self, job_id: str) -> None:
+        """Stop a job without a result: another server has it, or will."""
+        with self._lock:
+            running = self._running.get(job_id)
+            if running is not None:
+                running.left = True
+        with suppress(ConflictError, NotFoundError):  # it ended by itself meanwhile
+            self.cancel(job_id)
+
     def close(self) -> None:
-        """Cancel what runs and end the worker processes."""
+        """Stop what runs and end the worker processes.
+
+        Jobs in a book are left to the next server, or fail where nothing begins them again; others
+        are cancelled.
+        """
         self._closed = True
         for job in self.jobs():
-            if job.state not in ENDED:
-                self._cancel_quietly(job.id)
+            if job.state in ENDED:
+                continue
+            if self.book is not None and job.request is not None:
+                self.leave(job.id)
+                continue
+            if self.book is not None:
+                self._change(job.id, state="failed", error="its server was stopped; begin it again")
+            with suppress(ConflictError):  # it ended by itself meanwhile
+                self.cancel(job.id)
         with self._lock:
             supervised = list(self._running.values())
-        for running in supervised:
-            running.ended.wait(5)
+        deadline = time.monotonic() + END_SECONDS
+        stopped = [running.ended.wait(deadline - time.monotonic()) for running in supervised]
         if self._executor is not None:
+            if not all(stopped):  # in the middle of a step, which may take as long as it likes
+                end_processes(self._executor)
             self._executor.shutdown(wait=True, cancel_futures=True)
+        for running in supervised:
+            running.ended.wait(END_SECONDS)
         self._listener.close()
-
-    def _cancel_quietly(self, job_id: str) -> None:
-        try:
-            self.cancel(job_id)
-        except ConflictError:
-            return  # it ended by itself meanwhile
 
     def _submit(self, function: Callable[..., Any], *args: Any) -> Future[Any]:
         if self._executor is None:
@@ -278,6 +311,7 @@ class JobRunner:
             running.drained.set()
 
     def _supervise(self, job_id: str, running: _Running) -> None:
+        job = self.job(job_id)
         try:
             error = self._outcome(job_id, running)
             while self._again(job_id, running, error):
@@ -285,7 +319,9 @@ class JobRunner:
             # Items that are still on their way; work that failed may not have come to connect.
             connected = error is None or running.connection is not None
             running.drained.wait(DRAIN_SECONDS if connected else 0)
-            if error is None:
+            if running.left:
+                self._forget(job_id)
+            elif error is None:
                 self._end(job_id, running, cancelled=False)
             elif running.cancelled or isinstance(error, CancelledError):
                 self._end(job_id, running, cancelled=True)
@@ -293,7 +329,7 @@ class JobRunner:
                 self._change(job_id, state="failed", error=self._public(_sentence(error)))
         finally:
             if running.done is not None:
-                running.done(self.job(job_id))
+                running.done(job)
             with self._lock:
                 self._running.pop(job_id, None)
             running.ended.set()
@@ -375,6 +411,10 @@ class JobRunner:
             message = summary.get(MESSAGE, job.message)
             self._change(job_id, state=state, progress=progress, result=summary, message=message)
 
+    def _forget(self, job_id: str) -> None:
+        with self._lock:
+            self._jobs.pop(job_id, None)
+
     def _change(self, job_id: str, **fields: Any) -> None:
         with self._lock:
             if job_id not in self._jobs or self._jobs[job_id].state in ENDED:
@@ -383,6 +423,8 @@ class JobRunner:
             self._jobs[job_id] = job
         if job == before:
             return
+        if self.book is not None:
+            self.book.changed(job)
         self._notify(job)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import threading
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from multiprocessing.connection import Client, Connection
 from typing import Any, Protocol
 
@@ -55,6 +55,14 @@ def local_processes(workers: int) -> ProcessPoolExecutor:
     # Not fork: the server's threads and locks must not be copied half-way into a worker.
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)
+
+
+def end_processes(executor: Executor) -> None:
+    """End the worker processes of this machine at once, whatever they do."""
+    if isinstance(executor, ProcessPoolExecutor):
+        # Its own way to do so, terminate_workers, comes with Python 3.14.
+        for process in list((executor._processes or {}).values()):
+            process.terminate()
 
 
 def _begin_worker() -> None:

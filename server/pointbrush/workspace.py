@@ -6,7 +6,6 @@ leave here are in source order unless a name says ``stored``.
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -55,9 +54,10 @@ from pointbrush.work.events import (
     Retracted,
     SequencesChanged,
 )
-from pointbrush.work.imports.annotating import LabelImports, LabelRequest
+from pointbrush.work.imports.annotating import LABELS, LabelImports, LabelRequest
 from pointbrush.work.imports.previewing import Preview, PreviewRequest, Previews
-from pointbrush.work.imports.submitting import Imports
+from pointbrush.work.imports.submitting import IMPORT, SAMPLE, ImportRequest, Imports
+from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listed, entry, listing, problems_of
 from pointbrush.work.objects import (
@@ -71,7 +71,7 @@ from pointbrush.work.palettes import NamedLabel
 from pointbrush.work.readiness import require_room
 from pointbrush.work.reviewing import Reviewing
 from pointbrush.work.tracking.job import load_default_method
-from pointbrush.work.tracking.runs import Runs, TrackRequest
+from pointbrush.work.tracking.runs import TRACK, Runs, TrackRequest
 
 __all__ = [
     "Answer",
@@ -124,6 +124,15 @@ class Workspace:
             self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
         )
         self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
+        begin = {
+            IMPORT: self._imports.again,
+            SAMPLE: self._imports.again,
+            LABELS: lambda job: self._label_imports.again(self._recording_of(job), job),
+            TRACK: lambda job: self._runs.again(self._recording_of(job), job),
+        }
+        self._job_book = JobBook(
+            self.store, self.runner, self._publish, begin, self._runs.keep, self.paths.hide
+        )
         self._deletion = Deletion(self.library, self.store)
         self.reviewing = Reviewing(self.store, self.recording)
         self._deletion.tidy()
@@ -132,12 +141,18 @@ class Workspace:
         self.store.watch_sequences(self._changed_elsewhere)
 
     def close(self) -> None:
-        """Cancel jobs, end worker processes, close the database."""
+        """Cancel jobs or leave them to the next server, end worker processes and the database."""
         self._objects.close()
         self._previews.close()
         self.runner.close()
+        self._job_book.close()
         self._unsubscribe()
         self.store.close()
+
+    def keep_jobs(self) -> None:
+        """Let jobs outlive this process: see those of all servers, begin again what one left."""
+        if not self.read_only:
+            self._job_book.open()
 
     @property
     def read_only(self) -> str:
@@ -249,15 +264,9 @@ class Workspace:
         ``chosen`` is what a person says of the files.  With ``roots``, nothing that lies or leads
         outside them is read.  ``owner``: who asks.
         """
-        return self._imports.of_paths(
-            paths,
-            name=name,
-            fps=fps,
-            chosen=chosen or Corrections(),
-            cleanup=cleanup,
-            roots=roots,
-            owner=owner,
-        )
+        absolute = tuple(path.absolute() for path in paths)
+        request = ImportRequest(absolute, name, fps, chosen or Corrections(), tuple(roots))
+        return self._imports.of_paths(request, cleanup, owner)
 
     def preview(
         self,
@@ -295,11 +304,6 @@ class Workspace:
         ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
         removed when the job has ended.  Raises NotFoundError.
         """
-
-        def done() -> None:
-            if cleanup is not None:
-                shutil.rmtree(cleanup, ignore_errors=True)
-
         request = LabelRequest(
             place.absolute(),
             label_format,
@@ -309,7 +313,7 @@ class Workspace:
             field,
             tuple(roots),
         )
-        return self._label_imports.start(self.recording(sequence), request, author, done)
+        return self._label_imports.start(self.recording(sequence), request, author, cleanup)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""
@@ -680,18 +684,19 @@ class Workspace:
         return self.store.taxonomy.put(wanted)
 
     def jobs(self) -> list[Job]:
-        """All remembered jobs, newest first."""
-        return self.runner.jobs()
+        """All remembered jobs, of all servers, newest first."""
+        return self._job_book.jobs()
 
     def job(self, job_id: str) -> Job:
         """One job; raises NotFoundError."""
-        return self.runner.job(job_id)
+        return self._job_book.job(job_id)
 
     def cancel(self, job_id: str, *, keep: bool = False) -> Job:
         """Stop a job; ``keep`` commits what a tracking run has found so far."""
-        if keep:
-            self._runs.keep(job_id)
-        return self.runner.cancel(job_id)
+        return self._job_book.cancel(job_id, keep=keep)
+
+    def _recording_of(self, job: Job) -> Recording:
+        return self.recording(job.sequence or "")
 
     # ── upkeep ───────────────────────────────────────────────────────────────────────────
 

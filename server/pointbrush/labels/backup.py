@@ -14,6 +14,7 @@ from sqlalchemy import Connection, Select, Table, func, insert, select, text
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
+from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.schema import LIVE, PER_SEQUENCE, metadata, sequences, tokens
 
@@ -23,6 +24,9 @@ _CONTINUE_NUMBERS = (
     "SELECT setval(pg_get_serial_sequence('sequences', 'number'), "
     "(SELECT coalesce(max(number), 1) FROM sequences))"
 )
+
+_INTERRUPT = "UPDATE jobs SET state = 'failed', error = ? WHERE state IN (?, ?)"
+"""What ran as a copy was made does not run in the copy."""
 
 
 def back_up(database: Database, target: Path) -> None:
@@ -42,6 +46,9 @@ def back_up(database: Database, target: Path) -> None:
             _copy_to_file(database, partial)
         with contextlib.closing(sqlite3.connect(partial)) as copy:
             copy.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
+            copy.execute(_INTERRUPT, (INTERRUPTED, *UNDER_WAY))
+            copy.execute("DELETE FROM works")
+            copy.commit()
         with partial.open("rb+") as file:
             os.fsync(file.fileno())
         partial.rename(target)

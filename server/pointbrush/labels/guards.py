@@ -45,7 +45,7 @@ class Guards:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._owner = secrets.token_hex(8)
+        self.owner = secrets.token_hex(8)
         self._held: set[str] = set()
         self._lock = threading.Lock()
         self._stop = threading.Event()
@@ -57,7 +57,7 @@ class Guards:
         if self._thread.ident is not None:
             self._thread.join()
             with contextlib.suppress(UnavailableError):
-                self._remove(works.c.owner == self._owner)
+                self._remove(works.c.owner == self.owner)
 
     def reserve(self, ids: Iterable[str], free: Callable[[str], bool]) -> Guard:
         """Keep the first of ``ids`` for an import that no recording or other import has.
@@ -110,7 +110,7 @@ class Guards:
         with self._database.read() as connection:
             now = self._database.now(connection)
             rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
-            return {row.sequence for row in rows if not _given_up(row, now)}
+            return {row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS)}
 
     def _remove(self, condition: Any) -> None:
         with self._database.write() as connection:
@@ -121,9 +121,9 @@ class Guards:
             "id": guard.id,
             "sequence": guard.sequence,
             "kind": kind,
-            "host": _host(),
+            "host": host(),
             "process": os.getpid(),
-            "owner": self._owner,
+            "owner": self.owner,
             "beat": now,
         }
 
@@ -151,7 +151,7 @@ def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
     """A sentence about who works on a recording, or None."""
     rows = connection.execute(select(works).where(works.c.sequence == sequence)).all()
     for row in rows:
-        if not _given_up(row, now):
+        if not given_up(row, now, EXPIRY_SECONDS):
             host = row.host.partition("/")[0]
             return f"it {DOING[row.kind]} (by process {row.process} on {host})"
     return None
@@ -159,21 +159,22 @@ def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
 
 def _clear(connection: Connection, now: float) -> None:
     """Remove work that was given up."""
-    rows = connection.execute(select(works).where(or_(works.c.host == _host(), works.c.beat < now)))
-    dead = [row.id for row in rows if _given_up(row, now)]
+    rows = connection.execute(select(works).where(or_(works.c.host == host(), works.c.beat < now)))
+    dead = [row.id for row in rows if given_up(row, now, EXPIRY_SECONDS)]
     if dead:
         connection.execute(delete(works).where(works.c.id.in_(dead)))
 
 
-def _given_up(row: Row[Any], now: float) -> bool:
-    if row.beat < now - EXPIRY_SECONDS:
+def given_up(row: Row[Any], now: float, seconds: float | None) -> bool:
+    """Return whether the process of a row has ended, or has not been heard of for ``seconds``."""
+    if seconds is not None and row.beat < now - seconds:
         return True
-    return bool(row.host == _host() and not _alive(row.process))
+    return bool(row.host == host() and not _alive(row.process))
 
 
 @cache
-def _host() -> str:
-    """This machine and, where there are such, the name space that process numbers are of."""
+def host() -> str:
+    """Return this machine and, where there are such, the name space that process numbers are of."""
     try:
         space = Path("/proc/self/ns/pid").stat().st_ino
     except OSError:

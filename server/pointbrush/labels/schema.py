@@ -23,7 +23,7 @@ from sqlalchemy import (
     text,
 )
 
-HEAD = "0009"
+HEAD = "0010"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -248,6 +248,30 @@ works = Table(
     Index(
         "works_import", "sequence", unique=True, sqlite_where=_IMPORTS, postgresql_where=_IMPORTS
     ),
+)
+
+jobs = Table(
+    "jobs",
+    metadata,
+    Column("id", String(36), primary_key=True),
+    Column("kind", String(16), nullable=False),
+    Column("sequence", String(128)),  # an id that may not be there yet
+    Column("state", String(16), nullable=False),
+    Column("progress", Double, nullable=False),
+    Column("message", Text, nullable=False),
+    Column("result", Text),  # JSON object
+    Column("error", Text),
+    Column("created", Double, nullable=False),
+    Column("author", String(256)),
+    Column("edit", String(128)),  # id of the edit that it makes
+    Column("request", Text),  # JSON object that begins it again, or NULL
+    Column("lost", Integer, nullable=False),  # servers that died while it ran
+    Column("wish", String(8), nullable=False),  # of somebody at another server
+    Column("host", Text, nullable=False),  # here and below as in works
+    Column("process", Integer, nullable=False),
+    Column("owner", String(16), nullable=False),  # "": nobody's, free to be begun again
+    Column("beat", Double, nullable=False),
+    Index("jobs_state", "state", "created"),
 )
 
 PER_SEQUENCE = (

@@ -15,6 +15,7 @@ from pointbrush.labels.accounts import Accounts
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
+from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.recordings import Recordings
@@ -57,6 +58,7 @@ class LabelStore:
         self.recordings = Recordings(self._database, self._sessions)
         self.reviews = Reviews(self._database)
         self.guards = Guards(self._database)
+        self.jobs = JobRecords(self._database, self.guards.owner)
 
     def seal(self) -> None:
         """Refuse edits from now on, where the database may not be written: see ``Database``."""

@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
+from fastapi.concurrency import run_in_threadpool
 from fastapi.openapi.utils import get_openapi
 
 from pointbrush import __version__
@@ -69,6 +70,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     uploads: Uploads = app.state.uploads
     uploads.open()
+    await run_in_threadpool(app.state.workspace.keep_jobs)
     threading.Thread(target=_import_ahead, name="import-ahead", daemon=True).start()
     try:
         async with Hub(app.state.workspace, app.state.metrics).running() as hub:

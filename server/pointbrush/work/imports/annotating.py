@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import uuid
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from dataclasses import field as of_field
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,8 @@ from pointbrush.worker import Channel
 
 Key = tuple[int, int]
 """Numbers of a class and of an instance, 0 for none."""
+LABELS = "labels"
+"""Of a job's request: an import of labels."""
 MOST_LABELS = 65_534
 TOLD = 100
 """Entries of a report's lists."""
@@ -51,6 +54,30 @@ class LabelRequest:
     field: str | None = None
     """Name of the field of points that is labels, where the files do not say so."""
     roots: tuple[Path, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what a job keeps, to be begun again by ``LabelImports.again``."""
+        names = {str(number): (name.name, name.color) for number, name in self.names.items()}
+        places = {"place": str(self.place), "roots": [str(root) for root in self.roots]}
+        return (
+            {"call": LABELS}
+            | {f.name: getattr(self, f.name) for f in fields(self)}
+            | places
+            | {"names": names}
+        )
+
+    @classmethod
+    def of_json(cls, kept: Mapping[str, Any]) -> LabelRequest:
+        """Return the request that ``as_json`` made ``kept`` of."""
+        values = {name: value for name, value in kept.items() if name != "call"}
+        return cls(
+            **values
+            | {
+                "place": Path(kept["place"]),
+                "roots": tuple(map(Path, kept["roots"])),
+                "names": {int(number): ClassName(*name) for number, name in kept["names"].items()},
+            }
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,9 +215,30 @@ class LabelImports:
         self._store, self._runner, self._max_points = store, runner, max_points
 
     def start(
-        self, recording: Recording, request: LabelRequest, author: str, done: Callable[[], None]
+        self, recording: Recording, request: LabelRequest, author: str, cleanup: Path | None
     ) -> Job:
-        """Start a job; its result is the report.  ``done`` is called however it ends."""
+        """Start a job; its result is the report.  ``cleanup`` is removed when it has ended."""
+        # Uploaded files go with the server that took them.
+        kept = None if cleanup else request.as_json()
+        edit = str(uuid.uuid4())
+        job = Job("import", recording.manifest.id, owner=author, edit=edit, request=kept)
+        return self._begin(recording, request, job, cleanup)
+
+    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
+        """Begin an import again that another server has left; return its result if it was done.
+
+        Raises what ``start`` raises.
+        """
+        made = self._store.find(recording.manifest.id, job.edit or job.id)
+        if made is not None:
+            return {"edit": made.edit_id, "changed": made.changed}
+        self._begin(recording, LabelRequest.of_json(job.request or {}), job, None)
+        return None
+
+    def _begin(
+        self, recording: Recording, request: LabelRequest, job: Job, cleanup: Path | None
+    ) -> Job:
+        author, edit = job.owner or "", job.edit or job.id
         if not request.dry_run:
             self._store.require_writable()
         found: list[FrameLabels] = []
@@ -212,7 +260,6 @@ class LabelImports:
 
         limits = Limits(self._max_points, roots=request.roots)
         work = ReadLabelsWork(request, recording.path, limits)
-        edit = str(uuid.uuid4())
 
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:
@@ -236,17 +283,11 @@ class LabelImports:
             )
             return report | {"edit": commit.edit_id, "changed": commit.changed}
 
-        return self._runner.submit(
-            "import",
-            recording.manifest.id,
-            work,
-            finish,
-            on_item,
-            lambda _: done(),
-            restart,
-            owner=author,
-            edit=edit,
-        )
+        def done(_: Job) -> None:
+            if cleanup is not None:
+                shutil.rmtree(cleanup, ignore_errors=True)
+
+        return self._runner.submit(job, work, finish, on_item, done, restart)
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ class ImportWork:
     def _import(self, channel: Channel) -> None:
         about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
-            "source": ", ".join(str(path) for path in self.paths),
+            "source": source_of(self.paths),
             "up": self.chosen.up,
         }
         limits = Limits(self.max_points, roots=self.roots)
@@ -112,6 +112,11 @@ class SampleWork:
             progress=channel.progress,
             source=f"{SAMPLE}, seed {self.seed}",
         )
+
+
+def source_of(paths: Iterable[Path]) -> str:
+    """Return how the manifest of a recording names the files that it is from."""
+    return ", ".join(map(str, paths))
 
 
 def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:

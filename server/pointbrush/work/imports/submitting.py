@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import shutil
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,48 @@ from pointbrush.work.library import Library, ids_for
 from pointbrush.worker import Work
 
 log = logging.getLogger(__name__)
+
+IMPORT, SAMPLE = "import", "sample"
+"""Of a job's request: an import of paths, or of the sample recording."""
+
+
+@dataclass(frozen=True)
+class ImportRequest:
+    """An import of files that are at absolute ``paths``; see ``Workspace.import_paths``."""
+
+    paths: tuple[Path, ...]
+    name: str | None = None
+    fps: float | None = None
+    chosen: Corrections = field(default_factory=Corrections)
+    roots: tuple[Path, ...] = ()
+
+    @property
+    def source(self) -> str:
+        """What the recording's manifest says of where it is from."""
+        return importing.source_of(self.paths)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what a job keeps, to be begun again by ``Imports.again``."""
+        return {
+            "call": IMPORT,
+            "paths": [str(path) for path in self.paths],
+            "name": self.name,
+            "fps": self.fps,
+            "chosen": asdict(self.chosen),
+            "roots": [str(root) for root in self.roots],
+        }
+
+    @classmethod
+    def of_json(cls, kept: Mapping[str, Any]) -> ImportRequest:
+        """Return the request that ``as_json`` made ``kept`` of."""
+        chosen = kept["chosen"] | {"columns": tuple(kept["chosen"]["columns"])}
+        return cls(
+            tuple(map(Path, kept["paths"])),
+            kept["name"],
+            kept["fps"],
+            Corrections(**chosen),
+            tuple(map(Path, kept["roots"])),
+        )
 
 
 class Imports:
@@ -63,41 +106,57 @@ class Imports:
             recording = self._library.recording(manifest.id)
             importing.import_source_labels(self._store, recording)
 
-    def of_paths(
-        self,
-        paths: Sequence[Path],
-        *,
-        name: str | None,
-        fps: float | None,
-        chosen: Corrections,
-        cleanup: Path | None,
-        roots: Sequence[Path],
-        owner: str | None,
-    ) -> Job:
-        """See ``Workspace.import_paths``."""
-        for path in paths:
+    def of_paths(self, request: ImportRequest, cleanup: Path | None, owner: str | None) -> Job:
+        """Import in a job; ``cleanup`` is removed when it has ended.  See ``import_paths``."""
+        for path in request.paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        guard = self._reserve(name or source_name(paths))
-        sequence = guard.sequence
-        work = importing.ImportWork(
-            paths=tuple(path.absolute() for path in paths),
-            target=self._library.folder / sequence,
-            sequence_id=sequence,
-            name=name,
-            fps=fps,
-            chosen=chosen,
-            max_points=self._max_points,
-            roots=tuple(roots),
-        )
-        return self._submit(guard, work, importing.import_source_labels, cleanup, owner)
+        # Uploaded files go with the server that took them.
+        kept = None if cleanup else request.as_json()
+        return self._begin(request, Job("import", None, owner=owner, request=kept), cleanup)
 
     def of_sample(self, frames: int, seed: int) -> Job:
         """See ``Workspace.import_sample``."""
+        request = {"call": SAMPLE, "frames": frames, "seed": seed}
+        return self._begin_sample(frames, seed, Job("import", None, request=request))
+
+    def again(self, job: Job) -> dict[str, Any] | None:
+        """Begin an import again that another server has left; return its result if it was done.
+
+        Raises what the first call raises.
+        """
+        kept = job.request or {}
+        request = None if kept["call"] == SAMPLE else ImportRequest.of_json(kept)
+        source = importing.SAMPLE if request is None else request.source
+        if job.sequence is not None and not self._library.is_free(job.sequence):
+            recording = self._library.recording(job.sequence)
+            if recording.manifest.source.startswith(source):
+                return importing.result(recording, [])
+        if request is None:
+            self._begin_sample(kept["frames"], kept["seed"], job)
+        else:
+            self._begin(request, job, None)
+        return None
+
+    def _begin(self, request: ImportRequest, job: Job, cleanup: Path | None) -> Job:
+        guard = self._reserve(request.name or source_name(request.paths))
+        work = importing.ImportWork(
+            paths=request.paths,
+            target=self._library.folder / guard.sequence,
+            sequence_id=guard.sequence,
+            name=request.name,
+            fps=request.fps,
+            chosen=request.chosen,
+            max_points=self._max_points,
+            roots=request.roots,
+        )
+        return self._submit(guard, work, importing.import_source_labels, job, cleanup)
+
+    def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:
         guard = self._reserve("juggling")
         sequence = guard.sequence
         work = importing.SampleWork(self._library.folder / sequence, sequence, frames, seed)
-        return self._submit(guard, work, importing.create_sample_labels)
+        return self._submit(guard, work, importing.create_sample_labels, job)
 
     def _reserve(self, name: str) -> Guard:
         """A readable, URL-safe id made from ``name``; nobody else gets it meanwhile."""
@@ -109,8 +168,8 @@ class Imports:
         guard: Guard,
         work: Work,
         label: Callable[[LabelStore, Recording], None],
+        job: Job,
         cleanup: Path | None = None,
-        owner: str | None = None,
     ) -> Job:
         sequence = guard.sequence
         warnings: list[str] = []
@@ -131,13 +190,11 @@ class Imports:
 
         try:
             return self._runner.submit(
-                "import",
-                sequence,
+                replace(job, sequence=sequence),
                 work,
                 finish,
                 on_item=lambda _, found: warnings.extend(found),
                 done=done,
-                owner=owner,
             )
         except BaseException:
             self._store.guards.end(guard)

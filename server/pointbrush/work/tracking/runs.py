@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from pointbrush.errors import BadInputError
@@ -15,6 +15,9 @@ from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work.events import Event, Provisional, Retracted
 from pointbrush.work.tracking import job as tracking
 from pointbrush.work.tracking import told
+
+TRACK = "track"
+"""Of a job's request: a tracking run."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,22 @@ class TrackRequest:
     method: str
     options: TrackOptions
     stop_unsure: bool
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what a job keeps, to be begun again by ``Runs.again``."""
+        return {"call": TRACK} | asdict(self) | {"options": _kept_options(self.options)}
+
+    @classmethod
+    def of_json(cls, fields: Mapping[str, Any]) -> TrackRequest:
+        """Return the request that ``as_json`` made ``fields`` of."""
+        values = {name: value for name, value in fields.items() if name != "call"}
+        return cls(**values | {"options": TrackOptions(**fields["options"])})
+
+
+def _kept_options(options: TrackOptions) -> dict[str, Any]:
+    """Return the options that a person chooses; the rest follows from the labels of the moment."""
+    chosen = ("overwrite", "continue_lost", "until_painted")
+    return {name: getattr(options, name) for name in chosen}
 
 
 class Runs:
@@ -52,6 +71,23 @@ class Runs:
 
     def start(self, recording: Recording, request: TrackRequest, author: str, edit: str) -> Job:
         """See ``Workspace.track``; ``edit`` is the id of the run's edit."""
+        sequence = recording.manifest.id
+        job = Job("tracking", sequence, owner=author, edit=edit, request=request.as_json())
+        return self._begin(recording, request, job)
+
+    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
+        """Begin a run again that another server has left; return its result if it was done.
+
+        Raises what ``start`` raises.
+        """
+        made = self._store.find(recording.manifest.id, job.edit or job.id)
+        if made is not None:
+            return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
+        self._begin(recording, TrackRequest.of_json(job.request or {}), job)
+        return None
+
+    def _begin(self, recording: Recording, request: TrackRequest, job: Job) -> Job:
+        author, edit = job.owner or "", job.edit or job.id
         self._store.require_writable()
         sequence, overwrite = recording.manifest.id, request.options.overwrite
         tracking.require_method(request.method)
@@ -104,9 +140,7 @@ class Runs:
             self._publish(Retracted(sequence, job.id, frames))
 
         try:
-            return self._runner.submit(
-                "tracking", sequence, work, finish, on_item, done, restart, owner=author, edit=edit
-            )
+            return self._runner.submit(job, work, finish, on_item, done, restart)
         except BaseException:
             self._store.guards.end(guard)
             raise

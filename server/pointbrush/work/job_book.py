@@ -1,0 +1,239 @@
+"""Jobs that outlive their server: written down as they go, and begun again by who is left."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
+from pointbrush.jobs import ENDED, Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
+
+log = logging.getLogger(__name__)
+
+LOOK_SECONDS = 2.0
+"""How often it is looked what other servers do, and ask."""
+BEAT_SECONDS = 5.0
+"""How often a server says how far its jobs are."""
+MOST_LOST = 3
+"""Servers that may die under a job until it is left alone: it may be what kills them."""
+WAITS = "its server has ended; it begins again"
+NOT_AGAIN = "its server ended before it was done, and its files went with it; begin it again"
+
+Begin = Callable[[Job], dict[str, Any] | None]
+"""Hands a job to the runner that another server has begun, or returns its result if it was done.
+
+Raises PointbrushError.
+"""
+
+
+class JobBook:
+    """The jobs of all servers on one database; this one's are its runner's."""
+
+    def __init__(
+        self,
+        store: LabelStore,
+        runner: JobRunner,
+        notify: Callable[[Job], None],
+        begin: Mapping[str, Begin],
+        keep: Callable[[str], None],
+        public: Callable[[str], str] = str,
+    ) -> None:
+        """``begin`` names what begins each ``call`` of a job's request again.
+
+        ``notify(job)`` is called when another server's job changes; ``keep(job_id)`` before one is
+        cancelled whose findings are wanted; ``public`` as of the runner.
+        """
+        self._records, self._runner, self._notify = store.jobs, runner, notify
+        self._begin, self._keep, self._public = begin, keep, public
+        self._changed: dict[str, Job] = {}
+        self._seen: dict[str, Job] = {}
+        self._waiting: dict[str, JobRecord] = {}
+        self._lock = threading.Lock()
+        self._stop, self._wake = threading.Event(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name="pointbrush-job-book", daemon=True)
+        self._beat = self._silent_since = time.monotonic()
+
+    def open(self) -> None:
+        """Write down this server's jobs from now on, and begin those again that nobody runs."""
+        self._runner.book = self
+        self._thread.start()
+
+    def close(self) -> None:
+        """Leave what is not done to the next server; the runner must have ended it."""
+        self._stop.set()
+        self._wake.set()
+        if self._thread.ident is None:
+            return
+        self._thread.join()
+        try:
+            self._write()
+            own = [r.id for r in self._records.under_way() if r.owner == self._records.owner]
+            self._records.release(own, WAITS)
+        except UnavailableError as error:
+            log.warning("jobs are begun again %.0f s later: %s", STALE_SECONDS, error)
+
+    # ── for the runner ───────────────────────────────────────────────────────────────────
+
+    def begun(self, job: Job) -> None:
+        """Note a job before it is handed out; raises UnavailableError."""
+        if job.id not in self._waiting:
+            self._records.add(_record(job))
+
+    def changed(self, job: Job) -> None:
+        """Note that a job has changed; its progress is written with the next beat."""
+        with self._lock:
+            before = self._changed.get(job.id)
+            self._changed[job.id] = job
+        if before is None or before.state != job.state:
+            self._wake.set()
+
+    # ── for people ───────────────────────────────────────────────────────────────────────
+
+    def jobs(self) -> list[Job]:
+        """Return the jobs of all servers, newest first."""
+        here = {job.id: job for job in self._runner.jobs()}
+        kept = {record.id: job_of(record) for record in self._records.all()}
+        return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
+
+    def job(self, job_id: str) -> Job:
+        """Return a job of whichever server; raises NotFoundError."""
+        try:
+            return self._runner.job(job_id)
+        except NotFoundError:
+            record = self._records.find(job_id)
+            if record is None:
+                raise
+            return job_of(record)
+
+    def cancel(self, job_id: str, *, keep: bool) -> Job:
+        """Ask a job of whichever server to stop; raises ConflictError when it has ended.
+
+        ``keep``: what it has found so far is wanted.
+        """
+        try:
+            self._runner.job(job_id)
+        except NotFoundError:
+            return self._ask(job_id, keep=keep)
+        if keep:
+            self._keep(job_id)
+        return self._runner.cancel(job_id)
+
+    def _ask(self, job_id: str, *, keep: bool) -> Job:
+        job = self.job(job_id)
+        if job.state in ENDED:
+            raise ConflictError(f"job {job_id}: expected a running job, it is {job.state}")
+        self._records.ask(job_id, "keep" if keep else "cancel")
+        return job
+
+    # ── the thread ───────────────────────────────────────────────────────────────────────
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            try:
+                self._look()
+            except UnavailableError as error:
+                # Whoever shares the database could not say that they live either.
+                self._silent_since = time.monotonic()
+                log.warning("jobs cannot be written down now: %s", error)
+            except Exception:
+                log.exception("jobs could not be looked after")
+            self._wake.wait(LOOK_SECONDS)
+            self._wake.clear()
+
+    def _look(self) -> None:
+        self._write()
+        silent = time.monotonic() - self._silent_since > STALE_SECONDS
+        self._waiting |= {record.id: record for record in self._records.claim(silent=silent)}
+        for record in list(self._waiting.values()):
+            self._begin_again(record)
+        under_way = self._records.under_way()
+        for record in under_way:
+            if record.owner == self._records.owner and record.wish:
+                self._heed(record.id, record.wish)
+        self._tell([job_of(r) for r in under_way if r.owner != self._records.owner])
+
+    def _write(self) -> None:
+        """Write down what changed, and that the rest still runs."""
+        with self._lock:
+            changed, self._changed = self._changed, {}
+        running = {job.id: job for job in self._runner.jobs() if job.state not in ENDED}
+        urgent = any(job.state != "running" or job.progress == 0.0 for job in changed.values())
+        late = time.monotonic() - self._beat > BEAT_SECONDS
+        wanted = running | changed
+        if not wanted or not (urgent or late):
+            with self._lock:
+                self._changed = changed | self._changed
+            return
+        try:
+            lost = self._records.update(_record(job) for job in wanted.values())
+        except BaseException:
+            with self._lock:
+                self._changed = changed | self._changed
+            raise
+        self._beat = time.monotonic()
+        for job_id in lost:
+            log.warning("job %s was taken over by another server", job_id)
+            self._runner.leave(job_id)
+
+    def _begin_again(self, record: JobRecord) -> None:
+        job = job_of(record)
+        try:
+            if record.lost >= MOST_LOST:
+                raise ConflictError(f"{record.lost} servers ended while it ran; begin it by hand")
+            if record.request is None:
+                raise ConflictError(NOT_AGAIN)
+            log.info("job %s begins again", record.id)
+            result = self._begin[record.request["call"]](replace(job, state="queued", message=""))
+        except UnavailableError:
+            raise  # the database or the scheduler is away: at the next look
+        except PointbrushError as error:
+            self._ended(replace(job, state="failed", error=self._public(str(error))))
+        else:
+            if result is not None:
+                self._ended(replace(job, state="done", progress=1.0, result=result))
+        self._waiting.pop(record.id, None)
+
+    def _ended(self, job: Job) -> None:
+        self._records.update([_record(job)])
+        self._notify(job)
+
+    def _heed(self, job_id: str, wish: Wish) -> None:
+        if wish == "keep":
+            self._keep(job_id)
+        try:
+            self._runner.cancel(job_id)
+        except (ConflictError, NotFoundError):
+            return  # it has ended meanwhile
+
+    def _tell(self, elsewhere: list[Job]) -> None:
+        """Tell what changed of jobs of other servers."""
+        now = {job.id: job for job in elsewhere}
+        for job_id in self._seen.keys() - now.keys():
+            record = self._records.find(job_id)
+            if record is not None and record.owner != self._records.owner:
+                self._notify(job_of(record))
+        for job in elsewhere:
+            if self._seen.get(job.id) != job:
+                self._notify(job)
+        self._seen = now
+
+
+_FIELDS = {f.name for f in fields(JobRecord)} & {f.name for f in fields(Job)} - {"owner"}
+
+
+def job_of(record: JobRecord) -> Job:
+    """Return what a record says of a job."""
+    values: dict[str, Any] = {name: getattr(record, name) for name in _FIELDS}
+    return Job(**values, owner=record.author)
+
+
+def _record(job: Job) -> JobRecord:
+    values = {name: getattr(job, name) for name in _FIELDS}
+    request = None if job.request is None else dict(job.request)
+    return JobRecord(**values | {"request": request}, author=job.owner)
