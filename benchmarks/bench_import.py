@@ -1,4 +1,4 @@
-"""Import: a frame of the sample recording step by step, and a large scan from LAS into the octree.
+"""Import: a frame of the sample recording step by step, a recording, and a large scan from LAS.
 
 python benchmarks/bench_import.py [--points 5000000] [--keep FOLDER]
 python benchmarks/bench_import.py --bytes FILE...
@@ -26,7 +26,7 @@ import numpy as np
 
 from pointbrush.formats import open_source
 from pointbrush.samples import generate
-from pointbrush.sequences import import_large, open_sequence
+from pointbrush.sequences import import_frames, import_large, open_sequence
 from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.decoder import decode_vertices
@@ -37,6 +37,7 @@ from pointbrush.sequences.octree.quantise import ROOM_STEP
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000
+FRAMES = 60
 
 
 def town(count: int, rng: np.random.Generator, station: int) -> tuple[np.ndarray, np.ndarray]:
@@ -266,6 +267,23 @@ def small() -> None:
         print(f"  {name:24} {1e3 * min(times):7.1f} ms")
 
 
+def recording(count: int) -> None:
+    """Import a recording of ``count`` frames of a Kinect, made beforehand."""
+    made = list(generate("juggling", frames=4).frames)
+    frames = [made[number % len(made)] for number in range(count)]
+    points = sum(map(len, frames))
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "recording"
+        start, used = time.perf_counter(), time.process_time()
+        import_frames(frames, target, sequence_id="recording", name="recording", fps=30.0)
+        seconds, used = time.perf_counter() - start, time.process_time() - used
+        disk = sum(file.stat().st_size for file in target.rglob("*") if file.is_file())
+    print(f"recording of {count} frames: {count / seconds:.1f} frames/s,", end=" ")
+    print(
+        f"{1e3 * used / count:.1f} ms of processor time a frame, {disk / points:.1f} bytes a point"
+    )
+
+
 def sizes(paths: list[Path]) -> None:
     """Bytes a point of the first frame of each file or folder, and its greatest error."""
     for path in paths:
@@ -303,6 +321,7 @@ def main() -> None:
         answer(Path(given.answer[0]), given.answer[1])
         return
     small()
+    recording(FRAMES)
     if given.keep:
         given.keep.mkdir(parents=True, exist_ok=True)
         large(given.points, given.keep)

@@ -25,6 +25,7 @@ from pointbrush.errors import (
     UnavailableError,
 )
 from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.samples import generate
 from pointbrush.sequences import (
     Manifest,
     clean_temporary,
@@ -36,6 +37,7 @@ from pointbrush.sequences import (
 )
 from pointbrush.sequences import importer as importer_module
 from pointbrush.sequences.decoder import decode_points
+from pointbrush.sequences.manifest import VERSION
 from pointbrush.sequences.octree.quantise import dequantise
 
 
@@ -392,6 +394,26 @@ def test_damaged_files_are_refused_when_opened(tmp_path: Path) -> None:
     (tmp_path / "s" / "manifest.json").write_text(json.dumps({"version": 1, "id": "s"}))
     with pytest.raises(BadInputError, match="manifest"):
         open_sequence(tmp_path / "s")
+
+
+def test_a_newer_manifest_is_refused_in_words(tmp_path: Path) -> None:
+    put([frame(500)], tmp_path / "s")
+    manifest = tmp_path / "s" / "manifest.json"
+    content = json.loads(manifest.read_bytes()) | {"version": VERSION + 1}
+    manifest.write_text(json.dumps(content))
+    with pytest.raises(BadInputError, match=f"1 to {VERSION}, got {VERSION + 1}, of a newer"):
+        open_sequence(tmp_path / "s")
+
+
+def test_a_depth_camera_s_frame_takes_at_most_22_bytes_a_point_on_disk(tmp_path: Path) -> None:
+    made = next(iter(generate("juggling", frames=1).frames))
+    put([made], tmp_path / "s")
+    used = sum(path.stat().st_size for path in (tmp_path / "s").rglob("*") if path.is_file())
+    assert used <= 22 * len(made)
+    stored = open_sequence(tmp_path / "s")[0]
+    assert stored.rgb is not None
+    assert np.array_equal(stored.to_source(stored.rgb), made.rgb)
+    assert stored.source_xyz().tobytes() == made.xyz.tobytes()
 
 
 def test_name_rate_and_room_may_change_and_nothing_else(tmp_path: Path) -> None:

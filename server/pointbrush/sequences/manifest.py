@@ -15,7 +15,8 @@ from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.sequences.files import replace_file
 
 FILE = "manifest.json"
-VERSION = 1
+VERSION = 2
+"""1 keeps all arrays of frames plain, 2 packs them; both are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -102,8 +103,12 @@ def read_manifest(path: Path) -> Manifest:
         raise NotFoundError(f"expected a sequence in {path.name}, got no manifest") from error
     except ValueError as error:
         raise BadInputError(f"{path.name}: expected a manifest in JSON, got {error}") from error
-    if not isinstance(content, dict) or content.get("version") != VERSION:
-        raise BadInputError(f"{path.name}: expected a manifest of version {VERSION}")
+    found = content.get("version") if isinstance(content, dict) else None
+    if found not in range(1, VERSION + 1):
+        raise BadInputError(
+            f"{path.name}: expected a manifest of version 1 to {VERSION}, got {found}"
+            + (", of a newer pointbrush" if isinstance(found, int) and found > VERSION else "")
+        )
     given = content.pop("checksum", None)
     if given != _checksum(content):
         raise BadInputError(f"{path.name}: expected manifest checksum {given}, got another")

@@ -1,7 +1,8 @@
 """Named arrays in one file, or one ``.npy`` each in a folder.
 
 A small frame is one file: magic, length of a JSON header, the header, then each array at a
-multiple of 64 bytes.  A large frame, written piece by piece, is a folder of ``.npy`` files.
+multiple of 64 bytes: plain, or, where it is shorter so, its first bytes, its second bytes and so on
+packed by LZ4.  A large frame, written piece by piece, is a folder of ``.npy`` files.
 Whoever reads here gets all that was asked for, or DamagedError.
 """
 
@@ -17,6 +18,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import lz4.block
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +26,13 @@ from pointbrush.errors import DamagedError
 from pointbrush.sequences.files import write_file
 from pointbrush.shortage import shortage
 
-MAGIC = b"PBARRAY1"
+MAGIC = b"PBARRAY2"
+_MAGICS = (MAGIC, b"PBARRAY1")  # which has plain arrays only
 _ALIGN = 64
+_WORTH_PACKING = 4096
+"""Bytes of an array; smaller ones stay plain."""
+_MOST_GAIN = 255
+"""Bytes that LZ4 makes of one at most: a damaged header must not take all memory."""
 _PIECE = 1 << 22
 
 Arrays = dict[str, NDArray[Any]]
@@ -48,21 +55,36 @@ def file_digest(path: Path) -> str:
 def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> bytes:
     """The bytes of an array file with these arrays and this JSON-ready ``meta``."""
     table: dict[str, dict[str, Any]] = {}
+    stored: list[tuple[int, bytes]] = []
     offset = 0
     for name, array in arrays.items():
         offset = -(-offset // _ALIGN) * _ALIGN
+        plain = np.ascontiguousarray(array)
+        packed = _pack(plain)
+        data = plain.tobytes() if packed is None else packed
         descr = np.lib.format.dtype_to_descr(array.dtype)
         table[name] = {"dtype": descr, "shape": array.shape, "offset": offset}
-        offset += array.nbytes
+        if packed is not None:
+            table[name]["packed"] = len(packed)
+        stored.append((offset, data))
+        offset += len(data)
     header = json.dumps({"arrays": table, "meta": meta}, separators=(",", ":")).encode()
     start = -(-(16 + len(header)) // _ALIGN) * _ALIGN
     out = bytearray(start + offset)
     out[:16] = MAGIC + len(header).to_bytes(8, "little")
     out[16 : 16 + len(header)] = header
-    for name, array in arrays.items():
-        at = start + table[name]["offset"]
-        out[at : at + array.nbytes] = np.ascontiguousarray(array).tobytes()
+    for at, data in stored:
+        out[start + at : start + at + len(data)] = data
     return bytes(out)
+
+
+def _pack(array: NDArray[Any]) -> bytes | None:
+    """Return an array's bytes, those of the same place together, packed; None: not worth it."""
+    if array.nbytes < _WORTH_PACKING or array.dtype.hasobject:
+        return None
+    places = array.view(np.uint8).reshape(len(array), -1).T
+    packed: bytes = lz4.block.compress(np.ascontiguousarray(places), store_size=False)
+    return packed if len(packed) < 15 * array.nbytes // 16 else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,16 +94,32 @@ class Entry:
     dtype: np.dtype[Any]
     shape: tuple[int, ...]
     offset: int
+    packed: int | None
 
     @property
-    def count(self) -> int:
-        """Items of the array."""
-        return int(np.prod(self.shape, dtype=np.int64))
+    def nbytes(self) -> int:
+        """Bytes of the array in memory."""
+        return int(np.prod(self.shape, dtype=np.int64)) * self.dtype.itemsize
 
     @property
     def stop(self) -> int:
-        """Offset of its end."""
-        return self.offset + self.count * self.dtype.itemsize
+        """End of the array in the file."""
+        return self.offset + (self.nbytes if self.packed is None else self.packed)
+
+    def array(self, data: bytes) -> NDArray[Any]:
+        """Return a read-only copy of the array from the bytes between offset and stop."""
+        if self.packed is not None:
+            if self.nbytes > _MOST_GAIN * self.packed:
+                raise ValueError(f"{self.nbytes:,} bytes packed as {self.packed:,}")
+            try:
+                data = lz4.block.decompress(data, uncompressed_size=self.nbytes)
+            except lz4.block.LZ4BlockError as error:
+                raise ValueError(f"packed bytes that are none: {error}") from error
+            if len(data) != self.nbytes:
+                raise ValueError(f"{len(data):,} unpacked bytes of {self.nbytes:,}")
+            places = np.frombuffer(data, np.uint8).reshape(-1, self.shape[0])
+            data = np.ascontiguousarray(places.T).tobytes()
+        return np.frombuffer(data, self.dtype).reshape(self.shape)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +157,7 @@ def read_layout(path: Path) -> Layout:
 
 
 def _layout(head: bytes, size: int) -> Layout:
-    if head[:8] != MAGIC:
+    if head[:8] not in _MAGICS:
         raise ValueError("another magic number")
     length = int.from_bytes(head[8:16], "little")
     header = json.loads(head[16 : 16 + length])
@@ -129,14 +167,16 @@ def _layout(head: bytes, size: int) -> Layout:
             np.dtype(np.lib.format.descr_to_dtype(entry["dtype"])),
             tuple(entry["shape"]),
             start + entry["offset"],
+            entry.get("packed"),
         )
         for name, entry in header["arrays"].items()
     }
-    nbytes = max([start, *(entry.stop for entry in entries.values())])
-    if nbytes != size:
-        raise ValueError(f"{size:,} bytes of {nbytes:,}")
+    length = max([start, *(entry.stop for entry in entries.values())])
+    if length != size:
+        raise ValueError(f"{size:,} bytes of {length:,}")
     if not {"xyz", "source_index", "chunks"} <= entries.keys():
         raise ValueError(f"no more than {', '.join(entries)}")
+    nbytes = sum(entry.nbytes for entry in entries.values())
     return Layout(entries, header["meta"], nbytes)
 
 
@@ -144,8 +184,7 @@ def read_array(path: Path, layout: Layout, name: str) -> NDArray[Any]:
     """A copy of one array of an array file; raises DamagedError."""
     entry = layout.entries[name]
     with _damaged(path):
-        data = read_range(path, entry.offset, entry.stop)
-        return np.frombuffer(data, entry.dtype).reshape(entry.shape)
+        return entry.array(read_range(path, entry.offset, entry.stop))
 
 
 def read_file(path: Path, nbytes: int) -> bytes:
@@ -158,13 +197,11 @@ def read_file(path: Path, nbytes: int) -> bytes:
 
 
 def parse_arrays(path: Path, data: bytes) -> Arrays:
-    """Read-only views of the arrays in an array file's bytes; raises DamagedError."""
+    """Return read-only copies of the arrays in an array file's bytes; raises DamagedError."""
     with _damaged(path):
         layout = _layout(data, len(data))
         return {
-            name: np.frombuffer(data, entry.dtype, entry.count, entry.offset).reshape(entry.shape)
-            if entry.count
-            else np.empty(entry.shape, entry.dtype)
+            name: entry.array(data[entry.offset : entry.stop])
             for name, entry in layout.entries.items()
         }
 
