@@ -61,6 +61,7 @@ POPOVERS: dict[str, Callable[[Page], None]] = {
     "export": by_button("Export"),
     "after a stroke": by_button("After a stroke: offer its object, track it on"),
     "overlays": by_button("Drawn over the recording: boxes, trails, shading"),
+    "clip": by_button("Clip: show and paint only what is in a box or a slab"),
     "a label's menu": a_label_menu,
     "a label's colour": by_button("Colour of pin 1"),
     "palette": by_button("Templates and palette files"),

@@ -80,9 +80,12 @@ export interface Actions {
   nudgeRadius(notches: number): void;
   /** Give up the stroke or outline in progress; false when there is none. */
   cancelStroke(): boolean;
-  /** Close the polygon that is drawn, or take back its last corner; false when there is none. */
+  /** Close the polygon that is drawn, or take what is in the box; false when there is neither. */
   closeOutline(): boolean;
+  /** Take back the polygon's last corner; false when there is none. */
   takeBackCorner(): boolean;
+  /** Put the box that is drawn on the ground under it; false when there is none. */
+  snapBox(): boolean;
   /** Erase if painting, paint if erasing. */
   toggleEraser(): void;
   /** Levels of the object tool: 1 towards the group, −1 towards the part; false when none shows. */
@@ -93,6 +96,8 @@ export interface Actions {
   endObject(): void;
   setView(settings: Partial<ViewSettings>): void;
   viewFrom(preset: ViewPreset): void;
+  /** Show only what is in a box (null), or in a slab across an axis of the view: x, up, depth. */
+  clipTo(slab: 0 | 1 | 2 | null): void;
   /** Between perspective and an orthographic picture. */
   toggleOrthographic(): void;
   /**

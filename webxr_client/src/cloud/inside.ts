@@ -1,5 +1,7 @@
 /** Points of a frame that a camera sees inside an outline; as the server finds them. */
+import type { Matrix4 } from 'three';
 import { BLOCK } from './blocks';
+import { shows } from './clipping';
 import type { CloudFrame } from './frame';
 import { blocksOf, type Piece } from './piece';
 
@@ -11,13 +13,15 @@ const corner = new Float64Array(3);
 
 /**
  * Call `found` with each point inside `outline` (even-odd rule).  `clip`: row-major
- * `clip_from_local`; points behind the camera's near plane are never taken.
+ * `clip_from_local`; points behind the camera's near plane are never taken, nor those outside
+ * `box` (`T_cube_local`).
  */
 export function insideOutline(
   frame: CloudFrame,
   outline: Outline,
   clip: readonly number[],
   found: (point: number) => void,
+  box: Matrix4 | null = null,
 ): void {
   const [left, right] = span(outline, 0);
   const [low, high] = span(outline, 1);
@@ -38,7 +42,8 @@ export function insideOutline(
         const v = (clip[4]! * x + clip[5]! * y + clip[6]! * z + clip[7]!) / depth;
         if (v < low || v > high) continue;
         const near = clip[8]! * x + clip[9]! * y + clip[10]! * z + clip[11]!;
-        if (near >= -depth && holds(outline, u, v)) found(piece.first + i);
+        if (near < -depth || !holds(outline, u, v)) continue;
+        if (box === null || shows(box, x, y, z)) found(piece.first + i);
       }
     }
   }

@@ -48,6 +48,11 @@ export function directionIn({ inverse }: Layer, [x, y, z]: Vec): [number, number
   return place.set(x, y, z).transformDirection(inverse).toArray();
 }
 
+/** A clip box of the frame on screen (`T_cube_shown`) in the coordinates of a layer. */
+export function clipIn({ inverse }: Layer, clip: Matrix4 | null): Matrix4 | null {
+  return clip && clip.clone().multiply(inverse.clone().invert());
+}
+
 /** Return the first hit of a ray on `frame` and on the layers over it; see `firstHit`. */
 export function firstHitAmong(
   frame: CloudFrame,
@@ -56,13 +61,14 @@ export function firstHitAmong(
   direction: Vec,
   radius: number,
   visible: (label: number) => boolean,
+  clip: Matrix4 | null = null,
 ): LayerHit | null {
-  const own = firstHit(frame, origin, direction, radius, visible);
+  const own = firstHit(frame, origin, direction, radius, visible, clip);
   let best: LayerHit | null = own && { ...own, frame };
   for (const layer of layers) {
     const seen = (label: number): boolean => layer.holds(label) && visible(label);
     const [from, way] = [placeIn(layer, origin), directionIn(layer, direction)];
-    const hit = firstHit(layer.frame, from, way, radius, seen);
+    const hit = firstHit(layer.frame, from, way, radius, seen, clipIn(layer, clip));
     if (hit === null || (best !== null && hit.distance >= best.distance)) continue;
     const at = (k: 0 | 1 | 2): number => origin[k] + direction[k] * hit.distance;
     best = { ...hit, position: [at(0), at(1), at(2)], frame: layer.frame };

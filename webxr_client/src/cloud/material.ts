@@ -39,6 +39,7 @@ const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
 const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
 const INTENSITY_FIT = 36;
+const CLIP = 40;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
 
 /** Region that the brush lights up: a ball, or the surroundings of a half-line. */
@@ -121,6 +122,13 @@ export class PointUniforms {
     direction.toArray(value, BRUSH_B);
     value[BRUSH_RADIUS] = radius;
     value[BRUSH_MODE] = RAY;
+  }
+
+  /** Only what lies in a clip box is drawn: `T_cube_local`; null: everything. */
+  setClip(matrix: Matrix4 | null): void {
+    const { value } = this.settings;
+    value.fill(0, CLIP, CLIP + 12);
+    if (matrix) value.set(matrix.clone().transpose().elements.slice(0, 12), CLIP);
   }
 
   lightNothing(): void {

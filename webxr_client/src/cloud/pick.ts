@@ -1,6 +1,7 @@
 /** Picking by a ray or a ball among the points on the page; blocks of points are culled whole. */
 import { Matrix4, Quaternion } from 'three';
 import { BLOCK } from './blocks';
+import { shows } from './clipping';
 import { densityFactor, type CloudFrame } from './frame';
 import { blocksOf, DELETED, spacingAt, type Piece } from './piece';
 
@@ -19,6 +20,7 @@ export interface Hit {
  *
  * As on the server: a point counts as met when the ray passes it within about the cloud's own
  * spacing there, never farther than `radius`; where nothing is that near, `radius` decides.
+ * `clip`: `T_cube_local` of the box outside which nothing is met.
  */
 export function firstHit(
   frame: CloudFrame,
@@ -26,6 +28,7 @@ export function firstHit(
   direction: Vec,
   radius: number,
   visible: (label: number) => boolean = notDeleted,
+  clip: Matrix4 | null = null,
 ): Hit | null {
   let near = Infinity;
   let nearPoint = -1;
@@ -56,6 +59,7 @@ export function firstHit(
         if (along <= 0 || along >= near) continue;
         const off = x * x + y * y + z * z - along * along;
         if (off > radius * radius || !visible(frame.labelOf(piece.first + i))) continue;
+        if (clip !== null && !shows(clip, x + ox, y + oy, z + oz)) continue;
         if (off <= reach * reach && along < near) {
           near = along;
           nearPoint = piece.first + i;
@@ -81,13 +85,14 @@ function notDeleted(label: number): boolean {
   return label !== DELETED;
 }
 
-/** Call `found` with each point within `radius` of the segment from `a` to `b`. */
+/** Call `found` with each point within `radius` of the segment from `a` to `b`, inside `clip`. */
 export function inCapsule(
   frame: CloudFrame,
   a: Vec,
   b: Vec,
   radius: number,
   found: (point: number) => void,
+  clip: Matrix4 | null = null,
 ): void {
   for (let k = 0; k < 3; k++) {
     from[k] = a[k]!;
@@ -97,7 +102,7 @@ export function inCapsule(
   }
   measures[RADIUS] = radius;
   measures[LENGTH2] = way[0]! * way[0]! + way[1]! * way[1]! + way[2]! * way[2]!;
-  eachPoint(frame, boxMeetsBounds, capsuleHolds, found);
+  eachPoint(frame, boxMeetsBounds, capsuleHolds, found, clip);
 }
 
 /** Call `found` with each point within `radius` of the half-line. */
@@ -107,13 +112,14 @@ export function alongRay(
   direction: Vec,
   radius: number,
   found: (point: number) => void,
+  clip: Matrix4 | null = null,
 ): void {
   for (let k = 0; k < 3; k++) {
     from[k] = origin[k]!;
     way[k] = direction[k]!;
   }
   measures[RADIUS] = radius;
-  eachPoint(frame, boxMeetsRay, rayHolds, found);
+  eachPoint(frame, boxMeetsRay, rayHolds, found, clip);
 }
 
 /** Call `found` with each point in a box: full edges `size`, turned by a quaternion x, y, z, w. */
@@ -123,6 +129,7 @@ export function inBox(
   size: Vec,
   quaternion: readonly [number, number, number, number],
   found: (point: number) => void,
+  clip: Matrix4 | null = null,
 ): void {
   const matrix = new Matrix4().makeRotationFromQuaternion(new Quaternion(...quaternion)).elements;
   for (let k = 0; k < 3; k++) {
@@ -136,7 +143,7 @@ export function inBox(
     min[k] = from[k]! - reach;
     max[k] = from[k]! + reach;
   }
-  eachPoint(frame, boxMeetsBounds, boxHolds, found);
+  eachPoint(frame, boxMeetsBounds, boxHolds, found, clip);
 }
 
 function boxHolds(): boolean {
@@ -173,6 +180,7 @@ function eachPoint(
   meets: (boxLo: Corner, boxHi: Corner) => boolean,
   holds: () => boolean,
   found: (point: number) => void,
+  clip: Matrix4 | null = null,
 ): void {
   for (let number = 0; number < frame.pieces.length; number++) {
     const piece = frame.pieces[number]!;
@@ -187,7 +195,8 @@ function eachPoint(
         at[0] = origin[0] + words[w]! * scale[0];
         at[1] = origin[1] + words[w + 1]! * scale[1];
         at[2] = origin[2] + words[w + 2]! * scale[2];
-        if (holds()) found(piece.first + i);
+        if (!holds() || (clip !== null && !shows(clip, at[0], at[1], at[2]))) continue;
+        found(piece.first + i);
       }
     }
   }

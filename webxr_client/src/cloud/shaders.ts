@@ -1,7 +1,7 @@
 /** GLSL of the points and of eye-dome lighting. */
 
 /** Vectors of four numbers in the points' settings. */
-export const SETTING_ROWS = 10;
+export const SETTING_ROWS = 13;
 
 /** Part of the ramp that is too dark to be seen before the room. */
 const RAMP_START = 0.32;
@@ -48,6 +48,9 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define rampScale settings[8].y
 #define rampKind int(settings[8].z)             // 0 even, 1 grey, 2 rainbow
 #define intensityFit settings[9].xy             // intensity -> 0..1 of the ramp: factor, then sum
+#define clipX settings[10]                      // local xyz1 -> -1..1 between two faces of the clip box
+#define clipY settings[11]
+#define clipZ settings[12]
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
 
 out vec3 shade;
@@ -111,6 +114,9 @@ void main() {
   int flags = int(entry.a * 255.0 + 0.5);
   bool hidden = deleted ? showDeleted == 0
     : id == 0 ? hideUnlabeled != 0 : (flags & 128) == 0;
+  vec4 place = vec4(position, 1.0);
+  vec3 inBox = abs(vec3(dot(clipX, place), dot(clipY, place), dot(clipZ, place)));
+  hidden = hidden || any(greaterThan(inBox, vec3(1.0)));
   if (hidden) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     gl_PointSize = 0.0;

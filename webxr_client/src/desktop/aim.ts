@@ -1,7 +1,8 @@
 /** Aim of the mouse: rays into the recording, and what they meet. */
-import { Matrix4, Vector3 } from 'three';
+import { Matrix4, Ray, Vector3 } from 'three';
 import type { CloudFrame } from '../cloud/frame';
 import { layers } from '../accumulation';
+import { clipMatrix } from '../clip';
 import { firstHitAmong, type LayerHit } from '../cloud/layer';
 import type { Hit } from '../cloud/pick';
 import { DELETED } from '../cloud/piece';
@@ -64,13 +65,20 @@ export class Aim {
     };
   }
 
+  /** The same in room coordinates. */
+  roomRay(): Ray {
+    const { origin, direction } = this.ray();
+    const ray = new Ray(new Vector3(...origin), new Vector3(...direction));
+    return ray.applyMatrix4(this.viewer.room.matrixWorld);
+  }
+
   /** Return what lies under the cursor, within `radius` of its ray. */
   hit(radius: number): LayerHit | null {
     const frame = this.frame();
     if (!frame || !this.inside) return null;
     const { origin, direction } = this.ray();
     const meet = (seen: Seen): LayerHit | null =>
-      firstHitAmong(frame, layers.peek(), origin, direction, radius, seen);
+      firstHitAmong(frame, layers.peek(), origin, direction, radius, seen, clipMatrix.peek());
     // Restoring reaches deleted points through all that lies before them.
     return (state.tool.peek() === 'restore' ? meet(isDeleted) : null) ?? meet(this.seen);
   }

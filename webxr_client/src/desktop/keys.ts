@@ -1,5 +1,6 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../actions';
+import { clip, scrollClip } from '../clip';
 import { openSearch } from '../panels/palette-search';
 import { isStroke, state, type BrushShape } from '../state';
 import { nextOutlineKind } from '../tools/lasso';
@@ -121,9 +122,16 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['enter'],
     shown: 'Enter',
-    what: 'Close the polygon',
+    what: 'Close the polygon; take what is in the box',
     group: 'Tools',
     run: () => actions.closeOutline(),
+  },
+  {
+    keys: ['shift+g'],
+    shown: 'Shift G',
+    what: 'The box onto the ground',
+    group: 'Tools',
+    run: () => actions.snapBox(),
   },
   {
     keys: ['backspace'],
@@ -245,6 +253,32 @@ export const KEYS: readonly KeyBinding[] = [
     what: 'Go to the active label’s object',
     group: 'View',
     run: () => actions.goToObject(),
+  },
+  {
+    keys: ['y'],
+    shown: 'Y',
+    what: 'Clip to a box, or show everything',
+    group: 'View',
+    run: () => {
+      if (clip.peek()) clip.value = null;
+      else actions.clipTo(null);
+    },
+  },
+  {
+    keys: ['pageup'],
+    shown: 'Page ↑',
+    what: 'Move the clip box along its thinnest side',
+    group: 'View',
+    repeats: true,
+    run: () => scrollClip(1),
+  },
+  {
+    keys: ['pagedown'],
+    shown: 'Page ↓',
+    what: 'Move the clip box back',
+    group: 'View',
+    repeats: true,
+    run: () => scrollClip(-1),
   },
   {
     keys: ['p'],

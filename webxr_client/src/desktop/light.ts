@@ -2,7 +2,8 @@
 import { Color, Vector3 } from 'three';
 import { layers } from '../accumulation';
 import { pointAt, pointAway } from '../cameras/state';
-import { placeIn } from '../cloud/layer';
+import { clipMatrix } from '../clip';
+import { clipIn, placeIn } from '../cloud/layer';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
@@ -42,12 +43,14 @@ export class BrushLight {
     if (tool === 'floor') this.show(hit, FLOOR_SPOT);
     else if (painting && deskWay().size !== null) {
       this.show(hit, radius);
-      inCapsule(frame, hit.position, hit.position, radius, () => (points += 1));
+      const clip = clipMatrix.peek();
+      inCapsule(frame, hit.position, hit.position, radius, () => (points += 1), clip);
       for (const layer of layers.peek()) {
         const at = placeIn(layer, hit.position);
-        inCapsule(layer.frame, at, at, radius, (point) => {
+        const count = (point: number): void => {
           if (layer.holds(layer.frame.labelOf(point))) points += 1;
-        });
+        };
+        inCapsule(layer.frame, at, at, radius, count, clipIn(layer, clip));
       }
     } else this.putOut();
     pointAt(hit.position, 'cloud');

@@ -6,6 +6,7 @@ import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import { isStroke, state } from '../state';
 import type { AheadPreview } from '../tools/ahead';
+import { boxDraft } from '../tools/box-draft';
 import { brushColor, brushFor, brushNow } from '../tools/brush';
 import { LassoOutline, outlineKind } from '../tools/lasso';
 import type { ObjectTool } from '../tools/object';
@@ -13,10 +14,13 @@ import { Path } from '../tools/path';
 import type { RegionPreview } from '../tools/region';
 import type { Stroke, Strokes } from '../tools/strokes';
 import { deskWay } from '../tools/ways';
+import { scrollClip } from '../clip';
 import { Aim } from './aim';
+import { BoxTool } from './box-tool';
 import type { DeskCamera } from './camera';
 import { BrushLight } from './light';
 import { Touches, type Pinch } from './touches';
+import { VolumeHandles } from './volumes';
 
 export interface PointerDeps {
   readonly viewer: Viewer;
@@ -29,7 +33,7 @@ export interface PointerDeps {
   readonly frame: () => CloudFrame | null;
 }
 
-type Drag = 'turn' | 'pan' | 'stroke' | 'lasso' | 'pinch' | 'tap';
+type Drag = 'turn' | 'pan' | 'stroke' | 'lasso' | 'box' | 'handle' | 'pinch' | 'tap';
 
 /** Dabs lie this part of the brush's radius apart on screen. */
 const DAB_SPACING = 0.4;
@@ -48,6 +52,8 @@ export class DeskPointer {
   private readonly aim: Aim;
   private readonly light: BrushLight;
   private readonly lasso: LassoOutline;
+  private readonly boxes: BoxTool;
+  private readonly handles: VolumeHandles;
   private readonly canvas: HTMLCanvasElement;
   private readonly touches = new Touches();
   private readonly abort = new AbortController();
@@ -57,6 +63,8 @@ export class DeskPointer {
     this.lasso = new LassoOutline(this.canvas);
     this.aim = new Aim(deps.viewer, deps.frame);
     this.light = new BrushLight(deps.viewer, this.aim);
+    this.boxes = new BoxTool({ ...deps, aim: this.aim });
+    this.handles = new VolumeHandles(deps.viewer, this.aim);
     const { signal } = this.abort;
     const on = <K extends keyof HTMLElementEventMap>(
       type: K,
@@ -71,7 +79,7 @@ export class DeskPointer {
     });
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
-    on('dblclick', () => this.closeOutline());
+    on('dblclick', () => this.lasso.open && this.endLasso());
     on('contextmenu', (event) => event.preventDefault());
   }
 
@@ -108,6 +116,7 @@ export class DeskPointer {
     const removes = event.altKey && event.button === 0 && this.clicksObjects();
     if (event.button === 1 || (event.altKey && !removes)) return this.pivotUnderCursor('turn');
     if (event.button !== 0) return null;
+    if (this.handles.grab()) return 'handle';
     if (this.lasso.open) {
       if (this.lasso.corner(this.aim.x, this.aim.y)) this.closeOutline();
       return null;
@@ -154,6 +163,8 @@ export class DeskPointer {
       for (const part of event.getCoalescedEvents()) this.dabsTo(part.offsetX, part.offsetY);
       this.dabsTo(event.offsetX, event.offsetY);
     }
+    if (this.drag === 'handle') this.handles.drag();
+    if (this.drag === 'box') this.boxes.stretch();
     const draws = this.drag === 'lasso' || (this.drag === null && this.lasso.open);
     if (draws) this.lasso.add(event.offsetX, event.offsetY);
     this.last.x = event.offsetX;
@@ -177,7 +188,8 @@ export class DeskPointer {
   /** Give up the stroke or outline in progress; false when there is none. */
   cancel(): boolean {
     const { drag } = this;
-    if (drag !== 'stroke' && drag !== 'lasso' && !this.lasso.open) return false;
+    const draft = this.boxes.drop();
+    if (drag !== 'stroke' && drag !== 'lasso' && !this.lasso.open && !draft) return false;
     this.stroke?.cancel();
     this.stroke = null;
     this.lasso.cancel();
@@ -207,6 +219,8 @@ export class DeskPointer {
       this.stroke = null;
     }
     if (this.drag === 'lasso') this.endLasso();
+    if (this.drag === 'box') this.boxes.end();
+    this.handles.release();
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
@@ -223,6 +237,7 @@ export class DeskPointer {
     event.preventDefault();
     this.aim.place(event);
     const notches = -event.deltaY / (event.deltaMode === 0 ? 100 : 3);
+    if (event.altKey && scrollClip(Math.sign(notches))) return;
     // The wheel is the object's while it shows one; with Ctrl it brings closer.
     if (this.clicksObjects() && !event.ctrlKey && this.turnLevels(notches)) return;
     const notch = event.ctrlKey && !event.metaKey && Math.abs(event.deltaY) >= 50;
@@ -253,7 +268,8 @@ export class DeskPointer {
     if (!frame || !info) return null;
     const way = deskWay();
     const { radius } = state.brush.peek();
-    if (way.samples !== 'drawn' && !this.aim.hit(radius)) return 'turn';
+    if (way.name === 'box' && boxDraft.peek()) return this.pivotUnderCursor('turn');
+    if (way.name !== 'lasso' && !this.aim.hit(radius)) return 'turn';
     const brush = brushFor(way, radius);
     if (!brush) return null;
     if (way.samples === 'clicks') {
@@ -262,6 +278,7 @@ export class DeskPointer {
     }
     this.deps.objects.end();
     this.deps.regions.leave();
+    if (way.name === 'box') return this.boxes.begin() ? 'box' : 'turn';
     if (way.samples === 'drawn') {
       this.lasso.begin(this.aim.x, this.aim.y, brushColor());
       return outlineKind.peek() === 'polygon' ? null : 'lasso';
@@ -298,9 +315,9 @@ export class DeskPointer {
     return state.brush.peek().radius / this.aim.pixelAt(distance);
   }
 
-  /** Close the polygon that is drawn; false when there is none. */
+  /** Close the polygon that is drawn, or take the box; false when there is neither. */
   closeOutline(): boolean {
-    if (!this.lasso.open) return false;
+    if (!this.lasso.open) return this.boxes.apply();
     this.endLasso();
     return true;
   }
@@ -308,6 +325,11 @@ export class DeskPointer {
   /** Take back the last corner of the polygon that is drawn; false when there is none. */
   takeBackCorner(): boolean {
     return this.lasso.takeBack();
+  }
+
+  /** Put the box that is drawn on the ground; false when there is none. */
+  snapBox(): boolean {
+    return this.boxes.snap();
   }
 
   /** Show what the outline takes as it is drawn. */
@@ -356,6 +378,8 @@ export class DeskPointer {
   /** Before each picture: light up the points under the brush. */
   update(): void {
     if (this.lasso.changed) this.lookAhead();
+    this.boxes.update();
+    this.handles.update();
     if (!this.aim.moved || this.drag === 'turn' || this.drag === 'pan') return;
     this.aim.moved = false;
     this.light.update();

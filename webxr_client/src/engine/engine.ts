@@ -1,6 +1,7 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
 import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import { layers } from '../accumulation';
+import { clip } from '../clip';
 import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
@@ -30,6 +31,7 @@ import { addBookmark, openBookmarks } from './bookmarks';
 import { Accumulated } from './accumulated';
 import { Address } from './address';
 import { brushActions, setRadius } from './brush';
+import { Clipping } from './clipping';
 import { Detail } from './detail';
 import { floorActions } from './floor';
 import { Following } from './following';
@@ -69,6 +71,7 @@ export class Engine {
   private readonly presence: DeskPresence;
   private readonly detail: Detail;
   private readonly going: Going;
+  private readonly clipping: Clipping;
   private readonly accumulated: Accumulated;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
@@ -127,6 +130,7 @@ export class Engine {
     this.detail = new Detail(this.viewer, this.playback, this.link);
     const seek = (index: number): void => actions.seek(index);
     this.going = new Going({ viewer, camera, frame, seek });
+    this.clipping = new Clipping({ viewer, camera, frame });
     this.accumulated = new Accumulated(this.viewer, this.playback);
     const { playback, link } = this;
     const opened = (): void => {
@@ -199,6 +203,7 @@ export class Engine {
       this.viewer.invalidate();
     }
     this.going.update();
+    this.clipping.update();
     orthographic.value = this.viewer.camera.orthographic;
     this.pointer.update();
     this.presence.update(now, this.pointer.brushAt);
@@ -236,7 +241,7 @@ export class Engine {
       this.regions.leave();
     });
     const { tool, brush, activeLabel, palette, solo, view } = state;
-    watch([tool, brush, activeLabel, palette, solo, view], () => this.pointer.refresh());
+    watch([tool, brush, activeLabel, palette, solo, view, clip], () => this.pointer.refresh());
   }
 
   // ── actions ────────────────────────────────────────────────────────────────────────────────
@@ -269,6 +274,8 @@ export class Engine {
       cancelStroke: () => this.pointer.cancel() || this.objects.end(),
       closeOutline: () => this.pointer.closeOutline(),
       takeBackCorner: () => this.pointer.takeBackCorner(),
+      snapBox: () => this.pointer.snapBox(),
+      clipTo: (slab) => this.clipping.set(slab),
       undo: () => this.travel('undo'),
       redo: () => this.travel('redo'),
       stepObject: (levels) => this.objects.step(levels),

@@ -101,7 +101,7 @@ export function AccumulateSign() {
   const shown = placedFrames.value.length;
   const left = leftOut.value;
   return (
-    <div class="accumulate-sign" role="status">
+    <div class="sign" role="status">
       <span>
         {state.playing.value
           ? 'Frames are laid over one another when time stands'

@@ -6,6 +6,7 @@ import { orthographic } from '../desktop/views';
 import { activeLabel, isStroke, state, type Unsent } from '../state';
 import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';
+import { ClipSign } from './clip';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
@@ -39,7 +40,10 @@ function InRecording() {
       <OfflineBanner />
       {empty && <Opening />}
       {!empty && state.shown.value.total === 0 && <EmptyFrame />}
-      <AccumulateSign />
+      <div class="signs">
+        <AccumulateSign />
+        <ClipSign />
+      </div>
       <CameraPanel />
       <Readout />
       <Views />

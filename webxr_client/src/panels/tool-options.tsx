@@ -8,6 +8,8 @@ import { isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type Colo
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { OutlineKinds } from './outline-kinds';
 import { AccumulateButton } from './accumulate';
+import { BoxOptions } from './box-options';
+import { ClipButton } from './clip';
 import { CamerasButton } from './cameras';
 import { RampButton } from './ramp';
 import { Button, Check, Slider } from './controls';
@@ -102,6 +104,7 @@ function BrushOptions() {
         onChoose={(shape) => actions.setShape(shape)}
       />
       {way.name === 'lasso' && <OutlineKinds />}
+      {way.name === 'box' && <BoxOptions />}
       {way.size !== null && (
         <Slider
           label={way.size}
@@ -278,6 +281,7 @@ function ViewOptions() {
         onInput={(pointSize) => actions.setView({ pointSize })}
       />
       <CamerasButton />
+      <ClipButton />
       <AccumulateButton />
       <OverlayOptions />
     </>

@@ -1,6 +1,7 @@
 /** Brush of a stroke: the store's settings in the words of the wire. */
 import { framesAround } from '../accumulation';
 import { actions } from '../actions';
+import { clipBox } from '../clip';
 import type { Brush } from '../protocol/messages';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
 import { hiddenHere } from './seen';
@@ -37,6 +38,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
     hidden: hiddenHere(),
     frames: framesAround(),
+    clip: clipBox.peek(),
   };
 }
 

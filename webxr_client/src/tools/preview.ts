@@ -1,7 +1,8 @@
 /** Preview of a stroke, found on the page's own points, shown until the server has answered. */
 import { Matrix4, Quaternion } from 'three';
 import { type CloudFrame } from '../cloud/frame';
-import { directionIn, firstHitAmong, placeIn, type Layer } from '../cloud/layer';
+import { cubeOf } from '../cloud/clipping';
+import { clipIn, directionIn, firstHitAmong, placeIn, type Layer } from '../cloud/layer';
 import { DELETED } from '../cloud/piece';
 import { insideOutline } from '../cloud/inside';
 import { alongRay, inBox, inCapsule, type Vec } from '../cloud/pick';
@@ -27,6 +28,8 @@ class Part {
     private readonly seen: Seen,
     /** Source minus local coordinates. */
     shift: Vec,
+    /** `T_cube_frame` of the box outside which nothing is taken. */
+    private readonly clip: Matrix4 | null,
   ) {
     const { tool, label } = brush;
     const value = tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0;
@@ -47,21 +50,22 @@ class Part {
       const T = new Matrix4().set(...(matrix as Parameters<Matrix4['set']>));
       T.multiply(new Matrix4().makeTranslation(x, y, z));
       if (layer) T.multiply(layer.inverse.clone().invert());
-      insideOutline(this.frame, polygon, T.transpose().toArray(), this.touch);
+      insideOutline(this.frame, polygon, T.transpose().toArray(), this.touch, this.clip);
     }
     if (shape === 'box' && center && size) {
       const local: Vec = [center[0] - x, center[1] - y, center[2] - z];
       const turn = new Quaternion(...(quaternion ?? [0, 0, 0, 1]));
       if (layer) turn.premultiply(new Quaternion().setFromRotationMatrix(layer.inverse));
       const { x: i, y: j, z: k, w } = turn;
-      inBox(this.frame, layer ? placeIn(layer, local) : local, size, [i, j, k, w], this.touch);
+      const middle = layer ? placeIn(layer, local) : local;
+      inBox(this.frame, middle, size, [i, j, k, w], this.touch, this.clip);
     }
   }
 
   ball(from: Vec, to: Vec, radius: number): void {
     const { layer } = this;
     const [a, b] = layer ? [placeIn(layer, from), placeIn(layer, to)] : [from, to];
-    inCapsule(this.frame, a, b, radius, this.touch);
+    inCapsule(this.frame, a, b, radius, this.touch, this.clip);
   }
 
   along(origin: Vec, direction: Vec, radius: number): void {
@@ -69,7 +73,7 @@ class Part {
     const [a, b] = layer
       ? [placeIn(layer, origin), directionIn(layer, direction)]
       : [origin, direction];
-    alongRay(this.frame, a, b, radius, this.touch);
+    alongRay(this.frame, a, b, radius, this.touch, this.clip);
   }
 
   private readonly touch = (point: number): void => {
@@ -103,6 +107,7 @@ export class StrokePreview {
   /** Place of the ball at the last sample. */
   private readonly last: [number, number, number] = [NaN, NaN, NaN];
   private readonly parts: readonly Part[];
+  private readonly clip: Matrix4 | null;
 
   constructor(
     readonly id: string,
@@ -115,10 +120,12 @@ export class StrokePreview {
     /** Frames laid over the one on screen. */
     private readonly layers: readonly Layer[] = [],
   ) {
-    const others = layers.map(
-      (layer, k) => new Part(`${id}:${k}`, layer.frame, layer, brush, locked, seen, shift),
-    );
-    this.parts = [new Part(id, frame, null, brush, locked, seen, shift), ...others];
+    const clip = brush.clip ? cubeOf(brush.clip, shift) : null;
+    this.clip = clip;
+    const part = (name: string, of: CloudFrame, layer: Layer | null): Part =>
+      new Part(name, of, layer, brush, locked, seen, shift, layer ? clipIn(layer, clip) : clip);
+    const others = layers.map((layer, k) => part(`${id}:${k}`, layer.frame, layer));
+    this.parts = [part(id, frame, null), ...others];
   }
 
   /** Points that the stroke would change, as far as they were shown. */
@@ -134,7 +141,7 @@ export class StrokePreview {
       for (let i = 0; i < parts.length; i++) parts[i]!.along(origin, direction, radius);
     } else if (brush.shape === 'ray') {
       const meets = brush.tool === 'restore' ? isDeleted : this.seen;
-      const hit = firstHitAmong(frame, this.layers, origin, direction, radius, meets);
+      const hit = firstHitAmong(frame, this.layers, origin, direction, radius, meets, this.clip);
       if (hit) this.ball(hit.position, hit.position, radius);
     } else if (brush.shape === 'sphere') {
       this.ball(Number.isNaN(last[0]) ? origin : last, origin, radius);

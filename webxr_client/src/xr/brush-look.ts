@@ -1,5 +1,6 @@
 /** How the brush looks: the ball at the tip, the ray's length, and the points that light up. */
 import { Color, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
+import { clipMatrix } from '../clip';
 import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
 import { FLOOR_SPOT } from '../engine/floor';
@@ -107,7 +108,7 @@ export class BrushLook {
     const { local, aim, place, scratch } = this;
     place.toLocal(hand.origin, scratch).toArray(local);
     place.directionToLocal(hand.direction, scratch).toArray(aim);
-    return firstHit(frame, local, aim, radius, this.seen);
+    return firstHit(frame, local, aim, radius, this.seen, clipMatrix.peek());
   }
 
   private newColor(): string | null {

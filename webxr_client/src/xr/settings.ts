@@ -7,8 +7,8 @@ export type Side = 'left' | 'right';
 export interface XrSettings {
   /** The hand that paints; the other one holds the palette. */
   readonly hand: Side;
-  /** What paints: a ball at the tip, a ray for what is far, a box between both hands. */
-  readonly tip: 'ball' | 'ray' | 'box';
+  /** What the brush paints by: a ball at the tip, or a ray for what is far. */
+  readonly tip: 'ball' | 'ray';
   readonly move: 'teleport' | 'smooth';
   /** Degrees a turn; 0 turns evenly. */
   readonly snap: number;
@@ -51,7 +51,10 @@ export function change(fields: Partial<XrSettings>): void {
 function load(): XrSettings {
   try {
     const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '{}');
-    return typeof kept === 'object' ? { ...DEFAULTS, ...kept } : DEFAULTS;
+    if (typeof kept !== 'object' || kept === null) return DEFAULTS;
+    const settings: XrSettings = { ...DEFAULTS, ...kept };
+    // A tip that is none any more: older pages kept the box as one.
+    return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'ball' };
   } catch {
     return DEFAULTS;
   }

@@ -76,6 +76,6 @@ function checksOf(way: Way): readonly CheckRow[] {
 }
 
 export function chooseWay(way: Way): void {
-  if (way.name === 'ball' || way.name === 'ray' || way.name === 'box') change({ tip: way.name });
+  if (way.name === 'ball' || way.name === 'ray') change({ tip: way.name });
   actions.setShape(way.shape);
 }
