@@ -37,7 +37,7 @@ def fill(store: LabelStore, sequence: str, edits: int) -> None:
     """Give a sequence a long history, many edits in a transaction; half of it in frame 0."""
     sessions = store._sessions
     rng = np.random.default_rng(1)
-    with sessions.reading(sequence) as (_, state):
+    with sessions.knowing(sequence) as state:
         pass
     for start in range(0, edits, BATCH):
         with state.lock, store._database.write() as connection:
@@ -47,8 +47,7 @@ def fill(store: LabelStore, sequence: str, edits: int) -> None:
                 write = Write(stroke(rng, 3, 20), label=1 + number % 3, provenance=1)
                 draft.write(frame, write)
                 entry = Entry(f"fill {number}", AUTHORS[number % 4], "paint", "paint 60 points")
-                _, effect = sessions._append(draft, entry)
-                sessions._adopt(draft, effect)
+                sessions.writer._append(draft, entry, last=False)
 
 
 def timed(work: Callable[[], object]) -> tuple[float, float]:

@@ -26,6 +26,7 @@ class LightViewer(asyncio.Protocol):
     """One socket; ``arrivals`` holds time, frame and bytes of each frame message."""
 
     protocol = subprotocol()
+    peek = PEEK
 
     def __init__(self, host: str, token: str) -> None:
         self.arrivals: list[tuple[float, int, int]] = []
@@ -84,9 +85,9 @@ class LightViewer(asyncio.Protocol):
             length, start = int.from_bytes(buffer[2:4], "big"), 4
         elif length == 127:
             length, start = int.from_bytes(buffer[2:10], "big"), 10
-        if len(buffer) < start + min(length, PEEK):
+        if len(buffer) < start + min(length, self.peek):
             return False
-        self._seen(bytes(buffer[start : start + PEEK]), length)
+        self._seen(bytes(buffer[start : start + min(length, self.peek)]), length)
         self._skip = max(0, start + length - len(buffer))
         del buffer[: start + length]
         return self._skip == 0
@@ -94,7 +95,7 @@ class LightViewer(asyncio.Protocol):
     def _seen(self, peek: bytes, length: int) -> None:
         if b"\xa4type\xa5frame" not in peek[:16]:
             return
-        unpacker = msgpack.Unpacker(max_buffer_size=PEEK)
+        unpacker = msgpack.Unpacker(max_buffer_size=self.peek)
         unpacker.feed(peek)
         unpacker.read_map_header()
         # type, sequence, frame, total and final come first.

@@ -18,9 +18,11 @@ def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
 
 def by_block(numbers: NDArray[np.int64], size: int) -> Iterator[tuple[int, slice]]:
     """The first number of each block of ``size`` that sorted ``numbers`` (n,) meet, and where."""
+    if not len(numbers):
+        return
     blocks = numbers // size
-    starts = np.flatnonzero(np.diff(blocks, prepend=-1))
-    for start, stop in zip(starts.tolist(), [*starts[1:].tolist(), len(numbers)], strict=False):
+    ends = [*(np.flatnonzero(blocks[1:] != blocks[:-1]) + 1).tolist(), len(numbers)]
+    for start, stop in zip([0, *ends], ends, strict=False):
         yield int(blocks[start]) * size, slice(start, stop)
 
 

@@ -474,12 +474,19 @@ class Workspace:
 
     def begin_stroke(
         self, sequence: str, frame: int, brush: Mapping[str, Any], stroke_id: str | None = None
-    ) -> LiveStroke | ObjectStroke:
-        """Start a stroke that is still being drawn; see LiveStroke."""
+    ) -> LiveStroke | ObjectStroke | Commit:
+        """Start a stroke that is still being drawn; see LiveStroke.
+
+        One that is sent again after its answer was lost has been applied: that is its commit.
+        """
+        given = edit_id(stroke_id)
+        begun = self.store.begin(sequence, given)
+        if isinstance(begun, Commit):
+            return begun
+        recording = self.recording(sequence)
         if brush.get("shape") == "object":
-            recording, given = self.recording(sequence), edit_id(stroke_id)
             return ObjectStroke(self._objects, self.store, recording, frame, brush, given)
-        return LiveStroke(self.store, self.recording(sequence), frame, brush, edit_id(stroke_id))
+        return LiveStroke(self.store, begun, recording, frame, brush, given)
 
     def placements(
         self, sequence: str, frame: int, before: int, after: int
@@ -496,11 +503,9 @@ class Workspace:
 
     def stroke(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
         """Apply a whole stroke (the contract's fields); durable when this returns."""
-        stroke_id = edit_id(fields.get("id"))
-        repeated = self.store.find(sequence, stroke_id)
-        if repeated is not None:
-            return repeated
-        live = self.begin_stroke(sequence, frame, fields, stroke_id)
+        live = self.begin_stroke(sequence, frame, fields, fields.get("id"))
+        if isinstance(live, Commit):
+            return live
         live.add(fields.get("samples") or [])
         return live.commit(author)
 
@@ -513,7 +518,8 @@ class Workspace:
         recording = self.recording(sequence)
         if fields.get("shape", "object") == "object":
             return self._objects.answer(recording, frame, self._objects.parse(fields))
-        live = LiveStroke(self.store, recording, frame, fields, edit_id(None))
+        view = self.store.view(sequence)
+        live = LiveStroke(self.store, view, recording, frame, fields, edit_id(None))
         live.add(fields.get("positives") or [])
         numbers = live.previewed()
         levels = (Level("", 0, 1.0, numbers),) if len(numbers) else ()

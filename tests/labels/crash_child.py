@@ -15,7 +15,7 @@ from typing import Any
 from random_edits import AUTHORS, apply_to_store, random_edit
 
 from pointbrush.errors import PointbrushError
-from pointbrush.labels import LabelStore, sessions
+from pointbrush.labels import LabelStore, writer
 
 SPEAKING = threading.Lock()
 
@@ -39,7 +39,7 @@ def work(store: LabelStore, sequence: str, author: str, rng: random.Random) -> N
 
 def main() -> None:
     url, sequence, seed = sys.argv[1:]
-    sessions.SNAPSHOT_EVERY = 4
+    writer.SNAPSHOT_EVERY = 4
     store = LabelStore(url)
     say(ready=True)
     threads = [

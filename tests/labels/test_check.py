@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore, Write, sessions
+from pointbrush.labels import LabelStore, Write, writer
 from pointbrush.labels.packing import encode_states
 
 SEQ = "juggling"
@@ -14,7 +14,7 @@ SEQ = "juggling"
 
 @pytest.fixture
 def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
-    monkeypatch.setattr(sessions, "SNAPSHOT_EVERY", 2)
+    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
     for name in ("one", "two"):
         store.create_label(SEQ, "ann", name=name)
     for number in range(6):

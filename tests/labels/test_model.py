@@ -14,7 +14,7 @@ from label_model import Model
 from waiting import eventually
 
 from pointbrush.errors import PointbrushError
-from pointbrush.labels import Commit, LabelStore, Write, sessions
+from pointbrush.labels import Commit, LabelStore, Write, writer
 
 # Points on both sides of the border between two blocks.
 PLACES = [0, 1, 2, 3, 65_534, 65_535, 65_536, 65_537]
@@ -202,7 +202,7 @@ def _outcome(work: Callable[[], object]) -> type[Exception] | None:
 @pytest.fixture
 def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[LabelStore]]:
     # Snapshots all the time, and one of the two can keep but a single block in memory.
-    monkeypatch.setattr(sessions, "SNAPSHOT_EVERY", 3)
+    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 3)
     opened = [LabelStore(url), LabelStore(url, cache_bytes=1)]
     yield opened
     for store in opened:

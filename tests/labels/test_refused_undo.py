@@ -10,7 +10,7 @@ import pytest
 
 from pointbrush.errors import UnavailableError
 from pointbrush.labels import LabelStore, Write
-from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.writer import Writer
 
 
 def test_a_refused_undo_leaves_the_edit_in_force(
@@ -25,12 +25,12 @@ def test_a_refused_undo_leaves_the_edit_in_force(
         writes = {0: Write(np.arange(100), label=label, provenance=1)}
         store.apply("s", edit_id=None, author="ann", kind="paint", writes=writes, summary="")
 
-    def full(*_: Any) -> None:
+    def full(*_: Any, **__: Any) -> None:
         raise UnavailableError("the disk is full")
 
     paint(1)
     with monkeypatch.context() as patch:
-        patch.setattr(Sessions, "_append", full)
+        patch.setattr(Writer, "_append", full)
         with pytest.raises(UnavailableError):
             store.undo("s", "ann")
     paint(2)

@@ -11,7 +11,7 @@ import pytest
 from postgres import PostgresServer
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore, Write, check_database, sessions
+from pointbrush.labels import LabelStore, Write, check_database, writer
 from pointbrush.labels.packing import encode_states
 
 SEQ = "juggling"
@@ -21,7 +21,7 @@ PAGE = 8192
 @pytest.fixture
 def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
     """Six edits with tracks, one undone, and snapshots of their blocks."""
-    monkeypatch.setattr(sessions, "SNAPSHOT_EVERY", 2)
+    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
     for name in ("one", "two"):
         store.create_label(SEQ, "ann", name=name)
     for number in range(6):

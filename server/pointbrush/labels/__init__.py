@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         Label,
         Write,
     )
+    from pointbrush.labels.view import View
 
 __all__ = [
     "KEPT_SECONDS",
@@ -45,6 +46,7 @@ __all__ = [
     "Review",
     "Token",
     "Tokens",
+    "View",
     "Write",
     "check_database",
     "move",
@@ -69,6 +71,7 @@ _PLACES = {
     "FrameValues": "pointbrush.labels.types",
     "GapError": "pointbrush.labels.types",
     "Label": "pointbrush.labels.types",
+    "View": "pointbrush.labels.view",
     "Write": "pointbrush.labels.types",
 }
 if not TYPE_CHECKING:

@@ -14,6 +14,7 @@ from sqlalchemy import select
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import accounts
+from pointbrush.labels.statements import driver_of, upsert
 
 LONGEST_NAME = 128
 OWNER = "owner"
@@ -25,6 +26,8 @@ BIDIRECTIONAL = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u206
 """Signs that change how what stands behind them is read."""
 MARK = ":"
 """In the id of accounts whose name is in the table: no token made now is called so."""
+
+_PUT = upsert(accounts)
 
 
 class Accounts:
@@ -57,7 +60,7 @@ class Accounts:
         if self.name(account) == name:
             return
         with self._database.write() as connection:
-            self._database.upsert(connection, accounts, [{"id": account, "name": name}])
+            _PUT.run(driver_of(connection), {"id": account, "name": name})
         with self._lock:
             self._names[account] = name
 

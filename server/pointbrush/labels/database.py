@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sqlite3
 import threading
 import time
 from collections.abc import Iterator
@@ -22,11 +23,12 @@ from sqlalchemy import (
     make_url,
     text,
 )
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import URL
 
 from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
+from pointbrush.labels.look import Look
 from pointbrush.labels.private_copy import PrivateCopy
+from pointbrush.labels.statements import DIALECTS, INSERT, Driver, Statement, Values, driver_of
 from pointbrush.permissions import file_writable, writable
 
 BUSY_SECONDS = 10.0
@@ -80,12 +82,11 @@ class Database:
         self._writer: contextlib.AbstractContextManager[Any] = (
             threading.Lock() if self.sqlite else contextlib.nullcontext()
         )
-        # Building such a statement takes longer than running it.
-        self._upserts: dict[str, Any] = {}
         self.limits = limits or Limits()
         self.engine = (
             _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url, self.limits)
         )
+        self._look = Look(self._driver)
 
     def ping(self) -> None:
         """Read one row; raises UnavailableError."""
@@ -102,6 +103,24 @@ class Database:
         args, fields = self.engine.dialect.create_connect_args(self.url)
         waits = patience(self.url, self.limits)
         return psycopg.connect(*args, **{**fields, **waits}, autocommit=True)
+
+    def look(self, statement: Statement, values: Values) -> Any:
+        """The row that a short question gives as of now, or None; raises UnavailableError."""
+        with _translated():
+            return self._look.one(statement, values)
+
+    def _driver(self) -> Driver:
+        """A connection of the driver, each of whose statements is by itself."""
+        if self.sqlite:
+            return sqlite3.connect(
+                str(self.url.database),
+                timeout=BUSY_SECONDS,
+                isolation_level=None,
+                check_same_thread=False,
+            )
+        connection = self.listener()
+        connection.execute(f"SET statement_timeout TO '{self.limits.statement_seconds}s'")
+        return connection
 
     def seal(self) -> None:
         """Refuse to write from now on, if this is a private copy: it would be lost."""
@@ -126,19 +145,27 @@ class Database:
                 yield connection
 
     @contextlib.contextmanager
-    def write(self) -> Iterator[Connection]:
+    def write(self, *, begun: bool = True) -> Iterator[Connection]:
         """A transaction that is on the disk when this ends; raises UnavailableError.
 
-        Any error rolls it back.  Raises ReadOnlyError where nothing can be written.
+        Any error rolls it back.  ``begun`` False: it begins with ``statements.begin`` and commits
+        with ``statements.commit``, so that they leave together with others; what has not been
+        committed so is rolled back.  Raises ReadOnlyError where nothing can be written.
         """
         if self._sealed:
             raise ReadOnlyError(READ_ONLY)
         with self._writer, _translated(), self.engine.connect() as connection:
-            connection = connection.execution_options(writes=True)
+            by_hand = not begun and not self.sqlite
+            how = {"isolation_level": "AUTOCOMMIT"} if by_hand else {}
+            connection = connection.execution_options(writes=True, **how)
             try:
                 with connection.begin():
-                    yield connection
-            except exc.DBAPIError:
+                    try:
+                        yield connection
+                    finally:
+                        if by_hand:
+                            driver_of(connection).rollback()
+            except (exc.DBAPIError, sqlite3.Error, psycopg.Error):
                 # After a full disk or a lost server the connection's state is not to be trusted.
                 connection.invalidate()
                 raise
@@ -149,19 +176,11 @@ class Database:
             return time.time()
         return float(connection.execute(text("SELECT extract(epoch FROM now())")).scalar_one())
 
-    def upsert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
-        """Insert rows, replacing those with the same primary key."""
-        if not rows:
-            return
-        if table.name not in self._upserts:
-            self._upserts[table.name] = self._upsert(table)
-        connection.execute(self._upserts[table.name], rows)
-
     def insert_new(self, connection: Connection, index: Index, row: dict[str, Any]) -> bool:
         """Insert a row unless the unique ``index`` has its like; tells whether it did."""
         table = cast(Table, index.table)
-        where = index.dialect_options["sqlite" if self.sqlite else "postgresql"]["where"]
-        statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
+        where = index.dialect_options[DIALECTS[self.sqlite].name]["where"]
+        statement: Any = INSERT[self.sqlite](table)
         columns = [column.name for column in index.columns]
         statement = statement.on_conflict_do_nothing(index_elements=columns, index_where=where)
         done = connection.execute(
@@ -169,15 +188,9 @@ class Database:
         )
         return done.rowcount > 0
 
-    def _upsert(self, table: Table) -> Any:
-        keys = [column.name for column in table.primary_key]
-        statement: Any = (sqlite if self.sqlite else postgresql).insert(table)
-        excluded = statement.excluded
-        rest = {column.name: excluded[column.name] for column in table.c if column.name not in keys}
-        return statement.on_conflict_do_update(index_elements=keys, set_=rest)
-
     def close(self) -> None:
         """Close all connections."""
+        self._look.close()
         self.engine.dispose()
         if self._copy is not None:
             self._copy.close()
@@ -194,13 +207,14 @@ def _private_copy(path: Path) -> PrivateCopy | None:
 def _translated() -> Iterator[None]:
     try:
         yield
-    except (exc.DBAPIError, exc.TimeoutError) as error:
-        if isinstance(getattr(error, "orig", None), psycopg.errors.ReadOnlySqlTransaction):
+    except (exc.DBAPIError, exc.TimeoutError, sqlite3.Error, psycopg.Error) as error:
+        cause = getattr(error, "orig", error)
+        if isinstance(cause, psycopg.errors.ReadOnlySqlTransaction):
             raise ReadOnlyError(READ_ONLY) from error
         raise _unavailable(error) from error
 
 
-def _unavailable(error: exc.DBAPIError | exc.TimeoutError) -> UnavailableError:
+def _unavailable(error: Exception) -> UnavailableError:
     """An error in our words; the address of a server that is away is for its operator only."""
     cause = getattr(error, "orig", None) or error
     reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__

@@ -5,62 +5,51 @@ Palette, tracks, counts, and the last change of each frame.
 
 from __future__ import annotations
 
-from sqlalchemy import and_, bindparam, delete
+from typing import Any
+
+from sqlalchemy import bindparam, delete
 
 from pointbrush.labels import schema
-from pointbrush.labels.database import Database
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect
+from pointbrush.labels.statements import Driver, Statement, upsert
+
+_PUT_LABEL, _PUT_TRACK = upsert(schema.labels), upsert(schema.tracks)
+_PUT_COUNT, _PUT_CHANGE = upsert(schema.counts), upsert(schema.frame_changes)
+_DROP_LABEL = Statement(
+    delete(schema.labels).where(
+        schema.labels.c.sequence == bindparam("sequence"), schema.labels.c.id == bindparam("id")
+    )
+)
+_DROP_TRACK = Statement(
+    delete(schema.tracks).where(
+        schema.tracks.c.sequence == bindparam("sequence"),
+        schema.tracks.c.frame == bindparam("frame"),
+        schema.tracks.c.label == bindparam("label"),
+    )
+)
+_FIELDS = ("id", "name", "category", "color", "locked", "visible", "instance", "position")
 
 
-def derive(database: Database, draft: Draft, effect: Effect) -> None:
+def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
     """Bring the palette, the tracks, the counts and the frames' last changes up to date."""
-    connection, number = draft.connection, draft.state.number
-    set_labels = [label for label in draft.labels.values() if label is not None]
-    fields = ("id", "name", "category", "color", "locked", "visible", "instance", "position")
-    database.upsert(
-        connection,
-        schema.labels,
-        [{"sequence": number, **{f: getattr(label, f) for f in fields}} for label in set_labels],
+    here = {"sequence": draft.state.number}
+
+    def row(**columns: Any) -> dict[str, Any]:
+        return {**here, **columns}
+
+    given = [label for label in draft.labels.values() if label is not None]
+    _PUT_LABEL.run_each(driver, [row(**{f: getattr(one, f) for f in _FIELDS}) for one in given])
+    gone = [row(id=number) for number, label in draft.labels.items() if label is None]
+    _DROP_LABEL.run_each(driver, gone)
+    tracks = [row(frame=f, label=n, data=data) for (f, n), data in draft.tracks.items()]
+    _PUT_TRACK.run_each(driver, [one for one in tracks if one["data"] is not None])
+    _DROP_TRACK.run_each(driver, [one for one in tracks if one["data"] is None])
+    counts = effect.counts.items()
+    _PUT_COUNT.run_each(
+        driver,
+        [row(frame=f, label=n, points=a, painted=b, held=c) for (f, n), (a, b, c) in counts],
     )
-    for gone in (label_id for label_id, label in draft.labels.items() if label is None):
-        here = and_(schema.labels.c.sequence == number, schema.labels.c.id == gone)
-        connection.execute(delete(schema.labels).where(here))
-    database.upsert(
-        connection,
-        schema.tracks,
-        [
-            {"sequence": number, "frame": frame, "label": label, "data": data}
-            for (frame, label), data in draft.tracks.items()
-            if data is not None
-        ],
-    )
-    table = schema.tracks.c
-    gone_tracks = [
-        {"at_frame": frame, "of_label": label}
-        for (frame, label), data in draft.tracks.items()
-        if data is None
-    ]
-    if gone_tracks:
-        here = and_(
-            table.sequence == number,
-            table.frame == bindparam("at_frame"),
-            table.label == bindparam("of_label"),
-        )
-        connection.execute(delete(schema.tracks).where(here), gone_tracks)
-    database.upsert(
-        connection,
-        schema.counts,
-        [
-            {"sequence": number, "frame": f, "label": n, "points": a, "painted": b, "held": c}
-            for (f, n), (a, b, c) in effect.counts.items()
-        ],
-    )
-    database.upsert(
-        connection,
-        schema.frame_changes,
-        [
-            {"sequence": number, "frame": frame, "revision": draft.revision}
-            for frame in effect.frames
-        ],
+    _PUT_CHANGE.run_each(
+        driver, [row(frame=frame, revision=draft.revision) for frame in effect.frames]
     )

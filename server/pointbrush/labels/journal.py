@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,23 +20,26 @@ from sqlalchemy import (
 from pointbrush.labels import schema
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.changes import Changes
-from pointbrush.labels.database import CHUNK, Database
+from pointbrush.labels.database import CHUNK
 from pointbrush.labels.derived import derive
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
+from pointbrush.labels.statements import Driver, Statement
+from pointbrush.labels.types import Commit
 
-# Statements of every stroke, built once: building one takes longer than running it.
-_FIND = select(edits).where(
-    edits.c.sequence == bindparam("of_sequence"), edits.c.id == bindparam("edit_id")
+FIND = Statement(
+    select(edits).where(
+        edits.c.sequence == bindparam("of_sequence"), edits.c.id == bindparam("edit_id")
+    )
 )
-_ADVANCE = (
+_ADVANCE = Statement(
     update(schema.sequences)
     .where(schema.sequences.c.number == bindparam("of_sequence"))
     .values(revision=bindparam("to_revision"), highest_label=bindparam("to_label"))
 )
-_DROP_REDO = (
+_DROP_REDO = Statement(
     update(edits)
     .where(
         edits.c.sequence == bindparam("of_sequence"),
@@ -46,6 +48,7 @@ _DROP_REDO = (
     )
     .values(state=schema.DROPPED)
 )
+"""The author went on: what they had undone stays undone."""
 _CHANGE_AT = select(edit_blocks.c.data).where(
     edit_blocks.c.sequence == bindparam("of_sequence"),
     edit_blocks.c.revision == bindparam("of_revision"),
@@ -71,9 +74,14 @@ _STACK = (
     .limit(1)
 )
 _FIRST, _LAST = _STACK.order_by(edits.c.revision), _STACK.order_by(edits.c.revision.desc())
-_INSERT_EDIT, _INSERT_BLOCK = insert(edits), insert(edit_blocks)
+_INSERT_EDIT, _INSERT_BLOCK = Statement(insert(edits)), Statement(insert(edit_blocks))
+_INSERT_LABEL, _INSERT_TRACK = Statement(insert(edit_labels)), Statement(insert(edit_tracks))
 
 BLOCKS_AT_ONCE = 256
+
+
+Told = str | Callable[[int, int], str]
+"""A sentence of the history, or what makes it of the numbers of points and frames changed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,26 +91,31 @@ class Entry:
     id: str
     author: str
     kind: str
-    summary: str
+    summary: Told
     state: int = schema.ACTIVE
     target: int | None = None
     """Revision of the edit that an undo or redo is about."""
 
+    def told(self, points: int, frames: int) -> str:
+        """The sentence of the history."""
+        return self.summary if isinstance(self.summary, str) else self.summary(points, frames)
 
-def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> float:
-    """Write an edit and everything derived from it; returns its time."""
-    now = time.time()
-    connection, number, revision = draft.connection, draft.state.number, draft.revision
+
+def append(driver: Driver, draft: Draft, entry: Entry, commit: Commit, effect: Effect) -> None:
+    """Write an edit and everything derived from it; nothing is read."""
+    number, revision = draft.state.number, draft.revision
+    if entry.state == schema.ACTIVE:
+        _DROP_REDO.run(driver, {"of_sequence": number, "of_author": entry.author})
     key = {"sequence": number, "revision": revision}
-    connection.execute(
-        _INSERT_EDIT,
+    _INSERT_EDIT.run(
+        driver,
         {
             **key,
             "id": entry.id,
             "author": entry.author,
-            "time": now,
+            "time": commit.time,
             "kind": entry.kind,
-            "summary": entry.summary,
+            "summary": commit.summary,
             "points": effect.changed,
             "frames": json.dumps(sorted(effect.frames)),
             "labels": json.dumps(sorted({*draft.labels, *draft.label_fields})),
@@ -112,24 +125,23 @@ def append(database: Database, draft: Draft, entry: Entry, effect: Effect) -> fl
             "redone": 0,
         },
     )
-    _append_parts(draft, key)
-    derive(database, draft, effect)
-    connection.execute(
-        _ADVANCE,
+    _append_parts(driver, draft, key)
+    derive(driver, draft, effect)
+    _ADVANCE.run(
+        driver,
         {
             "of_sequence": number,
             "to_revision": revision,
             "to_label": max([draft.state.highest_label, *draft.label_fields]),
         },
     )
-    return now
 
 
-def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
-    connection, places = draft.connection, list(draft.changes)
+def _append_parts(driver: Driver, draft: Draft, key: dict[str, Any]) -> None:
+    places = list(draft.changes)
     for first in range(0, len(places), BLOCKS_AT_ONCE):
-        connection.execute(
-            _INSERT_BLOCK,
+        _INSERT_BLOCK.run_each(
+            driver,
             [
                 {
                     **key,
@@ -141,17 +153,16 @@ def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
                 for place in places[first : first + BLOCKS_AT_ONCE]
             ],
         )
-    if draft.label_fields:
-        connection.execute(
-            insert(edit_labels),
-            [
-                {**key, "label": label, "fields": json.dumps(fields)}
-                for label, fields in draft.label_fields.items()
-            ],
-        )
-    if draft.own_tracks and draft.tracks:
-        connection.execute(
-            insert(edit_tracks),
+    _INSERT_LABEL.run_each(
+        driver,
+        [
+            {**key, "label": label, "fields": json.dumps(fields)}
+            for label, fields in draft.label_fields.items()
+        ],
+    )
+    if draft.own_tracks:
+        _INSERT_TRACK.run_each(
+            driver,
             [
                 {**key, "frame": frame, "label": label, "data": data}
                 for (frame, label), data in draft.tracks.items()
@@ -162,9 +173,9 @@ def _append_parts(draft: Draft, key: dict[str, Any]) -> None:
 # ── reading ──────────────────────────────────────────────────────────────────────────────────
 
 
-def find(connection: Connection, number: int, edit_id: str) -> Row[Any] | None:
-    """The row of the edit with this id."""
-    return connection.execute(_FIND, {"of_sequence": number, "edit_id": edit_id}).one_or_none()
+def look_for(driver: Driver, number: int, edit_id: str) -> Any:
+    """Ask for the edit with this id: a cursor, whose row ``FIND.one`` gives."""
+    return FIND.run(driver, {"of_sequence": number, "edit_id": edit_id})
 
 
 def rows_since(connection: Connection, number: int, revision: int, limit: int) -> list[Row[Any]]:
@@ -249,8 +260,3 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
     """Mark an edit as undone, or as redone."""
     here = and_(edits.c.sequence == number, edits.c.revision == revision)
     connection.execute(update(edits).where(here).values(**values))
-
-
-def drop_redo(connection: Connection, number: int, author: str) -> None:
-    """``author`` went on: what they had undone stays undone."""
-    connection.execute(_DROP_REDO, {"of_sequence": number, "of_author": author})

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import psycopg
-from sqlalchemy import Connection, text
 
 from pointbrush.labels.database import Database
+from pointbrush.labels.statements import Driver
 from pointbrush.labels.types import Commit
 
 log = logging.getLogger(__name__)
@@ -99,13 +99,10 @@ class Watcher:
             if self._thread.ident is None and not self._stop.is_set():
                 self._thread.start()
 
-    def announce(self, connection: Connection) -> None:
+    def announce(self, driver: Driver) -> None:
         """Tell other processes, when the transaction commits."""
         if not self._database.sqlite:
-            connection.execute(
-                text("SELECT pg_notify(:channel, :origin)"),
-                {"channel": CHANNEL, "origin": self.origin},
-            )
+            driver.execute("SELECT pg_notify(%s, %s)", (CHANNEL, self.origin))
 
     def close(self) -> None:
         """End the thread."""

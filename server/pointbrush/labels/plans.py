@@ -12,7 +12,7 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import journal, palette, schema, undo
 from pointbrush.labels.distinct import free_name_and_color
 from pointbrush.labels.draft import Draft
-from pointbrush.labels.journal import Entry
+from pointbrush.labels.journal import Entry, Told
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
@@ -25,7 +25,7 @@ Plan = Callable[[Draft], Entry]
 Tracks = dict[tuple[int, int], str | None]
 
 
-def new_entry(edit_id: str | None, author: str, kind: str, summary: str) -> Entry:
+def new_entry(edit_id: str | None, author: str, kind: str, summary: Told) -> Entry:
     """An entry with checked texts; a new id when none is given.  Raises BadInputError."""
     edit_id = str(uuid.uuid4()) if edit_id is None else check_text("edit id", edit_id, ID_LIMIT)
     check_text("author", author, AUTHOR_LIMIT)

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import Connection, distinct, func, select
 
 from pointbrush.errors import BadInputError
@@ -13,12 +14,20 @@ from pointbrush.labels import schema
 from pointbrush.labels.packing import BLOCK, DELETION, LABELS, deleted_of, label_of, provenance_of
 from pointbrush.labels.state import SequenceState, visible
 from pointbrush.labels.types import FrameValues
+from pointbrush.ranges import by_block
 
 
 def values(
-    connection: Connection, state: SequenceState, frame: int, first: int, count: int | None
+    connection: Connection | None,
+    state: SequenceState,
+    frame: int,
+    first: int,
+    count: int | None,
 ) -> FrameValues:
-    """Annotation of points [first, first + count) of a frame, as far as it has them."""
+    """Annotation of points [first, first + count) of a frame, as far as it has them.
+
+    Raises NotInMemoryError where a block must be read, and there is no ``connection``.
+    """
     points = state.frame_points(frame)
     if first < 0 or (count is not None and count < 0):
         raise BadInputError(f"points: expected first and count of 0 or more, got {first}, {count}")
@@ -49,6 +58,25 @@ def values(
                 result.label[into] = label_of(shown)
                 result.provenance[into] = provenance_of(shown)
     return result
+
+
+def at(
+    connection: Connection | None, state: SequenceState, frame: int, numbers: NDArray[np.int64]
+) -> FrameValues:
+    """Annotation of sorted point ``numbers`` (n,) of a frame; raises as ``values`` does."""
+    words = {layer: np.empty(len(numbers), np.uint64) for layer in (LABELS, DELETION)}
+    for first, mine in by_block(numbers, BLOCK):
+        for layer, found in words.items():
+            block = state.block(connection, (frame, layer, first // BLOCK))
+            found[mine] = block.words(numbers[mine] - first)
+    shown = visible(words[LABELS], state.exists)
+    return FrameValues(
+        label_of(shown),
+        provenance_of(shown),
+        deleted_of(words[DELETION]),
+        state.revision,
+        state.changed.get(frame, 0),
+    )
 
 
 def counts(state: SequenceState) -> dict[tuple[int, int], tuple[int, int]]:

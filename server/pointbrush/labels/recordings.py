@@ -16,6 +16,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.guards import busy_with
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LIVE, decode_points, encode_points
+from pointbrush.labels.statements import driver_of
 
 KEPT_SECONDS = 30 * 86_400.0
 """Time in which a deleted recording can be restored."""
@@ -70,7 +71,7 @@ class Recordings:
                 row = self._make_room(connection, sequence, row, counts, identity)
             elif identity is not None and row.identity is None:
                 _change(connection, row.number, identity=identity)
-            self._sessions.watcher.announce(connection)
+            self._sessions.watcher.announce(driver_of(connection))
         if not _has(row, counts):
             raise ConflictError(
                 f"sequence: expected {sequence!r} to keep its frames, got other point counts"
@@ -138,7 +139,7 @@ class Recordings:
                 connection, row.number, deleted=self._database.now(connection), identity=identity
             )
             row = connection.execute(_of(row.number)).one()
-            self._sessions.watcher.announce(connection)
+            self._sessions.watcher.announce(driver_of(connection))
         self._sessions.forget(sequence)
         return _known(row)
 
@@ -160,7 +161,7 @@ class Recordings:
                 raise NotFoundError(f"sequence: expected a deleted recording, got {sequence!r}")
             _change(connection, number, id=sequence, deleted=None)
             row = connection.execute(_of(number)).one()
-            self._sessions.watcher.announce(connection)
+            self._sessions.watcher.announce(driver_of(connection))
         return _known(row)
 
     def expired(self) -> list[Known]:

@@ -7,30 +7,30 @@ import json
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from sqlalchemy import Connection, Row
 
 from pointbrush.errors import NotFoundError, UnavailableError
-from pointbrush.labels import journal, schema
-from pointbrush.labels.blocks import SNAPSHOT_EVERY, BlockCache, Place
+from pointbrush.labels import journal
+from pointbrush.labels.blocks import BlockCache
 from pointbrush.labels.database import Database
 from pointbrush.labels.draft import Draft
-from pointbrush.labels.effect import Effect, deltas_of, effect_of, labels_in
+from pointbrush.labels.effect import deltas_of, labels_in
 from pointbrush.labels.journal import Entry
 from pointbrush.labels.notify import Outbox, Watcher
-from pointbrush.labels.packing import States
 from pointbrush.labels.state import (
+    LOOK,
+    LOOK_FOR,
     SequenceState,
-    cell_of,
     find_revision,
     find_sequence,
     revisions,
 )
+from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Commit
-from pointbrush.labels.undo import keep_used_labels
 from pointbrush.labels.upkeep import Upkeep
+from pointbrush.labels.writer import Request, Writer
 
 GAP = 2_000
 """Edits of another process beyond which everything is read anew instead."""
@@ -57,6 +57,7 @@ class Sessions:
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
+        self.writer = Writer(database, self)
 
     def close(self) -> None:
         """End the threads."""
@@ -66,12 +67,45 @@ class Sessions:
     # ── reading ──────────────────────────────────────────────────────────────────────────
 
     @contextlib.contextmanager
+    def knowing(self, sequence: str, *, look: bool = True) -> Iterator[SequenceState]:
+        """What is in memory of the sequence at its newest revision, without a transaction.
+
+        ``look``: ask the database whether there is a newer one; else what is known will do.
+        Raises NotFoundError, UnavailableError.
+        """
+        state = self._state(sequence)
+        try:
+            with state.lock:
+                if look or state.stale:
+                    row = self._database.look(LOOK, {"sequence_id": state.id})
+                    found = row and (row.number, row.revision)
+                    if state.stale or found != (state.number, state.revision):
+                        with self._database.read() as connection:
+                            self.refresh(connection, state, find_revision(connection, state.id))
+                yield state
+        finally:
+            self.outbox.drain()
+
+    def look_for(self, sequence: str, edit_id: str) -> Commit | None:
+        """The commit of an edit by its id, ``repeated``, or None; looks at the newest revision."""
+        state = self._state(sequence)
+        row = self._database.look(LOOK_FOR, {"sequence_id": state.id, "edit_id": edit_id})
+        if row is not None and row.edit is None:
+            with state.lock:
+                # What this process has committed since is in memory.
+                newest = state.number == row.number and state.revision >= row.revision
+                if newest and not state.stale:
+                    return None
+        with self.reading(sequence) as (connection, state):
+            return self.find(connection, state, edit_id)
+
+    @contextlib.contextmanager
     def reading(self, sequence: str) -> Iterator[tuple[Connection, SequenceState]]:
         """The sequence at its newest revision; raises NotFoundError, UnavailableError."""
         state = self._state(sequence)
         try:
             with state.lock, self._database.read() as connection:
-                self._refresh(connection, state)
+                self.refresh(connection, state, find_revision(connection, state.id))
                 yield connection, state
         finally:
             self.outbox.drain()
@@ -84,7 +118,7 @@ class Sessions:
         """Have ``make`` write what is derived from the journal, and read everything anew."""
         state = self._state(sequence)
         with state.lock, self._database.write() as connection:
-            self._refresh(connection, state, lock=True)
+            self.refresh(connection, state, find_revision(connection, state.id, lock=True))
             state.forget_blocks()
             made = make(connection, state)
         self.forget(sequence)
@@ -152,19 +186,24 @@ class Sessions:
             self._states[sequence] = state
             return state
 
-    def _refresh(self, connection: Connection, state: SequenceState, *, lock: bool = False) -> None:
-        """Bring ``state`` to the newest revision that ``connection`` sees."""
-        found = find_revision(connection, state.id, lock=lock)
+    def refresh(
+        self, connection: Connection, state: SequenceState, found: tuple[int, int] | None
+    ) -> None:
+        """Bring ``state`` to the number and revision that ``connection`` has ``found`` for it."""
         if found is None:
             self.forget(state.id)
             raise NotFoundError(f"sequence: {state.id!r} was deleted")
         number, revision = found
-        if number != state.number or revision < state.revision:
-            # Another process made it anew, or put a backup in its place.
-            row = find_sequence(connection, state.id)
+        if number != state.number or revision < state.revision or state.stale:
+            # Another process made it anew, or put a backup in its place; or a commit failed here.
+            row, before = find_sequence(connection, state.id), (state.number, state.revision)
             if row is not None:
                 state.forget_blocks()
                 state.reset(connection, row)
+                if state.number == before[0] and state.revision > before[1]:
+                    # The failed commit had reached the database after all.
+                    for commit in self._missed(connection, state, before[1], state.revision):
+                        self.outbox.put(commit)
         elif revision > state.revision:
             self._take_in(connection, state, revision)
 
@@ -206,91 +245,27 @@ class Sessions:
         edit_id: str,
         plan: Callable[[Draft], Entry],
         identity: str | None = None,
+        *,
+        alone: bool = True,
     ) -> Commit:
         """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
 
         An ``edit_id`` that is there already gives its commit again.  ``identity``: of the import
-        that the edit was made for.  Any error of ``plan``, NotFoundError for another import, and
-        UnavailableError, leave everything as it was.
+        that the edit was made for.  ``alone``: the plan writes to the database itself.  Any error
+        of ``plan``, NotFoundError for another import, and UnavailableError, leave everything as it
+        was.
         """
         state = self._state(sequence)
         try:
-            with state.lock:
-                with self._database.write() as connection:
-                    self._refresh(connection, state, lock=True)
-                    require_import(state, identity)
-                    first = self.find(connection, state, edit_id)
-                    if first is not None:
-                        return first
-                    draft = Draft(connection, state)
-                    entry = plan(draft)
-                    commit, effect = self._append(draft, entry)
-                # Committed: only now may memory change.
-                self._adopt(draft, effect)
-                state.turn(entry.kind, entry.target)
-                self.outbox.put(commit)
+            return self.writer.commit(state, Request(edit_id, plan, identity, alone))
         finally:
             self.outbox.drain()
-        return commit
-
-    def _append(self, draft: Draft, entry: Entry) -> tuple[Commit, Effect]:
-        connection, state = draft.connection, draft.state
-        effect = effect_of(draft)
-        if entry.kind == "undo" and keep_used_labels(draft, effect):
-            entry, effect = replace(entry, state=schema.KEPT), effect_of(draft)
-        if entry.state == schema.ACTIVE and self._is_idle(draft, entry, effect):
-            draft.changes.clear()
-            entry = replace(entry, state=schema.INERT)
-        if entry.state == schema.ACTIVE:
-            journal.drop_redo(connection, state.number, entry.author)
-        time = journal.append(self._database, draft, entry, effect)
-        self.watcher.announce(connection)
-        palette = draft.palette
-        counts = {**state.counts_of(draft.labels), **effect.counts}
-        commit = Commit(
-            sequence=state.id,
-            edit_id=entry.id,
-            revision=draft.revision,
-            author=entry.author,
-            kind=entry.kind,
-            summary=entry.summary,
-            changed=effect.changed,
-            time=time,
-            target=journal.edit_id_of(connection, state.number, entry.target),
-            frames=effect.frames,
-            palette_changed=bool(draft.labels),
-            tracks_changed=bool(draft.tracks),
-            cells=tuple(cell_of(key, count, palette) for key, count in sorted(counts.items())),
-        )
-        return commit, effect
-
-    def _is_idle(self, draft: Draft, entry: Entry, effect: Effect) -> bool:
-        """Nothing to see, and nothing of others' that it would hold on to."""
-        if effect.changed or effect.counts or draft.labels or draft.tracks:
-            return False  # counts: of a deleted label, whose points look unlabeled
-        writers = [int(writer) for writer in draft.foreign_writers()]
-        number = draft.state.number
-        return not journal.by_others(draft.connection, number, writers, entry.author)
-
-    def _adopt(self, draft: Draft, effect: Effect) -> None:
-        state = draft.state
-        state.revision = draft.revision
-        state.counts.update(effect.counts)
-        state.changed.update(dict.fromkeys(effect.frames, state.revision))
-        if draft.labels:
-            state.set_palette(draft.palette.values())
-        state.adopt(draft.changes)
-        for place in draft.changes:
-            block = state.cached(place)
-            if block is not None and block.age >= SNAPSHOT_EVERY and not block.queued:
-                block.queued = True
-                self.upkeep.snapshot(partial(_take, state, place))
 
     # ── from the journal ─────────────────────────────────────────────────────────────────
 
     def find(self, connection: Connection, state: SequenceState, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, marked as repeated, or None."""
-        row = journal.find(connection, state.number, edit_id)
+        row = journal.FIND.one(journal.look_for(driver_of(connection), state.number, edit_id))
         return None if row is None else replace(self.load(connection, state, row), repeated=True)
 
     def load(self, connection: Connection, state: SequenceState, row: Row[Any]) -> Commit:
@@ -319,21 +294,3 @@ class Sessions:
 
 def _number(of: Mapping[str, tuple[int, int]], sequence: str) -> int | None:
     return of[sequence][0] if sequence in of else None
-
-
-def require_import(state: SequenceState, identity: str | None) -> None:
-    """Raise NotFoundError when a sequence is another import than ``identity``."""
-    if identity is not None and state.identity not in (None, identity):
-        raise NotFoundError(
-            f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "
-            "another one now"
-        )
-
-
-def _take(state: SequenceState, place: Place) -> tuple[int, Place, int, States] | None:
-    with state.lock:
-        block = state.cached(place)
-        if block is None or block.states is None:
-            return None
-        block.age, block.queued = 0, False
-        return state.number, place, state.revision, block.states.copy()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 import zlib
+from collections import deque
 from collections.abc import Container, Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, Row, bindparam, select
+from sqlalchemy import Connection, Row, and_, bindparam, select
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.blocks import Block, BlockCache, Place, block_size, load_blocks
@@ -32,7 +33,11 @@ from pointbrush.labels.schema import (
     labels,
     sequences,
 )
+from pointbrush.labels.statements import Statement
 from pointbrush.labels.types import Cell, Label
+
+if TYPE_CHECKING:
+    from pointbrush.labels.writer import Request
 
 Count = tuple[int, int, int]
 """Points, painted ones among them (both without deleted points), and all that hold the label."""
@@ -42,11 +47,19 @@ DELETION_RUN = 64
 """Blocks of the deletion layer that are read together."""
 
 
+class NotInMemoryError(LookupError):
+    """A block is wanted that only the database has, and there is no connection to read it."""
+
+
 class SequenceState:
     """A cache of the database for one sequence; hold ``lock`` while using it."""
 
     def __init__(self, connection: Connection, row: Row[Any], blocks: BlockCache) -> None:
         self.lock = threading.RLock()
+        self.waiting: deque[Request] = deque()
+        """Edits to be committed next; used without the lock."""
+        self.stale = False
+        """Memory has what the database may not: it must be read anew."""
         self.palette: dict[int, Label] = {}
         self.counts: dict[FrameLabel, Count] = {}
         self.changed: dict[int, int] = {}
@@ -56,6 +69,7 @@ class SequenceState:
 
     def reset(self, connection: Connection, row: Row[Any]) -> None:
         """Start again from the sequence's row."""
+        self.stale = False
         self.number: int = row.number
         self.id: str = row.id
         self.identity: str | None = row.identity
@@ -154,8 +168,8 @@ class SequenceState:
             raise NotFoundError(f"frame: expected 0 to {len(self.points) - 1}, got {frame}")
         return int(self.points[frame])
 
-    def block(self, connection: Connection, place: Place) -> Block:
-        """A block, from memory or the database."""
+    def block(self, connection: Connection | None, place: Place) -> Block:
+        """A block, from memory or the database; raises NotInMemoryError without a connection."""
         found = self._blocks.get(self.number, place)
         if found is not None:
             return found
@@ -168,13 +182,18 @@ class SequenceState:
         return self.block_run(connection, frame, layer, first, last)[block - first]
 
     def block_run(
-        self, connection: Connection, frame: int, layer: int, first: int, last: int
+        self, connection: Connection | None, frame: int, layer: int, first: int, last: int
     ) -> list[Block]:
-        """Blocks first..last of a frame; those not in memory are read at once."""
+        """Blocks first..last of a frame; those not in memory are read at once.
+
+        Raises NotInMemoryError for those without a connection.
+        """
         places = [(frame, layer, block) for block in range(first, last + 1)]
         found = [self._blocks.get(self.number, place) for place in places]
         missing = [place[2] for place, block in zip(places, found, strict=True) if block is None]
         if missing:
+            if connection is None:
+                raise NotInMemoryError
             points = self.frame_points(frame)
             loaded = load_blocks(
                 connection, self.number, frame, layer, missing[0], missing[-1], points
@@ -245,6 +264,16 @@ _LOOK = select(sequences.c.number, sequences.c.revision).where(
     sequences.c.id == bindparam("sequence_id"), LIVE
 )
 _LOCK = _LOOK.with_for_update()
+LOOK, LOCK = Statement(_LOOK), Statement(_LOCK)
+"""Number and revision of a sequence; locked: no other process commits to it meanwhile."""
+LOOK_FOR = Statement(
+    _LOOK.add_columns(edits.c.revision.label("edit")).join(
+        edits,
+        and_(edits.c.sequence == sequences.c.number, edits.c.id == bindparam("edit_id")),
+        isouter=True,
+    )
+)
+"""The same, and the revision of an edit if it is there."""
 
 
 def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:

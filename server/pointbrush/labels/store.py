@@ -16,16 +16,19 @@ from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
+from pointbrush.labels.journal import Told
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
-from pointbrush.labels.sessions import Sessions, require_import
+from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.sign_ins import SignIns
-from pointbrush.labels.state import revisions
+from pointbrush.labels.state import NotInMemoryError, revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
+from pointbrush.labels.view import View
+from pointbrush.labels.writer import require_import
 from pointbrush.labels.writes import require_paintable
 
 
@@ -103,30 +106,30 @@ class LabelStore:
 
     def require_import(self, sequence: str, identity: str) -> None:
         """Raise NotFoundError when the sequence has gone, or another import has its id by now."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             require_import(state, identity)
 
     def revision(self, sequence: str) -> int:
         """The number of edits so far, undos and redos among them."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return state.revision
 
     def changed(self, sequence: str, frame: int) -> int:
         """The revision of a frame's last change; 0: none so far."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             state.frame_points(frame)
             return state.changed.get(frame, 0)
 
     def frame_changes(self, sequence: str) -> dict[int, int]:
         """For each frame that was ever changed, the revision of its last change."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return dict(state.changed)
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     def palette(self, sequence: str) -> list[Label]:
         """The labels, in their order."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return list(state.palette.values())
 
     def require_paintable(
@@ -136,12 +139,12 @@ class LabelStore:
 
         ``hidden``: as of a Write.
         """
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             require_paintable(state.palette, label, hidden)
 
     def hidden(self, sequence: str) -> NDArray[np.bool_]:
         """For each label id 0..65535, whether the palette hides it."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return state.hidden
 
     def create_label(
@@ -187,7 +190,7 @@ class LabelStore:
         commit = self._sessions.commit(sequence, entry.id, plan)
         if made:  # and not the palette of now, from which it may be gone already
             return made[0], commit
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return palette.require(state.palette, label_id), commit
 
     def arrange_labels(
@@ -239,8 +242,21 @@ class LabelStore:
         self, sequence: str, frame: int, first: int = 0, count: int | None = None
     ) -> FrameValues:
         """Annotation of points [first, first + count) of a frame, as far as it has them."""
-        with self._sessions.reading(sequence) as (connection, state):
-            return reading.values(connection, state, frame, first, count)
+        try:
+            with self._sessions.knowing(sequence) as state:
+                return reading.values(None, state, frame, first, count)
+        except NotInMemoryError:
+            with self._sessions.reading(sequence) as (connection, state):
+                return reading.values(connection, state, frame, first, count)
+
+    def view(self, sequence: str) -> View:
+        """What a stroke asks again and again, as of now."""
+        with self._sessions.knowing(sequence):
+            return View(self._sessions, sequence)
+
+    def begin(self, sequence: str, edit_id: str) -> Commit | View:
+        """The commit of an edit that is there already, or else a view for making it."""
+        return self._sessions.look_for(sequence, edit_id) or View(self._sessions, sequence)
 
     def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
         """Annotation of a whole frame in runs of ``size`` points, all of one revision.
@@ -253,7 +269,7 @@ class LabelStore:
 
     def counts(self, sequence: str) -> dict[tuple[int, int], tuple[int, int]]:
         """For each frame and label that has any: points, and painted ones among them."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._sessions.knowing(sequence) as state:
             return reading.counts(state)
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
@@ -269,7 +285,7 @@ class LabelStore:
         author: str,
         kind: str,
         writes: Mapping[int, Write] | Iterable[tuple[int, Write]],
-        summary: str,
+        summary: Told,
         tracks: Iterable[Mapping[str, Any]] | None = None,
         labels: Sequence[Label] = (),
         if_match: tuple[int, int] | None = None,
@@ -283,6 +299,7 @@ class LabelStore:
         which it must not have changed.
         ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
         memory come as they are made.  ``identity``: of the import that the edit was made for.
+        ``summary`` may be made of the numbers of points and of frames that the edit changes.
 
         Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
         hidden and that matters to a write, ConflictError when ``if_match`` does not hold,
@@ -295,7 +312,7 @@ class LabelStore:
             palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
         found = plans.check_tracks(tracks or ())
         plan = plans.write(entry, pairs, found, labels, if_match)
-        return self._sessions.commit(sequence, entry.id, plan, identity)
+        return self._sessions.commit(sequence, entry.id, plan, identity, alone=False)
 
     # ── history ──────────────────────────────────────────────────────────────────────────
 
@@ -334,8 +351,7 @@ class LabelStore:
 
     def find(self, sequence: str, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, ``repeated``, or None."""
-        with self._sessions.reading(sequence) as (connection, state):
-            return self._sessions.find(connection, state, edit_id)
+        return self._sessions.look_for(sequence, edit_id)
 
     def since(self, sequence: str, revision: int) -> list[Commit]:
         """The commits after ``revision``; applying them in order gives the state of now.

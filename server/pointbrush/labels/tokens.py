@@ -14,12 +14,13 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, insert, select, update
+from sqlalchemy import Row, bindparam, insert, select, update
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.accounts import require_token_name
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import tokens
+from pointbrush.labels.statements import Statement
 from pointbrush.roles import ROLES, Role
 
 
@@ -100,14 +101,16 @@ class Tokens:
     def check(self, secret: str) -> Token | None:
         """The valid token with this secret, or None."""
         digest = digest_of(secret)
-        with self._database.read() as connection:
-            row = connection.execute(select(tokens).where(tokens.c.digest == digest)).one_or_none()
+        row = self._database.look(_OF_DIGEST, {"digest": digest})
         # The look-up compares digests, from whose timing no secret can be built; the comparison
         # that decides is constant in time all the same.
         if row is None or not hmac.compare_digest(row.digest.encode(), digest.encode()):
             return None
         token = token_of(row)
         return token if token.valid else None
+
+
+_OF_DIGEST = Statement(select(tokens).where(tokens.c.digest == bindparam("digest")))
 
 
 def digest_of(secret: str) -> str:

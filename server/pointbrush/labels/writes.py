@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +18,7 @@ from pointbrush.errors import (
 from pointbrush.labels.packing import BLOCK
 from pointbrush.labels.palette import HIGHEST
 from pointbrush.labels.types import Label, Write
+from pointbrush.ranges import by_block
 
 RULES = ("any", "labeled", "unlabeled", "not_painted")
 
@@ -49,16 +49,13 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
     if write.only not in RULES:
         raise BadInputError(f"only: expected one of {', '.join(RULES)}, got {write.only!r}")
     _require_labels(write, label, palette)
-    blocks = indices // BLOCK
-    starts = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
-    for start, stop in itertools.pairwise([*starts, len(indices)]):
-        block = int(blocks[start])
+    for first, here in by_block(indices, BLOCK):
         yield BlockWrite(
-            block,
-            indices[start:stop] - block * BLOCK,
-            None if label is None else label[start:stop],
-            None if provenance is None else provenance[start:stop],
-            None if deleted is None else deleted[start:stop],
+            first // BLOCK,
+            indices[here] - first,
+            None if label is None else label[here],
+            None if provenance is None else provenance[here],
+            None if deleted is None else deleted[here],
             write.only,
             write.living,
         )
@@ -71,7 +68,7 @@ def _indices(given: Any, points: int) -> NDArray[np.int64]:
     if indices.ndim != 1 or indices.dtype.kind not in "iu":
         raise BadInputError(f"indices: expected (n,) integers, got {indices.shape} {indices.dtype}")
     indices = indices.astype(np.int64)
-    if (np.diff(indices) <= 0).any():
+    if (indices[1:] <= indices[:-1]).any():
         raise BadInputError("indices: expected strictly increasing point numbers")
     if indices[0] < 0 or indices[-1] >= points:
         raise BadInputError(

@@ -200,9 +200,7 @@ class Editor:
         self._refused.pop(edit.id, None)
         if len(self._live) >= LIVE_STROKES and edit.id not in self._live:
             raise TooManyRequestsError(f"expected at most {LIVE_STROKES} strokes at a time")
-        # A stroke that is sent again after its answer was lost has been applied.
-        done = workspace.store.find(sequence, edit.id)
-        self._live[edit.id] = done or workspace.begin_stroke(
+        self._live[edit.id] = workspace.begin_stroke(
             sequence, edit.frame, edit.brush.model_dump(), edit.id
         )
 

@@ -20,8 +20,8 @@ LabelPath = Annotated[int, Path(ge=1, le=65534, description="label id")]
 JobPath = Annotated[Uuid, Path(description="job id")]
 
 
-def workspace_of(request: Request) -> Workspace:
-    """The workspace that this app serves."""
+async def workspace_of(request: Request) -> Workspace:
+    """The workspace that this app serves; on the event loop, which takes no thread."""
     workspace: Workspace = request.app.state.workspace
     return workspace
 

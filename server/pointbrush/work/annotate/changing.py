@@ -5,22 +5,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.labels import LabelStore
+from pointbrush.labels import View
 from pointbrush.labels.types import PAINTED, FrameValues
 from pointbrush.ranges import by_block
 from pointbrush.selection import PointSet, Stroke
-from pointbrush.work.annotate.seen import LAYER_BLOCK
+from pointbrush.work.annotate.seen import FEW, LAYER_BLOCK
 
 
 class Changing:
     """Counts the points that a brush will change in one frame.
 
-    It is done when somebody asks.  Each block of values is read once and kept for the stroke: what
-    somebody else changes in the same second shows in the commit's own count, which is exact.
+    It is done when somebody asks.  Many points' blocks of values are read once and kept for the
+    stroke: what somebody else changes in the same second shows in the commit's own count, which is
+    exact.
     """
 
-    def __init__(self, store: LabelStore, sequence: str, frame: int, brush: Stroke) -> None:
-        self._store, self._sequence, self._frame, self._brush = store, sequence, frame, brush
+    def __init__(self, view: View, frame: int, brush: Stroke) -> None:
+        self._view, self._frame, self._brush = view, frame, brush
         self._blocks: dict[int, NDArray[np.bool_]] = {}
         self._waiting = PointSet()
         self._spared: NDArray[np.bool_] | None = None
@@ -34,6 +35,10 @@ class Changing:
         """Count the points taken in so far that will change."""
         waiting, self._waiting = self._waiting, PointSet()
         for numbers in waiting.parts():
+            if len(numbers) <= FEW:
+                found = self._changes(self._view.at(self._frame, numbers))
+                self._count += int(np.count_nonzero(found))
+                continue
             for first, mine in by_block(numbers, LAYER_BLOCK):
                 self._count += int(np.count_nonzero(self._block(first)[numbers[mine] - first]))
         return self._count
@@ -48,7 +53,7 @@ class Changing:
 
     def _block(self, first: int) -> NDArray[np.bool_]:
         if first not in self._blocks:
-            values = self._store.values(self._sequence, self._frame, first, LAYER_BLOCK)
+            values = self._view.values(self._frame, first, LAYER_BLOCK)
             self._blocks[first] = self._changes(values)
         return self._blocks[first]
 
@@ -72,7 +77,7 @@ class Changing:
         """For each label, whether the brush leaves its points alone."""
         spared = np.zeros(1 << 16, np.bool_)
         restores = self._brush.tool == "restore"
-        for label in self._store.palette(self._sequence):
+        for label in self._view.palette().values():
             spared[label.id] = label.locked or not (label.visible or restores)
         if not restores:
             spared[list(self._brush.hidden)] = True

@@ -46,7 +46,7 @@ def room_on_floor(
     pointing = Stroke.parse({"shape": "plane", "tool": "erase", "samples": samples})
     pointing = pointing.to_local(np.asarray(manifest.shift, np.float64))
     points = frame_points(recording[frame])
-    shown = Seen(store, manifest.id, frame).shown
+    shown = Seen(store.view(manifest.id), frame).shown
     normal, middle = floor_at(points, pointing.origins, pointing.directions, reach(manifest), shown)
     return stand_on(manifest.T_room_local, normal, middle)
 

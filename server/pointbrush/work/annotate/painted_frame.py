@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.labels import LabelStore
+from pointbrush.labels import View
 from pointbrush.ranges import by_block
 from pointbrush.selection import Points, PointSet, Stroke
 from pointbrush.selection.overlay import Layer
@@ -36,15 +36,14 @@ class PaintedFrame:
     """A frame under a stroke: the points it sees and takes; ``frame`` is its number."""
 
     def __init__(
-        self, store: LabelStore, recording: Recording, placement: Placement, brush: Stroke
+        self, view: View, recording: Recording, placement: Placement, brush: Stroke
     ) -> None:
-        sequence = recording.manifest.id
         self.frame, self._placement = placement.frame, placement
-        self._recording, self._store = recording, store
+        self._recording, self._view = recording, view
         self._points = frame_points(recording[self.frame])
-        self._seen = Seen(store, sequence, self.frame, brush.hidden)
+        self._seen = Seen(view, self.frame, brush.hidden)
         self._touchable = self._seen.deleted if brush.tool == "restore" else self._seen.shown
-        self._changing = Changing(store, sequence, self.frame, brush)
+        self._changing = Changing(view, self.frame, brush)
         self._labels: dict[int, NDArray[np.uint16]] = {}
         self.taken = PointSet()
 
@@ -78,8 +77,7 @@ class PaintedFrame:
     def _label_block(self, first: int) -> NDArray[np.uint16]:
         # As it was when the stroke first met it: what the stroke sees does not move under it.
         if first not in self._labels:
-            sequence = self._recording.manifest.id
-            values = self._store.values(sequence, self.frame, first, LAYER_BLOCK)
+            values = self._view.values(self.frame, first, LAYER_BLOCK)
             self._labels[first] = values.label
         return self._labels[first]
 
@@ -104,7 +102,3 @@ class PaintedFrame:
         """Return stored numbers of the points taken that the stroke would change, ascending."""
         parts = [self._changing.those(numbers) for numbers in self.taken.parts()]
         return np.concatenate([np.empty(0, np.int64), *parts])
-
-    def touched(self) -> int:
-        """Count the points taken that can be touched now."""
-        return sum(int(np.count_nonzero(self._touchable(part))) for part in self.taken.parts())

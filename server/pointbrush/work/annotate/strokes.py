@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels import Commit, LabelStore, View, Write
 from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Stroke
 from pointbrush.selection.overlay import OverlaySelector
@@ -35,6 +35,7 @@ class LiveStroke:
     def __init__(
         self,
         store: LabelStore,
+        view: View,
         recording: Recording,
         frame: int,
         fields: Mapping[str, Any],
@@ -42,17 +43,19 @@ class LiveStroke:
     ) -> None:
         """``fields``: the contract's stroke without samples, in source coordinates.
 
+        ``view``: of the recording's labels, as of now.
+
         Raises BadInputError, NotFoundError (frame, label), LockedLabelError, HiddenLabelError.
         """
-        self._store, self._recording = store, recording
+        self._store, self._view, self._recording = store, view, recording
         self.id, self.frame = stroke_id, frame
         self._source_brush = Stroke.parse({**fields, "samples": []})
         self._shift = np.asarray(recording.manifest.shift, np.float64)
         self._brush = self._source_brush.to_local(self._shift)
         if self._brush.tool == "paint":
-            store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
+            view.require_paintable(self._brush.label, self._brush.hidden)
         self._painted = [
-            PaintedFrame(store, recording, placement, self._brush)
+            PaintedFrame(view, recording, placement, self._brush)
             for placement in placements(store, recording, frame, self._brush.frames)
             if recording[placement.frame].count
         ]
@@ -78,20 +81,17 @@ class LiveStroke:
         """Take in samples part by part; between two parts somebody else may have a turn."""
         for one in self._painted:
             one.look()
+        self._view.look()
         if self._brush.tool == "paint":
             # A stroke ends where its label may not be painted with any more.
-            sequence, brush = self._recording.manifest.id, self._brush
-            self._store.require_paintable(sequence, brush.label, brush.hidden)
+            self._view.require_paintable(self._brush.label, self._brush.hidden)
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
-        self._renew()
+        for one in self._painted:
+            one.renew()
         for k, fresh in self._selector.add(stroke):
             self._of_layer[k].take(fresh)
             yield
-
-    def _renew(self) -> None:
-        for one in self._painted:
-            one.renew()
 
     @property
     def touched(self) -> int:
@@ -117,8 +117,6 @@ class LiveStroke:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
             )
-        self._renew()
-        count = sum(one.touched() for one in self._painted)
         return self._store.apply(
             self._recording.manifest.id,
             edit_id=self.id,
@@ -129,19 +127,15 @@ class LiveStroke:
                 for one in self._painted
                 for numbers in one.taken.parts()
             ),
-            summary=f"{self._brush.tool} {count:,} points{self._as_what()}{self._in_how_many()}",
+            summary=self._told,
             identity=self._recording.identity,
         )
 
-    def _in_how_many(self) -> str:
-        many = sum(len(one.taken) > 0 for one in self._painted)
-        return f" in {many} frames" if many > 1 else ""
-
-    def _as_what(self) -> str:
-        if self._brush.tool != "paint":
-            return ""
-        palette = self._store.palette(self._recording.manifest.id)
-        return "".join(f" as '{label.name}'" for label in palette if label.id == self._brush.label)
+    def _told(self, points: int, frames: int) -> str:
+        label = self._view.palette().get(self._brush.label)
+        what = f" as '{label.name}'" if label and self._brush.tool == "paint" else ""
+        where = f" in {frames} frames" if frames > 1 else ""
+        return f"{self._brush.tool} {points:,} points{what}{where}"
 
 
 def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:

@@ -108,7 +108,7 @@ class Objects:
         free = _free(values, kept, clicks)
         points = frame_points(stored)
         shift = np.asarray(recording.manifest.shift, np.float64)
-        seen = Seen(self._store, recording.manifest.id, frame, clicks.hidden).shown
+        seen = Seen(self._store.view(recording.manifest.id), frame, clicks.hidden).shown
         positives = surface_hits(points, clicks.positives, shift, seen)
         if len(positives) == 0:
             return Answer((), 0, ready)

@@ -97,9 +97,10 @@ class ObjectStroke:
         xyz = self._recording[self.frame].xyz[own].astype(np.float64)
         reach = reach_of(xyz) if self._placed[1:] else 0.0
         local = self._brush.to_local(np.asarray(self._recording.manifest.shift, np.float64))
+        view = self._store.view(self._recording.manifest.id)
         for placement in self._placed[1:]:
             if self._recording[placement.frame].count:
-                painted = PaintedFrame(self._store, self._recording, placement, self._brush)
+                painted = PaintedFrame(view, self._recording, placement, self._brush)
                 for layer in painted.layers():
                     there = transformed(inverse(layer.T_shown_layer), xyz)
                     found = layer.own(near(layer.points, there, reach))

@@ -1,0 +1,113 @@
+"""Statements of every stroke and read: compiled once, run by the database's driver itself.
+
+Composing a statement and fetching its rows through SQLAlchemy takes ten times as long as SQLite
+takes to run it.  The tables stay defined in one place.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import psycopg
+from sqlalchemy import Connection, Table, make_url
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.sql import ClauseElement, Select
+
+Driver = Any
+"""A connection of the driver: ``sqlite3.Connection`` or ``psycopg.Connection``."""
+Values = Mapping[str, Any]
+DIALECTS: dict[bool, Any] = {
+    True: sqlite.dialect(paramstyle="named"),
+    False: make_url("postgresql+psycopg://").get_dialect()(),
+}
+"""By whether it is SQLite's: with named parameters, as the drivers take them."""
+INSERT: dict[bool, Any] = {True: sqlite.insert, False: postgresql.insert}
+
+
+class Statement:
+    """One statement with named parameters."""
+
+    def __init__(self, make: ClauseElement | Callable[[bool], ClauseElement]) -> None:
+        """``make``: the statement, or what makes it for SQLite (True) or PostgreSQL (False)."""
+        self._make = make
+        self._compiled: dict[bool, tuple[str, dict[str, Any]]] = {}
+        self._columns: list[str] = []
+
+    def run(self, driver: Driver, values: Values) -> Any:
+        """Run it; returns the driver's cursor."""
+        text, constants = self._text(of_sqlite=_is_sqlite(driver))
+        return driver.execute(text, {**constants, **values})
+
+    def run_each(self, driver: Driver, rows: Sequence[Values]) -> None:
+        """Run it once for each of ``rows``."""
+        if rows:
+            text, constants = self._text(of_sqlite=_is_sqlite(driver))
+            driver.cursor().executemany(text, [{**constants, **row} for row in rows])
+
+    def one(self, cursor: Any) -> Any:
+        """The row that a cursor of this statement has, by its columns' names, or None."""
+        row = cursor.fetchone()
+        return (
+            None if row is None else SimpleNamespace(**dict(zip(self._columns, row, strict=True)))
+        )
+
+    def _text(self, *, of_sqlite: bool) -> tuple[str, dict[str, Any]]:
+        found = self._compiled.get(of_sqlite)
+        if found is None:
+            made: Any = self._make
+            statement = made if isinstance(made, ClauseElement) else made(of_sqlite)
+            if isinstance(statement, Select):
+                self._columns = [str(column.key) for column in statement.selected_columns]
+            compiled = statement.compile(dialect=DIALECTS[of_sqlite])
+            constants = {k: v for k, v in compiled.params.items() if v is not None}
+            found = self._compiled[of_sqlite] = (str(compiled), constants)
+        return found
+
+
+def upsert(table: Table) -> Statement:
+    """Insert rows, replacing those with the same primary key."""
+    keys = [column.name for column in table.primary_key]
+
+    def make(of_sqlite: bool) -> ClauseElement:
+        statement = INSERT[of_sqlite](table)
+        rest = {c.name: statement.excluded[c.name] for c in table.c if c.name not in keys}
+        made: ClauseElement = statement.on_conflict_do_update(index_elements=keys, set_=rest)
+        return made
+
+    return Statement(make)
+
+
+def driver_of(connection: Connection) -> Driver:
+    """The driver's connection under one of SQLAlchemy's, in the same transaction."""
+    return connection.connection.dbapi_connection
+
+
+def begin(driver: Driver) -> None:
+    """Begin a transaction of ``Database.write``; SQLite's has begun."""
+    if not _is_sqlite(driver):
+        driver.execute("BEGIN")
+
+
+def commit(driver: Driver) -> None:
+    """Commit a transaction: it is on the disk once ``together`` ends."""
+    if _is_sqlite(driver):
+        driver.commit()
+    else:
+        driver.execute("COMMIT")
+
+
+@contextlib.contextmanager
+def together(driver: Driver) -> Iterator[None]:
+    """Send the statements run inside in one piece, and wait for the database once.
+
+    What they give may be fetched when this ends.
+    """
+    with contextlib.nullcontext() if _is_sqlite(driver) else driver.pipeline():
+        yield
+
+
+def _is_sqlite(driver: Driver) -> bool:
+    return not isinstance(driver, psycopg.Connection)

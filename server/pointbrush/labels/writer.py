@@ -1,0 +1,221 @@
+"""The one writer of each recording: edits that wait for it are committed together."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from sqlalchemy import Connection
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels import journal, schema
+from pointbrush.labels.blocks import SNAPSHOT_EVERY, Place
+from pointbrush.labels.database import Database
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.effect import Effect, effect_of
+from pointbrush.labels.journal import Entry
+from pointbrush.labels.packing import States
+from pointbrush.labels.state import LOCK, SequenceState, cell_of
+from pointbrush.labels.statements import begin, commit, driver_of, together
+from pointbrush.labels.types import Commit
+from pointbrush.labels.undo import keep_used_labels
+
+if TYPE_CHECKING:
+    from pointbrush.labels.sessions import Sessions
+
+TOGETHER = 32
+"""Edits of one transaction at most."""
+
+
+@dataclass(slots=True, eq=False)
+class Request:
+    """An edit that somebody waits for; ``identity``: of the import that it was made for.
+
+    ``alone``: its plan writes to the database itself, so that it has a transaction of its own.
+    """
+
+    edit_id: str
+    plan: Callable[[Draft], Entry]
+    identity: str | None
+    alone: bool
+    commit: Commit | None = None
+    error: BaseException | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether it is durable, or refused."""
+        return self.commit is not None or self.error is not None
+
+
+class Writer:
+    """Commits what is asked for, in the order in which it was asked for each recording."""
+
+    def __init__(self, database: Database, sessions: Sessions) -> None:
+        self._database, self._sessions = database, sessions
+
+    def commit(self, state: SequenceState, request: Request) -> Commit:
+        """Make a request's edit durable, with what waits beside it; raises what it came to.
+
+        Whoever has the lock writes for all who wait: one transaction, one wait for the disk.
+        """
+        state.waiting.append(request)
+        with state.lock:
+            while not request.done:
+                self._commit_all(state, _batch(state))
+        if request.error is not None:
+            raise request.error
+        assert request.commit is not None  # noqa: S101 – done
+        return request.commit
+
+    def _commit_all(self, state: SequenceState, batch: list[Request]) -> None:
+        """Commit a batch; an error of the database is everybody's, and nothing has changed."""
+        made: dict[str, Commit] = {}
+        told: list[tuple[Request, Commit]] = []
+        before = state.revision
+        try:
+            with self._database.write(begun=False) as connection:
+                first = self._opened(connection, state, batch)
+                before = state.revision
+                last = False
+                for request in batch:
+                    known = first.get(request.edit_id) or made.get(request.edit_id)
+                    if known is not None:
+                        told.append((request, replace(known, repeated=True)))
+                        continue
+                    draft = Draft(connection, state)
+                    try:
+                        require_import(state, request.identity)
+                        entry = request.plan(draft)
+                    except Exception as error:
+                        if request.alone:
+                            raise
+                        request.error = error  # it has written nothing: the others go on
+                        continue
+                    last = request is batch[-1]
+                    done = made[request.edit_id] = self._append(draft, entry, last=last)
+                    told.append((request, done))
+                if made and not last:
+                    commit(driver_of(connection))
+        except BaseException as error:
+            if made:  # taken into memory, and perhaps nowhere else
+                state.revision, state.stale = before, True
+            for request in batch:
+                request.error = request.error or error
+            return
+        for done in made.values():
+            self._sessions.outbox.put(done)
+        for request, done in told:
+            request.commit = done
+
+    def _opened(
+        self, connection: Connection, state: SequenceState, batch: list[Request]
+    ) -> dict[str, Commit]:
+        """Lock the sequence and catch up with it; returns the edits that are there already."""
+        driver, number = driver_of(connection), state.number
+        with together(driver):
+            begin(driver)
+            locked = LOCK.run(driver, {"sequence_id": state.id})
+            found = [journal.look_for(driver, number, request.edit_id) for request in batch]
+        row = LOCK.one(locked)
+        self._sessions.refresh(connection, state, row and (row.number, row.revision))
+        if state.number != number:
+            with together(driver):
+                found = [journal.look_for(driver, state.number, one.edit_id) for one in batch]
+        rows = [row for row in map(journal.FIND.one, found) if row is not None]
+        return {row.id: self._sessions.load(connection, state, row) for row in rows}
+
+    def _append(self, draft: Draft, entry: Entry, *, last: bool) -> Commit:
+        """Write an edit, and take it into memory; ``last``: and end the transaction with it."""
+        entry, effect = self.settled(draft, entry)
+        made = self._described(draft, entry, effect)
+        driver = driver_of(draft.connection)
+        with together(driver):
+            journal.append(driver, draft, entry, made, effect)
+            self._sessions.watcher.announce(driver)
+            if last:
+                commit(driver)
+        self.adopt(draft, effect)
+        draft.state.turn(entry.kind, entry.target)
+        return made
+
+    def settled(self, draft: Draft, entry: Entry) -> tuple[Entry, Effect]:
+        """An entry as it will be journalled, and what it does for those who look."""
+        effect = effect_of(draft)
+        if entry.kind == "undo" and keep_used_labels(draft, effect):
+            entry, effect = replace(entry, state=schema.KEPT), effect_of(draft)
+        if entry.state == schema.ACTIVE and _is_idle(draft, entry, effect):
+            draft.changes.clear()
+            entry = replace(entry, state=schema.INERT)
+        return entry, effect
+
+    def _described(self, draft: Draft, entry: Entry, effect: Effect) -> Commit:
+        state, palette = draft.state, draft.palette
+        counts = {**state.counts_of(draft.labels), **effect.counts}
+        return Commit(
+            sequence=state.id,
+            edit_id=entry.id,
+            revision=draft.revision,
+            author=entry.author,
+            kind=entry.kind,
+            summary=entry.told(effect.changed, len(effect.frames)),
+            changed=effect.changed,
+            time=time.time(),
+            target=journal.edit_id_of(draft.connection, state.number, entry.target),
+            frames=effect.frames,
+            palette_changed=bool(draft.labels),
+            tracks_changed=bool(draft.tracks),
+            cells=tuple(cell_of(key, count, palette) for key, count in sorted(counts.items())),
+        )
+
+    def adopt(self, draft: Draft, effect: Effect) -> None:
+        """Bring memory up to date with an edit."""
+        state = draft.state
+        state.revision = draft.revision
+        state.counts.update(effect.counts)
+        state.changed.update(dict.fromkeys(effect.frames, state.revision))
+        if draft.labels:
+            state.set_palette(draft.palette.values())
+        state.adopt(draft.changes)
+        for place in draft.changes:
+            block = state.cached(place)
+            if block is not None and block.age >= SNAPSHOT_EVERY and not block.queued:
+                block.queued = True
+                self._sessions.upkeep.snapshot(partial(_take, state, place))
+
+
+def require_import(state: SequenceState, identity: str | None) -> None:
+    """Raise NotFoundError when a sequence is another import than ``identity``."""
+    if identity is not None and state.identity not in (None, identity):
+        raise NotFoundError(
+            f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "
+            "another one now"
+        )
+
+
+def _batch(state: SequenceState) -> list[Request]:
+    """The requests to commit next: one alone, or those that can be together."""
+    waiting = state.waiting
+    batch = [waiting.popleft()]
+    while not batch[0].alone and waiting and not waiting[0].alone and len(batch) < TOGETHER:
+        batch.append(waiting.popleft())
+    return batch
+
+
+def _is_idle(draft: Draft, entry: Entry, effect: Effect) -> bool:
+    """Nothing to see, and nothing of others' that it would hold on to."""
+    if effect.changed or effect.counts or draft.labels or draft.tracks:
+        return False  # counts: of a deleted label, whose points look unlabeled
+    writers = [int(writer) for writer in draft.foreign_writers()]
+    return not journal.by_others(draft.connection, draft.state.number, writers, entry.author)
+
+
+def _take(state: SequenceState, place: Place) -> tuple[int, Place, int, States] | None:
+    with state.lock:
+        block = state.cached(place)
+        if block is None or block.states is None:
+            return None
+        block.age, block.queued = 0, False
+        return state.number, place, state.revision, block.states.copy()
