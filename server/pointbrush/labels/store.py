@@ -6,9 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pointbrush.errors import BadInputError
 from pointbrush.labels import backup, check, history, integrity, palette, plans, reading, repair
 from pointbrush.labels.accounts import Accounts
@@ -23,13 +20,12 @@ from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.sign_ins import SignIns
-from pointbrush.labels.state import NotInMemoryError, revisions
+from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.view import View
 from pointbrush.labels.writer import require_import
-from pointbrush.labels.writes import require_paintable
 
 
 class LabelStore:
@@ -139,13 +135,7 @@ class LabelStore:
 
         ``hidden``: as of a Write.
         """
-        with self._sessions.knowing(sequence) as state:
-            require_paintable(state.palette, label, hidden)
-
-    def hidden(self, sequence: str) -> NDArray[np.bool_]:
-        """For each label id 0..65535, whether the palette hides it."""
-        with self._sessions.knowing(sequence) as state:
-            return state.hidden
+        self.view(sequence).require_paintable(label, hidden)
 
     def create_label(
         self,
@@ -242,12 +232,7 @@ class LabelStore:
         self, sequence: str, frame: int, first: int = 0, count: int | None = None
     ) -> FrameValues:
         """Annotation of points [first, first + count) of a frame, as far as it has them."""
-        try:
-            with self._sessions.knowing(sequence) as state:
-                return reading.values(None, state, frame, first, count)
-        except NotInMemoryError:
-            with self._sessions.reading(sequence) as (connection, state):
-                return reading.values(connection, state, frame, first, count)
+        return self.view(sequence).values(frame, first, count)
 
     def view(self, sequence: str) -> View:
         """What a stroke asks again and again, as of now."""

@@ -34,7 +34,7 @@ class View:
             with self._sessions.knowing(self._sequence):
                 self._looked = time.monotonic()
 
-    def values(self, frame: int, first: int, count: int) -> FrameValues:
+    def values(self, frame: int, first: int, count: int | None) -> FrameValues:
         """Annotation of points [first, first + count) of a frame, as far as it has them."""
         try:
             with self._sessions.knowing(self._sequence, look=False) as state:
