@@ -3,9 +3,9 @@
  * and ask for changes through `actions`.  Brush and view settings are the user's own: panels may
  * write those two signals directly.
  *
- * Read with `.value` in components (they re-render), with `.peek()` in render loops.
+ * Read with `.value` in components (they re-render), with `peek` (`peek.ts`) in render loops.
  */
-import { computed, Signal, signal, untracked, type ReadonlySignal } from '@preact/signals';
+import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { Job, Label, SequenceInfo } from './protocol/messages';
 import type {
   Connection,
@@ -30,14 +30,6 @@ import type {
 } from './store-types';
 
 export type * from './store-types';
-
-// The library's own `peek` makes a closure at each call: too much for a loop of 90 pictures a second.
-let peeked: Signal;
-const readPeeked = (): unknown => peeked.value;
-Signal.prototype.peek = function <T>(this: Signal<T>): T {
-  peeked = this as Signal;
-  return untracked(readPeeked) as T;
-};
 
 export const CELL_STATES = ['none', 'painted', 'tracked', 'occluded', 'lost'] as const;
 

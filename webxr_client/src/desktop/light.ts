@@ -7,6 +7,7 @@ import { clipIn, placeIn } from '../cloud/layer';
 import { inCapsule, type Hit } from '../cloud/pick';
 import type { Viewer } from '../cloud/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
+import { peek } from '../peek';
 import { isStroke, sparesLabels, state } from '../state';
 import { brushColor } from '../tools/brush';
 import { deskWay } from '../tools/ways';
@@ -30,8 +31,8 @@ export class BrushLight {
 
   /** Show the brush where the cursor is now. */
   update(): void {
-    const tool = state.tool.peek();
-    const { radius } = state.brush.peek();
+    const tool = peek(state.tool);
+    const { radius } = peek(state.brush);
     const painting = isStroke(tool);
     const hit = this.aim.hit(painting ? radius : 0.03);
     const frame = this.aim.frame();
@@ -43,9 +44,9 @@ export class BrushLight {
     if (tool === 'floor') this.show(hit, FLOOR_SPOT);
     else if (painting && deskWay().size !== null) {
       this.show(hit, radius);
-      const clip = clipMatrix.peek();
+      const clip = peek(clipMatrix);
       inCapsule(frame, hit.position, hit.position, radius, () => (points += 1), clip);
-      for (const layer of layers.peek()) {
+      for (const layer of peek(layers)) {
         const at = placeIn(layer, hit.position);
         const count = (point: number): void => {
           if (layer.holds(layer.frame.labelOf(point))) points += 1;
@@ -59,14 +60,14 @@ export class BrushLight {
 
   private show(hit: Hit, radius: number): void {
     const { uniforms, camera } = this.viewer;
-    const { onlyUnlabeled, through } = state.brush.peek();
+    const { onlyUnlabeled, through } = peek(state.brush);
     this.color.set(brushColor());
     this.at = this.aim.roomPosition(hit);
     this.ring.show(this.at, radius, this.color, camera, this.aim.pixelAt(hit.distance));
     // As the points' shader mixes colours: with gamma.
     uniforms.setBrushColour(this.color.convertLinearToSRGB());
-    uniforms.setOnlyUnlabeled(sparesLabels(state.tool.peek()) && onlyUnlabeled);
-    if (through && deskWay().through && state.tool.peek() !== 'floor') {
+    uniforms.setOnlyUnlabeled(sparesLabels(peek(state.tool)) && onlyUnlabeled);
+    if (through && deskWay().through && peek(state.tool) !== 'floor') {
       const { origin, direction } = this.aim.ray();
       uniforms.lightRay(this.place.fromArray(origin), this.way.fromArray(direction), radius);
     } else uniforms.lightBall(this.place.fromArray(hit.position), radius);
@@ -81,7 +82,7 @@ export class BrushLight {
   private hide(): void {
     this.putOut();
     pointAway('cloud');
-    if (state.hover.peek()) state.hover.value = null;
+    if (peek(state.hover)) state.hover.value = null;
   }
 
   dispose(): void {

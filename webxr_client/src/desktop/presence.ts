@@ -1,6 +1,7 @@
 /** Tells the others where the brush is: a few times a second, and only when it moved. */
 import type { Vector3 } from 'three';
 import type { Link } from '../net/link';
+import { peek } from '../peek';
 import { state } from '../state';
 
 const PERIOD_MS = 100;
@@ -13,11 +14,11 @@ export class DeskPresence {
 
   /** `brush`: room coordinates, or null off the recording. */
   update(now: number, brush: Vector3 | null): void {
-    if (now - this.last < PERIOD_MS || !state.sequence.peek()) return;
+    if (now - this.last < PERIOD_MS || !peek(state.sequence)) return;
     this.last = now;
-    const frame = state.frame.peek();
-    const label = state.activeLabel.peek();
-    const radius = state.brush.peek().radius;
+    const frame = peek(state.frame);
+    const label = peek(state.activeLabel);
+    const radius = peek(state.brush).radius;
     const place = brush && brush.toArray();
     const saying = JSON.stringify([frame, label, radius, place]);
     if (saying === this.said) return;

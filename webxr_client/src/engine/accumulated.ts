@@ -5,6 +5,7 @@ import type { PlacedFrame } from '../cloud/layer';
 import type { Viewer } from '../cloud/viewer';
 import { api, ApiError } from '../net/rest';
 import type { SequenceInfo } from '../protocol/messages';
+import { peek } from '../peek';
 import { notify, state } from '../state';
 import { watch } from '../watch';
 import type { Playback } from './playback';
@@ -72,15 +73,15 @@ export class Accumulated {
   }
 
   private get on(): boolean {
-    const info = state.sequence.peek();
-    return accumulation.peek().on && info !== null && !info.large && !state.playing.peek();
+    const info = peek(state.sequence);
+    return peek(accumulation).on && info !== null && !info.large && !peek(state.playing);
   }
 
   /** Frames that belong to one when it is shown. */
   private around(frame: number): number[] {
-    const info = state.sequence.peek();
+    const info = peek(state.sequence);
     if (!info || !this.on) return [];
-    const { before, after } = accumulation.peek();
+    const { before, after } = peek(accumulation);
     const { frames, left } = wanted(info, frame, before, after);
     leftOut.value = left;
     return frames;
@@ -99,11 +100,11 @@ export class Accumulated {
   }
 
   private async ask(): Promise<void> {
-    const info = state.sequence.peek();
+    const info = peek(state.sequence);
     if (!info || !this.on) return;
     const asked = ++this.asked;
-    const over = state.frame.peek();
-    const { before, after } = accumulation.peek();
+    const over = peek(state.frame);
+    const { before, after } = peek(accumulation);
     const most = (frames: number): number => Math.min(MOST_AROUND, frames);
     const query = `before=${most(before)}&after=${most(after)}`;
     const path = `sequences/${info.id}/frames/${over}/placements?${query}`;
@@ -115,16 +116,16 @@ export class Accumulated {
       this.viewer.invalidate();
     } catch (error) {
       if (asked !== this.asked || !(error instanceof ApiError)) return;
-      accumulation.value = { ...accumulation.peek(), on: false };
+      accumulation.value = { ...peek(accumulation), on: false };
       notify('error', 'The frames cannot be laid over one another', error.message);
     }
   }
 
   /** Before each picture: what has come is shown. */
   update(): void {
-    const before = placedFrames.peek();
+    const before = peek(placedFrames);
     const shown = this.playback.frame?.index ?? -1;
-    const there = this.on && shown === this.over && shown === state.frame.peek();
+    const there = this.on && shown === this.over && shown === peek(state.frame);
     if (!there && before.length === 0) return;
     const frames = there ? this.loaded(shown, before) : [];
     const same = frames.length === before.length && frames.every((one, i) => one === before[i]);

@@ -9,6 +9,7 @@ import type { Link } from '../net/link';
 import type { Segment } from '../net/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
+import { peek } from '../peek';
 import { state } from '../state';
 
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
@@ -16,8 +17,8 @@ const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).d
 
 /** Return the frame at which playing goes on: the other end, once it leaves the looped stretch. */
 function looped(frame: number, direction: 1 | -1): number {
-  const range = frameRange.peek();
-  if (!range || !state.loop.peek()) return frame;
+  const range = peek(frameRange);
+  if (!range || !peek(state.loop)) return frame;
   const [first, last] = ordered(range);
   if (first === last || (frame >= first && frame <= last)) return frame;
   return direction > 0 ? first : last;
@@ -79,10 +80,10 @@ export class Playback {
   play(): void {
     const { info } = this;
     if (!info || info.frames < 2) return;
-    const speed = state.speed.peek();
-    let frame = state.frame.peek();
+    const speed = peek(state.speed);
+    let frame = peek(state.frame);
     // Play at the end of a recording that does not loop starts over.
-    if (!state.loop.peek() && speed > 0 && frame === info.frames - 1) frame = 0;
+    if (!peek(state.loop) && speed > 0 && frame === info.frames - 1) frame = 0;
     state.frame.value = frame;
     state.playing.value = true;
     this.restart();
@@ -91,21 +92,21 @@ export class Playback {
   /** (Re)start the clock where the playhead is; also after a change of speed or of the link. */
   restart(): void {
     const { info } = this;
-    if (!info || !state.playing.peek()) return;
-    const frame = state.frame.peek();
-    const [speed, loop] = [state.speed.peek(), state.loop.peek()];
+    if (!info || !peek(state.playing)) return;
+    const frame = peek(state.frame);
+    const [speed, loop] = [peek(state.speed), peek(state.loop)];
     this.clock.begin(frame, info.fps, speed, info.frames, loop, performance.now());
     this.link.send({ type: 'play', frame, speed, loop });
   }
 
   /** Stop at a frame; unless given, at the one on screen: what one sees is what one paused at. */
-  pause(at = this.shown?.index ?? state.frame.peek()): void {
-    if (!state.playing.peek()) return;
+  pause(at = this.shown?.index ?? peek(state.frame)): void {
+    if (!peek(state.playing)) return;
     state.playing.value = false;
     state.frame.value = at;
     // The budget of a playing frame no longer counts.
     if (this.pointBudget !== null) this.link.pace(this.pace());
-    this.link.send({ type: 'pause', frame: state.frame.peek() });
+    this.link.send({ type: 'pause', frame: peek(state.frame) });
     this.lookAround();
     this.sync();
   }
@@ -115,7 +116,7 @@ export class Playback {
     if (!info) return;
     const to = Math.min(info.frames - 1, Math.max(0, Math.round(frame)));
     state.frame.value = to;
-    if (state.playing.peek()) {
+    if (peek(state.playing)) {
       this.restart();
       return;
     }
@@ -125,11 +126,11 @@ export class Playback {
 
   /** Show other frames over the one on screen. */
   lookAround(): void {
-    if (this.info && !state.playing.peek()) this.sendSeek();
+    if (this.info && !peek(state.playing)) this.sendSeek();
   }
 
   private sendSeek(): void {
-    const frame = state.frame.peek();
+    const frame = peek(state.frame);
     this.link.send({ type: 'seek', frame, around: this.around(frame) });
   }
 
@@ -149,12 +150,12 @@ export class Playback {
     else this.link.recycle([segment.vertices]);
     const frame = this.store.get(segment.frame);
     if (used && frame?.complete) this.completed.run(frame);
-    if (!state.playing.peek() && segment.frame === state.frame.peek()) this.sync();
+    if (!peek(state.playing) && segment.frame === peek(state.frame)) this.sync();
   }
 
   /** Ask for the whole of a paused frame, however many of its points are drawn. */
   private pace(): Pace {
-    return { points: state.playing.peek() ? this.pointBudget : null };
+    return { points: peek(state.playing) ? this.pointBudget : null };
   }
 
   labels(update: LabelUpdate): void {
@@ -163,7 +164,7 @@ export class Playback {
   }
 
   private trim(): void {
-    const head = { frame: state.frame.peek(), direction: this.clock.direction };
+    const head = { frame: peek(state.frame), direction: this.clock.direction };
     const keep = [this.shown?.index ?? -1, ...this.around(head.frame)];
     const dropped = this.store.evict(head, keep);
     if (dropped.length === 0) return;
@@ -188,7 +189,7 @@ export class Playback {
   // ── before each picture ────────────────────────────────────────────────────────────────────
 
   update(now: number): void {
-    if (state.playing.peek()) this.advance(now);
+    if (peek(state.playing)) this.advance(now);
     this.sync();
     this.report(now);
   }
@@ -199,7 +200,7 @@ export class Playback {
       return;
     }
     const frame = looped(this.clock.frameAt(now), this.clock.direction);
-    if (frame === state.frame.peek()) return;
+    if (frame === peek(state.frame)) return;
     const back = frame !== this.clock.frameAt(now);
     state.frame.value = frame;
     if (back) this.restart();
@@ -208,13 +209,13 @@ export class Playback {
   /** Put the newest frame that is here on screen, and the next one on the GPU. */
   private sync(): void {
     if (!this.info) return;
-    const playing = state.playing.peek();
-    const head = state.frame.peek();
+    const playing = peek(state.playing);
+    const head = peek(state.frame);
     const direction = playing ? this.clock.direction : 1;
     // The server sends nothing of a frame without points.
     const empty = this.info.points[head] === 0;
     const coming = playing && !empty;
-    const index = coming ? this.store.newest(head, direction, state.loop.peek()) : head;
+    const index = coming ? this.store.newest(head, direction, peek(state.loop)) : head;
     const frame = empty ? this.store.nothing(head) : this.store.get(index);
     if (!frame || (frame.loaded === 0 && !frame.empty)) return;
     const changed =

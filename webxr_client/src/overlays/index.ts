@@ -1,6 +1,7 @@
 /** Overlays on the recording, at the desk and in the headset: boxes, trails, a ghost. */
 import type { CloudFrame } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
+import { peek } from '../peek';
 import { state } from '../state';
 import { watch } from '../watch';
 import { Boxes } from './boxes';
@@ -40,8 +41,8 @@ export class Overlays {
 
   /** Once per picture: looks at one frame anew at most, so that it costs little. */
   update(now: number): void {
-    const info = state.sequence.peek();
-    const { boxes, trails, ghost } = state.view.peek();
+    const info = peek(state.sequence);
+    const { boxes, trails, ghost } = peek(state.view);
     const frame = this.engine.playback.frame;
     if (!info || info.large || !frame) {
       this.boxes.hide();
@@ -53,12 +54,12 @@ export class Overlays {
       this.room = info.room;
       this.summaries.forget();
     }
-    const moved = this.follow(state.frame.peek());
+    const moved = this.follow(peek(state.frame));
     if (boxes || trails) this.look(frame, trails, now);
     const news = this.dirty || this.seen !== this.summaries.version;
     if (news || frame !== this.boxed) this.box(frame, boxes);
     if (news || moved) this.trail(info.frames, trails);
-    this.haunt(ghost && !state.playing.peek());
+    this.haunt(ghost && !peek(state.playing));
     this.seen = this.summaries.version;
     this.dirty = false;
   }
@@ -97,7 +98,7 @@ export class Overlays {
   };
 
   private trail(frames: number, on: boolean): void {
-    if (on) this.trails.show(this.head, frames, state.palette.peek(), this.summaryOf);
+    if (on) this.trails.show(this.head, frames, peek(state.palette), this.summaryOf);
     else this.trails.hide();
     this.engine.viewer.invalidate();
   }
@@ -109,7 +110,7 @@ export class Overlays {
     if (!this.dirty && frame === this.ghostOf && version === this.ghostVersion) return;
     this.ghostOf = frame;
     this.ghostVersion = version;
-    if (frame) this.ghost.show(frame, state.activeLabel.peek());
+    if (frame) this.ghost.show(frame, peek(state.activeLabel));
     else this.ghost.hide();
     this.engine.viewer.invalidate();
   }

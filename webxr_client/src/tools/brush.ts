@@ -3,32 +3,33 @@ import { framesAround } from '../accumulation';
 import { actions } from '../actions';
 import { clipBox } from '../clip';
 import type { Brush } from '../protocol/messages';
+import { peek } from '../peek';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
 import { hiddenHere } from './seen';
 import type { Way } from './ways';
 
 /** Return the reason that one cannot paint now, and what to do about it; null when one can. */
 export function refusal(): readonly [title: string, detail: string] | null {
-  const tool = state.tool.peek();
-  if (state.connection.peek().state === 'refused') {
+  const tool = peek(state.tool);
+  if (peek(state.connection).state === 'refused') {
     return ['The server refused this page', 'Open it again by a link that is valid.'];
   }
-  if (!canEdit.peek()) return ['You are a viewer here', 'Ask for an annotator’s token to paint.'];
+  if (!peek(canEdit)) return ['You are a viewer here', 'Ask for an annotator’s token to paint.'];
   if (tool !== 'paint') return null;
-  const label = activeLabel.peek();
+  const label = peek(activeLabel);
   if (!label) return ['Choose a label first', 'Make one with the + beside “Labels”, or press N.'];
   if (label.locked) return ['This label is locked', 'Unlock it, or choose another one.'];
-  if (activeLabelHidden.peek()) return ['This label is hidden', 'Show it, or choose another one.'];
+  if (peek(activeLabelHidden)) return ['This label is hidden', 'Show it, or choose another one.'];
   return null;
 }
 
 /** The brush of now with `radius` (metres of the recording), or null when one cannot paint. */
 export function brushNow(way: Way, radius: number): Brush | null {
-  const tool = state.tool.peek();
+  const tool = peek(state.tool);
   if (!isStroke(tool) || refusal() !== null) return null;
-  const { onlyUnlabeled, through, takeLabelled } = state.brush.peek();
+  const { onlyUnlabeled, through, takeLabelled } = peek(state.brush);
   return {
-    label: tool === 'paint' ? state.activeLabel.peek() : 0,
+    label: tool === 'paint' ? peek(state.activeLabel) : 0,
     tool,
     shape: way.wire,
     radius,
@@ -38,17 +39,17 @@ export function brushNow(way: Way, radius: number): Brush | null {
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
     hidden: hiddenHere(),
     frames: framesAround(),
-    clip: clipBox.peek(),
+    clip: peek(clipBox),
   };
 }
 
 /** The brush for a stroke that begins, or null after saying why there is none. */
 export function brushFor(way: Way, radius: number): Brush | null {
-  const no = isStroke(state.tool.peek()) ? refusal() : null;
+  const no = isStroke(peek(state.tool)) ? refusal() : null;
   if (no !== null) notify('info', ...no);
   const brush = brushNow(way, radius);
   // Painting on a moving picture would paint what one no longer sees.
-  if (brush && state.playing.peek()) actions.pause();
+  if (brush && peek(state.playing)) actions.pause();
   return brush;
 }
 
@@ -62,6 +63,6 @@ const TOOL_COLORS: Record<string, string> = {
 
 /** The colour that the brush is shown in. */
 export function brushColor(): string {
-  const tool = state.tool.peek();
-  return TOOL_COLORS[tool] ?? activeLabel.peek()?.color ?? '#ffffff';
+  const tool = peek(state.tool);
+  return TOOL_COLORS[tool] ?? peek(activeLabel)?.color ?? '#ffffff';
 }

@@ -4,6 +4,7 @@ import { clipMatrix } from '../clip';
 import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
 import { FLOOR_SPOT } from '../engine/floor';
+import { peek } from '../peek';
 import { isStroke, state } from '../state';
 import { brushColor } from '../tools/brush';
 import type { Way } from '../tools/ways';
@@ -53,7 +54,7 @@ export class BrushLook {
     now: number,
   ): string | null {
     const { uniforms } = this.engine.viewer;
-    const tool = state.tool.peek();
+    const tool = peek(state.tool);
     const floor = tool === 'floor';
     const brushes = visible && (floor || isStroke(tool));
     const drawn = !floor && way.samples === 'drawn';
@@ -67,8 +68,8 @@ export class BrushLook {
       this.reach[0] = visible && tool === 'pick' ? PICK_LENGTH : -1;
       return this.newColor();
     }
-    uniforms.setOnlyUnlabeled(tool === 'paint' && state.brush.peek().onlyUnlabeled);
-    const through = !floor && way.through && state.brush.peek().through;
+    uniforms.setOnlyUnlabeled(tool === 'paint' && peek(state.brush).onlyUnlabeled);
+    const through = !floor && way.through && peek(state.brush).through;
     if (far) this.followRay(hand, floor ? FLOOR_SPOT : radius[0]!, now, through);
     else {
       this.reach[0] = -1;
@@ -108,7 +109,7 @@ export class BrushLook {
     const { local, aim, place, scratch } = this;
     place.toLocal(hand.origin, scratch).toArray(local);
     place.directionToLocal(hand.direction, scratch).toArray(aim);
-    return firstHit(frame, local, aim, radius, this.seen, clipMatrix.peek());
+    return firstHit(frame, local, aim, radius, this.seen, peek(clipMatrix));
   }
 
   private newColor(): string | null {

@@ -1,5 +1,6 @@
 /** What sticks, pads and buttons do besides painting. */
 import { actions } from '../actions';
+import { peek } from '../peek';
 import { state } from '../state';
 import { LEVEL_TICK, type Pulse } from './haptics';
 import type { Lessons } from './lessons';
@@ -70,7 +71,7 @@ export class Buttons {
   /** Up and down: the size of the brush, or the level of the object that is shown. */
   private size(hand: Pointer, seconds: Float64Array, now: number): void {
     const { y } = hand.pad;
-    if ((state.object.peek()?.levels ?? 0) > 0) {
+    if ((peek(state.object)?.levels ?? 0) > 0) {
       this.level(hand.repeatY.update(y, now));
       return;
     }
@@ -80,15 +81,15 @@ export class Buttons {
       actions.nudgeRadius(notch * NOTCHES);
       this.lessons.done('size');
     } else if (y !== 0) {
-      actions.setRadius(state.brush.peek().radius * GROWTH ** (y * seconds[0]!));
+      actions.setRadius(peek(state.brush).radius * GROWTH ** (y * seconds[0]!));
       this.lessons.done('size');
     }
   }
 
   private level(step: number): void {
     if (step === 0) return;
-    const before = state.object.peek()?.level;
+    const before = peek(state.object)?.level;
     actions.stepObject(step);
-    if (state.object.peek()?.level !== before) this.pulse(LEVEL_TICK);
+    if (peek(state.object)?.level !== before) this.pulse(LEVEL_TICK);
   }
 }

@@ -6,6 +6,7 @@ import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../listeners';
+import { peek } from '../peek';
 import { notify, state } from '../state';
 import { roomWay } from '../tools/ways';
 import { Buttons } from './buttons';
@@ -162,7 +163,7 @@ export class Cockpit {
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
     undo.push(this.clearTheFloor());
-    let { hand: side, seated } = xrSettings.peek();
+    let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
         const { value } = xrSettings;
@@ -180,7 +181,7 @@ export class Cockpit {
     const { mesh } = this.timeline;
     let away = false;
     return watch([state.tool], () => {
-      const pointing = state.tool.peek() === 'floor';
+      const pointing = peek(state.tool) === 'floor';
       if (pointing) away = mesh.visible;
       if (pointing || away) mesh.visible = !pointing;
       if (!pointing) away = false;
@@ -241,7 +242,7 @@ export class Cockpit {
     room.updateWorldMatrix(true, false);
     if (!frame || !standBefore(frame, room.matrixWorld, this.rig)) return;
     this.standing = true;
-    this.settle(xrSettings.peek().seated);
+    this.settle(peek(xrSettings).seated);
   }
 
   private toggleTimeline(): void {
@@ -263,7 +264,7 @@ export class Cockpit {
     );
     if (this.grab.active && !was) this.lessons.done('grab');
     // The ball keeps its size in the hand.
-    if (grown !== 1) actions.setRadius(state.brush.peek().radius / grown);
+    if (grown !== 1) actions.setRadius(peek(state.brush).radius / grown);
   }
 
   private go(): void {
@@ -306,13 +307,13 @@ export class Cockpit {
     about.y = scale < 1 ? 0.8 : 0;
     const grown = scale / world.scale.x;
     scaleAbout(world, scale, about);
-    actions.setRadius(state.brush.peek().radius / grown);
+    actions.setRadius(peek(state.brush).radius / grown);
   }
 
   /** 1:1 on the floor, before the middle, facing it. */
   reset(): void {
     const { world } = this.engine.viewer;
-    actions.setRadius(state.brush.peek().radius * world.scale.x);
+    actions.setRadius(peek(state.brush).radius * world.scale.x);
     resetWorld(world);
     this.stand();
     notify('info', 'Back at true scale', 'The recording stands on the floor, and you before it.');

@@ -3,6 +3,7 @@ import type { Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
 import { halted, unsure } from '../engine/review';
 import type { Overlays } from '../overlays/index';
+import { peek } from '../peek';
 import { state } from '../state';
 import type { Headset } from './headset';
 import type { Panel } from './panel';
@@ -34,7 +35,7 @@ export function installHeadsetHook(
     headset,
     /** Where a point (source coordinates) is in the headset's own space. */
     place: ([x, y, z]: Triple): Triple => {
-      const [sx, sy, sz] = state.sequence.peek()?.shift ?? [0, 0, 0];
+      const [sx, sy, sz] = peek(state.sequence)?.shift ?? [0, 0, 0];
       viewer.world.updateMatrixWorld(true);
       const at = viewer.camera.position.clone().set(x - sx, y - sy, z - sz);
       return inRig(at.applyMatrix4(viewer.room.matrixWorld));
@@ -69,8 +70,8 @@ export function installHeadsetHook(
     }),
     /** What a person should look at here, and the run that stopped for it. */
     doubt: () => ({
-      unsure: unsure.peek(),
-      halted: halted.peek(),
+      unsure: peek(unsure),
+      halted: peek(halted),
       pulse: viewer.uniforms.pulse,
     }),
     /** What points: its kind, side, buttons, and what it is for. */

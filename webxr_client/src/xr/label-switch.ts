@@ -2,6 +2,7 @@
 import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Label } from '../protocol/messages';
+import { peek } from '../peek';
 import { state } from '../state';
 import { LEVEL_TICK } from './haptics';
 import type { Pointer } from './pointer';
@@ -32,14 +33,14 @@ export class LabelSwitch {
 
   /** Once per picture, before the pad walks; true when another label was chosen. */
   update(hand: Pointer, rig: Rig, palette: Vector3 | null, now: number): boolean {
-    const glides = xrSettings.peek().move === 'smooth' && hand.device.pad === 'stick';
+    const glides = peek(xrSettings).move === 'smooth' && hand.device.pad === 'stick';
     const looking = palette !== null && this.looksAt(rig, palette);
     const lean = labelLean(hand.pad.y, looking, glides);
     const step = -hand.repeatY.update(lean, now);
     if (lean !== 0) hand.pad.y = 0;
     if (step === 0) return false;
-    const active = state.activeLabel.peek();
-    const next = labelBeside(state.palette.peek(), active, step);
+    const active = peek(state.activeLabel);
+    const next = labelBeside(peek(state.palette), active, step);
     if (next === active) return false;
     actions.selectLabel(next);
     hand.pulse(LEVEL_TICK.strength, LEVEL_TICK.milliseconds);

@@ -4,6 +4,7 @@ import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush, StrokeResult } from '../protocol/messages';
+import { peek } from '../peek';
 import { canEdit, isStroke, state } from '../state';
 import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
@@ -110,7 +111,7 @@ export class Painter {
     blocked: boolean,
     now: number,
   ): void {
-    if (hand?.tracked !== true || state.sequence.peek() === null) {
+    if (hand?.tracked !== true || peek(state.sequence) === null) {
       this.interrupt(hand);
       this.free = false;
       this.rest();
@@ -138,7 +139,7 @@ export class Painter {
 
   /** Show what a press would take. */
   private askAhead(there: boolean, way: Way, hand: Pointer, now: number): void {
-    if (!there || !isStroke(state.tool.peek())) {
+    if (!there || !isStroke(peek(state.tool))) {
       this.asking.leave();
       return;
     }
@@ -156,16 +157,16 @@ export class Painter {
   }
 
   private noteFrame(): void {
-    this.begunIn.asked = state.frame.peek();
-    this.begunIn.shown = state.shown.peek().frame;
+    this.begunIn.asked = peek(state.frame);
+    this.begunIn.shown = peek(state.shown).frame;
   }
 
   /** What is on screen, or may be painted, is not what the stroke began with. */
   private moved(): boolean {
     const { asked, shown } = this.begunIn;
     if (!this.painting) return false;
-    const there = state.frame.peek() === asked && state.shown.peek().frame === shown;
-    return !there || !canEdit.peek();
+    const there = peek(state.frame) === asked && peek(state.shown).frame === shown;
+    return !there || !peek(canEdit);
   }
 
   /** The stroke ends here, what was drawn in the air is void, and its press must be let go. */
@@ -176,7 +177,7 @@ export class Painter {
   }
 
   private measureBall(): void {
-    const { radius } = state.brush.peek();
+    const { radius } = peek(state.brush);
     this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
   }
 
@@ -193,7 +194,7 @@ export class Painter {
     }
     const { tip, place } = this;
     const { origin, direction } = hand;
-    const size = Math.min(0.3, state.brush.peek().radius * place.scale);
+    const size = Math.min(0.3, peek(state.brush).radius * place.scale);
     const ahead = hand.tip[0]! + 0.5 * size;
     tip.x = origin.x + ahead * direction.x;
     tip.y = origin.y + ahead * direction.y;
@@ -214,7 +215,7 @@ export class Painter {
     this.level = level;
     this.measureBall();
     if (level === 0) return;
-    if (before === 0) this.pointing = !isStroke(state.tool.peek());
+    if (before === 0) this.pointing = !isStroke(peek(state.tool));
     if (this.pointing) {
       this.way = wayOf('ball');
       if (before === 0) this.pointAt(hand);
@@ -301,7 +302,7 @@ export class Painter {
     this.stroke = null;
     if (stroke && eye) this.offerObject(stroke.id);
     this.air.hide();
-    const info = state.sequence.peek();
+    const info = peek(state.sequence);
     const drawn = this.level > 0 && this.way.samples === 'drawn';
     if (drawn && eye && info) {
       const shape = this.air.end(eye, info);
@@ -313,14 +314,14 @@ export class Painter {
 
   /** A stroke was drawn: offer the object that it lies on. */
   private offerObject(stroke: string): void {
-    const offers = state.brush.peek().complete && state.tool.peek() === 'paint';
+    const offers = peek(state.brush).complete && peek(state.tool) === 'paint';
     if (offers && this.way.samples === 'path') {
       this.engine.objects.complete(this.path.samples(), stroke);
     }
   }
 
   private pointAt(hand: Pointer): void {
-    const tool = state.tool.peek();
+    const tool = peek(state.tool);
     if (tool === 'pick') this.pick(hand);
     if (tool !== 'floor') return;
     this.place.toLocal(hand.origin, this.local);

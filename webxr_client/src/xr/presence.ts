@@ -3,6 +3,7 @@ import { Matrix4, Vector3, type Object3D, type Quaternion } from 'three';
 import type { Afterwards } from '../cloud/afterwards';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
+import { peek } from '../peek';
 import { state } from '../state';
 import type { Pointers } from './pointers';
 import type { Rig } from './rig';
@@ -43,7 +44,7 @@ export class Presence {
   }
 
   update(now: number, rig: Rig, pointers: Pointers, tip: Vector3, world: Object3D): void {
-    if (now - this.last[0]! < PERIOD_MS || state.sequence.peek() === null) return;
+    if (now - this.last[0]! < PERIOD_MS || peek(state.sequence) === null) return;
     this.last[0] = now;
     this.roomFromScene.copy(world.matrixWorld).invert();
     const { message } = this;
@@ -55,7 +56,7 @@ export class Presence {
       message.hands[i] = hand?.tracked ? pose : null;
     }
     this.place(this.brush, tip);
-    message.radius = state.brush.peek().radius;
+    message.radius = peek(state.brush).radius;
     this.due = true;
     this.afterwards.ask();
   }
@@ -95,8 +96,8 @@ export class Presence {
   }
 
   private send(message: Message): void {
-    message.frame = state.frame.peek();
-    message.label = state.activeLabel.peek();
+    message.frame = peek(state.frame);
+    message.label = peek(state.activeLabel);
     this.link.send(message);
   }
 }
