@@ -1,11 +1,14 @@
-"""Memory of the server while many people paint, minute by minute.
+"""A crowd that paints one recording: answers, deltas, and the server's memory.
 
-python benchmarks/bench_annotators.py [--people 50] [--minutes 10]
+python benchmarks/bench_annotators.py [--people 20,50,100,200] [--seconds 60] [--pause 2,5]
 
 Each annotator sends a short stroke every two to five seconds somewhere in a Kinect recording, over
-a socket of their own.  Resident memory is printed by its kind: what the server made (anonymous),
-and files that it maps, which the system takes back when it needs room.  Goal: after the first
-minute what the server made grows by less than 50 MiB.
+a socket of their own, and looks at the frame that they paint.  The server's own histogram says how
+long strokes waited from their end to their durable answer; the clients' figure is beside it, with
+the share of a processor that the load generator took itself.  Goals for 200 people: p95 under
+150 ms by the server's histogram, every stroke answered, every delta of a frame that a viewer holds
+delivered.  Memory is what the server made (anonymous), and files that it maps, which the system
+takes back when it needs room; goal: what it made grows by less than 50 MiB after a minute.
 """
 
 from __future__ import annotations
@@ -16,66 +19,140 @@ import random
 import sys
 import tempfile
 import time
-import uuid
+from dataclasses import dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from bench_large import resident
+import httpx
+import numpy as np
+from bench_large import resident, server
 from bench_streaming import FRAMES, TOKEN, add_label, pointbrush, recording
-from light_viewer import LightViewer, connect_light
+from bench_strokes import processor_seconds
+from light_viewer import connect_light
+from prometheus_client.parser import text_string_to_metric_families
+from stroke_viewer import StrokeViewer
 
-PAUSE = (2.0, 5.0)
-"""Seconds between two strokes of one annotator."""
+HISTOGRAM = "pointbrush_stroke_seconds"
+LEAVE_SECONDS = 10.0
+"""Time for what is on its way when the last stroke has been sent."""
+RAMP_SECONDS = 5.0
+"""Time in which the annotators come."""
 
 
-async def annotator(url: str, label: int, end: float, seed: int) -> int:
-    """Paint until ``end``; returns the number of strokes sent."""
-    dice, strokes = random.Random(seed), 0
-    client = await connect_light(LightViewer, url, TOKEN)
+@dataclass
+class Crowd:
+    """All annotators' figures."""
+
+    waits: list[float] = field(default_factory=list)
+    sent: int = 0
+    refused: list[str] = field(default_factory=list)
+    viewers: list[StrokeViewer] = field(default_factory=list)
+
+
+async def annotator(
+    url: str, label: int, crowd: Crowd, end: float, seed: int, pause: tuple[float, float]
+) -> None:
+    """Paint until ``end``."""
+    dice = random.Random(seed)
+    await asyncio.sleep(dice.uniform(0, RAMP_SECONDS))
+    client = await connect_light(StrokeViewer, url, TOKEN)
+    crowd.viewers.append(client)
     client.send(type="hello", name=f"annotator {seed}")
     client.send(type="open", sequence="kinect")
+    answers = []
     while time.monotonic() < end:
-        await asyncio.sleep(dice.uniform(*PAUSE))
-        stroke, frame = str(uuid.UUID(int=dice.getrandbits(128), version=4)), dice.randrange(FRAMES)
+        await asyncio.sleep(dice.uniform(*pause))
+        frame = dice.randrange(FRAMES)
         way = [dice.uniform(-0.3, 0.3), dice.uniform(-0.3, 0.3), 1.0]
         brush = {"label": label, "shape": "ray", "radius": 0.05}
-        sample = {"origin": [0.0, 0.0, 0.0], "direction": way}
         client.send(type="seek", frame=frame)
-        client.send(type="stroke_begin", id=stroke, frame=frame, brush=brush)
-        client.send(type="stroke_samples", id=stroke, samples=[sample])
-        client.send(type="stroke_end", id=stroke)
-        strokes += 1
-    client.close()
-    return strokes
+        sample = {"origin": [0.0, 0.0, 0.0], "direction": way}
+        answers.append(client.stroke(frame, brush, [sample]))
+    await asyncio.wait(answers, timeout=LEAVE_SECONDS)
+    crowd.sent += len(answers)
+    crowd.waits += [one.result() for one in answers if one.done() and not one.cancelled()]
+    crowd.refused += client.refused
 
 
-async def measure(url: str, people: int, minutes: int) -> None:
-    """Print a line a minute."""
-    label, begun = add_label(url), time.monotonic()
+def histogram(url: str) -> dict[float, float]:
+    """Strokes of the server by the bucket's upper bound, seconds, as running totals."""
+    text = httpx.get(f"{url}/metrics", headers={"Authorization": f"Bearer {TOKEN}"}).text
+    return {
+        float(sample.labels["le"]): sample.value
+        for family in text_string_to_metric_families(text)
+        if family.name == HISTOGRAM
+        for sample in family.samples
+        if sample.name.endswith("_bucket")
+    }
+
+
+def percentile(buckets: dict[float, float], share: float) -> float:
+    """Upper bound, seconds, of the bucket in which a share of the strokes is reached."""
+    total = max(buckets.values())
+    return min((bound for bound, count in buckets.items() if count >= share * total), default=0.0)
+
+
+async def measure(url: str, people: int, seconds: float, pause: tuple[float, float]) -> None:
+    """Print a line of the table, and the server's memory each minute."""
+    label, begun, crowd = add_label(url), time.monotonic(), Crowd()
+    before, process = histogram(url), server()
+    mine, theirs = time.process_time(), processor_seconds(process)
     work = [
-        asyncio.create_task(annotator(url, label, begun + 60 * minutes, seed))
+        asyncio.create_task(annotator(url, label, crowd, begun + seconds, seed, pause))
         for seed in range(people)
     ]
-    for minute in range(minutes + 1):
-        await asyncio.sleep(max(0.0, begun + 60 * minute - time.monotonic()))
-        made, mapped = resident("RssAnon"), resident("RssFile")
-        print(f"  minute {minute:2}: {made:6.0f} MiB made, {mapped:6.0f} MiB of files", flush=True)
-    strokes = sum(await asyncio.gather(*work))
-    print(f"  {strokes} strokes of {people} annotators in {minutes} minutes")
+    minutes = 0
+    while not all(task.done() for task in work):
+        await asyncio.wait(work, timeout=1.0)
+        if time.monotonic() - begun > 60 * minutes:
+            made, mapped = resident("RssAnon"), resident("RssFile")
+            print(f"  minute {minutes}: {made:.0f} MiB made, {mapped:.0f} MiB of files", flush=True)
+            minutes += 1
+    await asyncio.gather(*work)
+    passed = time.monotonic() - begun
+    shares = [
+        100 * (time.process_time() - mine) / passed,
+        100 * (processor_seconds(process) - theirs) / passed,
+    ]
+    delivered, owed = deltas(crowd)
+    for viewer in crowd.viewers:
+        viewer.close()
+    buckets = {bound: count - before[bound] for bound, count in histogram(url).items()}
+    p50, p95 = 1e3 * np.percentile(crowd.waits, [50, 95])
+    print(
+        f"| {people} | {crowd.sent} | {crowd.sent - len(crowd.waits)} | {len(crowd.refused)} "
+        f"| {1e3 * percentile(buckets, 0.5):.0f} / {1e3 * percentile(buckets, 0.95):.0f} "
+        f"| {p50:.0f} / {p95:.0f} | {delivered} of {owed} "
+        f"| {shares[1]:.0f} % | {shares[0]:.0f} % | {resident('RssAnon'):.0f} |",
+        flush=True,
+    )
+
+
+def deltas(crowd: Crowd) -> tuple[int, int]:
+    """Own edits whose deltas came to their author, and all: everybody holds what they paint."""
+    told = sum(len(viewer.mine & viewer.told) for viewer in crowd.viewers)
+    return told, sum(len(viewer.mine) for viewer in crowd.viewers)
 
 
 def main() -> None:
-    """Print the figures."""
+    """Print the table, with a new server for each number of people."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--people", type=int, default=50)
-    parser.add_argument("--minutes", type=int, default=10)
+    parser.add_argument("--people", default="20,50,100,200")
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--pause", default="2,5", help="seconds between two strokes of a person")
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        workspace = Path(folder) / "workspace"
-        recording(workspace)
-        with pointbrush(workspace) as url:
-            asyncio.run(measure(url, given.people, given.minutes))
+    low, high = map(float, given.pause.split(","))
+    print(
+        "| people | strokes | unanswered | refused | server p50 / p95, ms up to | clients, ms "
+        "| own deltas | server | clients | MiB |\n|---|---|---|---|---|---|---|---|---|---|"
+    )
+    for people in map(int, given.people.split(",")):
+        with tempfile.TemporaryDirectory() as folder:
+            workspace = Path(folder) / "workspace"
+            recording(workspace)
+            with pointbrush(workspace) as url:
+                asyncio.run(measure(url, people, given.seconds, (low, high)))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,8 @@ class StrokeViewer(LightViewer):
         self.refused: list[str] = []
         self.told: set[str] = set()
         """Edits whose deltas came."""
+        self.mine: set[str] = set()
+        """Edits of its own that changed something."""
 
     def stroke(
         self, frame: int, brush: dict[str, object], samples: list[dict[str, object]]
@@ -49,6 +51,8 @@ class StrokeViewer(LightViewer):
     def _answered(self, message: dict[str, Any]) -> None:
         if message["final"]:
             start, answer = self.waiting.pop(message["id"])
+            if message["changed"]:
+                self.mine.add(message["edit"])
             answer.set_result(time.perf_counter() - start)
 
     def _refused(self, message: dict[str, Any]) -> None:

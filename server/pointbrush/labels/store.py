@@ -235,7 +235,7 @@ class LabelStore:
         return self.view(sequence).values(frame, first, count)
 
     def view(self, sequence: str) -> View:
-        """What a stroke asks again and again, as of now."""
+        """Return a view of the labels as of now, which a stroke asks again and again."""
         with self._sessions.knowing(sequence):
             return View(self._sessions, sequence)
 

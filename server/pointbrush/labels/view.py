@@ -18,7 +18,7 @@ FRESH_SECONDS = 0.02
 
 
 class View:
-    """What this process knows of a sequence, its own commits included; thread-safe.
+    """Labels of a sequence as this process knows them, its own commits included; thread-safe.
 
     Other processes' commits are seen after ``look``.  An edit that commits looks by itself.
     """
