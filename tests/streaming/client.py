@@ -17,6 +17,8 @@ from websockets.asyncio.client import ClientConnection, connect
 from pointbrush.streaming.schema import subprotocol
 
 Message = dict[str, Any]
+POINTS = ("frame", "depth")
+"""Messages that bring points."""
 
 
 @dataclass
@@ -59,14 +61,14 @@ class Viewer:
         return message
 
     async def _apply(self, message: Message, nbytes: int) -> None:
-        if message["type"] == "frame":
+        if message["type"] in POINTS:
             self._frame(message)
             self.nbytes += nbytes
             if self.auto_credit:
                 await self.send(type="credit", frames=1, nbytes=nbytes)
         elif message["type"] == "annotation":
             self._annotation(message)
-        if message["type"] != "frame" or self.keep_data:
+        if message["type"] not in POINTS or self.keep_data:
             self.log.append(message)
         if self.on_message is not None:
             self.on_message(message)
@@ -123,8 +125,8 @@ class Viewer:
             except TimeoutError:
                 return
 
-    async def hello(self, name: str = "") -> Message:
-        await self.send(type="hello", name=name)
+    async def hello(self, name: str = "", **fields: Any) -> Message:
+        await self.send(type="hello", name=name, **fields)
         return await self.until("welcome")
 
     async def open(self, sequence: str, **fields: Any) -> Message:

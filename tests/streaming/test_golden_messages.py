@@ -50,11 +50,41 @@ SERVER: list[m.Message] = [
         room=[float(i) for i in range(16)],
         large=False,
         position_error=0.0005,
+        color_error=4.5,
+        lattice=m.Lattice(
+            width=512,
+            height=424,
+            axis=2,
+            sign=1,
+            tangent=[-0.6875, -0.5625],
+            pitch=[0.00390625, 0.00390625],
+            eye=[0.0, 1.5, 0.0],
+            unit=0.001,
+        ),
         revision=2**40,
         frame=1,
     ),
     m.Frame(
         sequence="juggling", frame=1, total=5, final=True, chunks=[CHUNK], data=bytes(range(256))
+    ),
+    m.Depth(
+        sequence="juggling",
+        frame=1,
+        total=5,
+        final=False,
+        chunks=[
+            m.DepthChunk(
+                index=0,
+                level=0,
+                first=0,
+                count=3,
+                offset=0,
+                nbytes=40,
+                lo=[-1.5, 0.25, 3.0],
+                hi=[1.0, 2.0, 4.75],
+            )
+        ],
+        data=bytes(range(40)),
     ),
     m.Annotation(
         sequence="juggling",

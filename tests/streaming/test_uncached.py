@@ -133,7 +133,7 @@ def test_bytes_that_are_not_in_memory_are_told_and_read_in(tmp_path: Path) -> No
 def test_frames_on_the_shelf_are_bounded_by_the_files_one_may_open() -> None:
     shelf = Shelf(limit=3)
     for number in range(5):
-        shelf.put(("a", number), OpenFrame(stored=None, table=None))  # type: ignore[arg-type]
+        shelf.put(("a", number), OpenFrame(stored=None, table=None, depth=None))  # type: ignore[arg-type]
         shelf.get(("a", 0))
     assert [number for number in range(5) if shelf.get(("a", number))] == [0, 3, 4]
     shelf.forget("a")

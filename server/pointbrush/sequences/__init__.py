@@ -9,6 +9,7 @@ from pointbrush.lazy import lazily
 if TYPE_CHECKING:
     from pointbrush.sequences.blocks import Blocks
     from pointbrush.sequences.check import note_checksums, verify
+    from pointbrush.sequences.depth.lattice import Lattice
     from pointbrush.sequences.files import clean_temporary
     from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
     from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
@@ -20,6 +21,7 @@ __all__ = [
     "LARGE_POINTS",
     "Blocks",
     "Chunk",
+    "Lattice",
     "Manifest",
     "Sequence",
     "StoredFrame",
@@ -37,6 +39,7 @@ _PLACES = {
     "Blocks": "pointbrush.sequences.blocks",
     "note_checksums": "pointbrush.sequences.check",
     "verify": "pointbrush.sequences.check",
+    "Lattice": "pointbrush.sequences.depth.lattice",
     "clean_temporary": "pointbrush.sequences.files",
     "LARGE_POINTS": "pointbrush.sequences.importer",
     "import_frames": "pointbrush.sequences.importer",

@@ -116,11 +116,14 @@ def fit(
     coarsest: float,
     *,
     spare: float = 0.0,
+    ordered: bool = False,
 ) -> Fitted:
     """Encode points (N, 3), local metres in Morton order, with colours (N, 4), within the budget.
 
     The grid's step is ``step`` or, where the sensor justifies it, up to ``coarsest`` (metres).
     ``spare``: bytes that chunks before it left, which keep it from being taken for noise.
+    ``ordered``: the points keep their order; a chunk that no coarser grid brings within the budget
+    stays above it, as those of few depth cameras do.
     """
     chunk = _Chunk(xyz, colors, step)
     if len(xyz) >= _MANY and step < coarsest:  # most of what fails is not even tried
@@ -128,6 +131,8 @@ def fit(
         chunk.step = _coarser(step, excess, coarsest, _GAIN)
     chunk.encode()
     chunk.coarsen(coarsest)
+    if ordered:
+        return Fitted(chunk.quantised, chunk.data, None)
     if chunk.excess > 0:
         chunk.shorten()
     colored = bool(colors[:, :3].any())

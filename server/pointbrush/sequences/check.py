@@ -87,6 +87,8 @@ def _unreadable(path: Path) -> list[str]:
             chunks = read_array(file, layout, "chunks")
             wire = file.with_suffix(".wire")
             nbytes = int((chunks["offset"] + chunks["nbytes"]).max(initial=0))
+            if "depth_ends" in layout.entries:
+                nbytes = int(read_array(file, layout, "depth_ends")[-1])
             if not wire.is_file() or wire.stat().st_size != nbytes:
                 problems.append(f"frames/{wire.name}: expected {nbytes:,} bytes")
         except DamagedError as error:

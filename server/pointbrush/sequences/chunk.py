@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.sequences.budget import BUDGET, fit
 from pointbrush.sequences.codec import Bytes
+from pointbrush.sequences.depth.lattice import Lattice
 
 CHUNK = np.dtype(
     [
@@ -31,16 +32,17 @@ CHUNK = np.dtype(
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Values that all frames of a sequence share: the shift, the grid, the intensities' range.
+    """Values that all frames of a sequence share: shift, grid, lattice, range of intensities.
 
     A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); that of
-    noise may be more.
+    noise may be more.  ``lattice``: pixels that the frames' points lie on, or None.
     """
 
     shift: NDArray[np.float64]
     step: float
     intensity_range: tuple[float, float] | None
     coarsest: float = 0.0
+    lattice: Lattice | None = None
 
 
 def wire_colors(
@@ -90,6 +92,8 @@ def encode_chunks(
     colors: Bytes,
     first: NDArray[np.int64],
     grid: Grid,
+    *,
+    ordered: bool = False,
 ) -> EncodedChunks:
     """Encode the chunks ``first[c]:first[c + 1]`` of points (N, 3) as ``encode_chunk`` does."""
     table = np.zeros(len(first) - 1, CHUNK)
@@ -98,7 +102,9 @@ def encode_chunks(
     offset, error = 0, 0.0
     for number, (start, stop) in enumerate(pairwise(first.tolist())):
         spare = max(0.0, BUDGET * start - offset)
-        chunk = encode_chunk(xyz[start:stop], colors[start:stop], grid, spare=spare)
+        chunk = encode_chunk(
+            xyz[start:stop], colors[start:stop], grid, spare=spare, ordered=ordered
+        )
         if chunk.order is not None:
             order = np.arange(len(xyz)) if order is None else order
             order[start:stop] = start + chunk.order
@@ -116,12 +122,14 @@ def encode_chunk(
     grid: Grid,
     *,
     spare: float = 0.0,
+    ordered: bool = False,
 ) -> EncodedChunk:
-    """Encode points (N, 3), local metres in Morton order, with colours (N, 4).
+    """Encode points (N, 3), local metres along a curve through space, with colours (N, 4).
 
-    ``spare``: bytes that chunks ahead of it left of their budget.
+    ``spare``: bytes that chunks ahead of it left of their budget.  ``ordered``: the points keep
+    their order.
     """
-    fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare)
+    fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare, ordered=ordered)
     quantised, data = fitted.quantised, fitted.data
     row = np.zeros((), CHUNK)
     row["parent"], row["count"], row["nbytes"] = -1, len(xyz), len(data)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from pointbrush.sequences import blocks
 from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.octree.order import morton_order, progressive
 
+if TYPE_CHECKING:
+    from pointbrush.sequences.depth.images import Depth
+
 CHUNK_POINTS = 65536
 _ROWS = 1 << 15
 """Rows worked on at once where temporary arrays should stay in the processor's cache."""
@@ -24,11 +27,17 @@ POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Encoded:
-    """A frame ready to be written; ``error`` is its greatest quantisation error per axis."""
+    """A frame ready to be written; ``error`` is its greatest quantisation error per axis.
+
+    ``side_error`` is that of the depth image beside the camera's axis, ``color_error`` what its
+    picture differs from the colours; 0 where it has none.
+    """
 
     arrays: dict[str, NDArray[Any]]
     wire: bytes
     error: float
+    side_error: float = 0.0
+    color_error: float = 0.0
 
 
 def gather(rows: NDArray[Any], numbers: NDArray[np.int64]) -> NDArray[Any]:
@@ -125,10 +134,13 @@ def frame_meta(frame: PointFrame) -> dict[str, Any]:
 
 
 def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
-    """Order, quantise and encode a frame of at most ``order.MAX_POINTS`` points."""
+    """Order, quantise and encode a frame of at most ``order.MAX_POINTS`` points.
+
+    The frame of a depth camera is ordered and encoded as a depth image, and beside it for those
+    who do not know these.
+    """
     local = to_local(frame.xyz, grid.shift)
-    order, levels = progressive(morton_order(local))
-    first, of_level = chunk_bounds(levels)
+    order, first, of_level, depth = _arranged(frame, local, grid)
     xyz = local.take(order, axis=0)
     colors = wire_colors(
         None if frame.rgb is None else frame.rgb.take(order, axis=0),
@@ -136,7 +148,7 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         grid.intensity_range,
         len(xyz),
     )
-    chunks = encode_chunks(xyz, colors, first, grid)
+    chunks = encode_chunks(xyz, colors, first, grid, ordered=depth is not None)
     chunks.table["level"] = of_level
     if chunks.order is not None:
         order, xyz = order[chunks.order], xyz.take(chunks.order, axis=0)
@@ -150,7 +162,30 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         if column is not None:
             arrays[name] = column.take(order, axis=0)
     arrays |= {"chunks": chunks.table, **block_arrays(xyz, first)}
-    return Encoded(arrays, chunks.wire, chunks.error)
+    if depth is None:
+        return Encoded(arrays, chunks.wire, chunks.error)
+    sizes = [len(chunk) for chunk in depth.chunks]
+    arrays["depth_ends"] = len(chunks.wire) + np.cumsum(sizes, dtype=np.int64)
+    wire = b"".join((chunks.wire, *depth.chunks))
+    error = max(chunks.error, depth.error)
+    return Encoded(arrays, wire, error, depth.side_error, depth.color_error)
+
+
+def _arranged(
+    frame: PointFrame, local: NDArray[np.float32], grid: Grid
+) -> tuple[NDArray[np.int64], NDArray[np.int64], list[int], Depth | None]:
+    """Stored order (N,), boundaries of chunks and their levels, and the frame as a depth image."""
+    if grid.lattice is not None:
+        # Compiled loops, which only an import needs.
+        from pointbrush.sequences.depth.images import encode_depth, place
+
+        placed = place(grid.lattice, local, grid.step / 2)
+        depth = None if placed is None else encode_depth(grid.lattice, placed, frame.rgb)
+        if placed is not None and depth is not None:
+            levels = [band.level for band in grid.lattice.bands]
+            return placed.order, placed.first, levels, depth
+    order, boundaries = progressive(morton_order(local))
+    return order, *chunk_bounds(boundaries), None
 
 
 def block_arrays(xyz: NDArray[np.float32], chunk_first: NDArray[np.int64]) -> dict[str, Any]:

@@ -46,7 +46,8 @@ TABLES = ("chunks", "block_first", "block_lo", "block_hi", "block_of_chunk")
 class FrameFiles:
     """Common to both kinds: the wire file, and how damage is told.
 
-    ``names`` are the arrays there are, ``chunks`` (C,) the chunk table, ``count`` the points.
+    ``names`` are the arrays there are, ``chunks`` (C,) the chunk table, ``count`` the points;
+    ``depth_ends`` (C,) where its chunks as a depth image end in the wire file, None without one.
     Every method raises DamagedError, which names the frame.
     """
 
@@ -54,6 +55,7 @@ class FrameFiles:
     names: frozenset[str]
     meta: dict[str, Any]
     chunks: NDArray[Any]
+    depth_ends: NDArray[Any] | None = None
     count: int
 
     def __init__(
@@ -87,6 +89,8 @@ class FrameFiles:
     @property
     def wire_bytes(self) -> int:
         """Length that the wire file must have."""
+        if self.depth_ends is not None and len(self.depth_ends):
+            return int(self.depth_ends[-1])
         return int((self.chunks["offset"] + self.chunks["nbytes"]).max(initial=0))
 
     def verify(self, names: Collection[str]) -> int:
@@ -133,6 +137,8 @@ class CopiedFiles(FrameFiles):
         self.names, self.meta = frozenset(self._layout.entries), self._layout.meta
         self.count = self._layout.entries["xyz"].shape[0]
         self.chunks = read_array(self.path, self._layout, "chunks")
+        if "depth_ends" in self.names:
+            self.depth_ends = read_array(self.path, self._layout, "depth_ends")
 
     def paths(self, names: Collection[str]) -> list[Path]:  # noqa: ARG002 - one file has all
         """See FrameFiles."""

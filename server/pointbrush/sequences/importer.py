@@ -209,7 +209,16 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
     write_other(folder, index, frame)
-    return record(frame, encoded.arrays, encoded.error, named, dropped=frame.dropped, large=False)
+    return record(
+        frame,
+        encoded.arrays,
+        encoded.error,
+        named,
+        dropped=frame.dropped,
+        large=False,
+        side_error=encoded.side_error,
+        color_error=encoded.color_error,
+    )
 
 
 def _store_large(

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.files import replace_file
 
 FILE = "manifest.json"
-VERSION = 2
-"""1 keeps all arrays of frames plain, 2 packs them; both are read."""
+VERSION = 3
+"""1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -35,6 +36,9 @@ class Manifest:
     ``found_room``      ``room`` as the import found it.
     ``position_error``  greatest difference per axis between a streamed coordinate and the stored
                         one, metres; for a large frame that of its coarsest chunk.
+    ``color_error``     greatest root mean square difference of a frame's streamed colours and the
+                        stored ones, of 255; only pictures of depth cameras differ.
+    ``lattice``         pixels that the frames' points lie on, or None; ``unit`` and ``eye`` local.
     ``intensity_range`` source values that stream as 0 and 255, or None.
     ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
@@ -54,6 +58,8 @@ class Manifest:
     room: Matrix
     found_room: Matrix
     position_error: float
+    color_error: float
+    lattice: Lattice | None
     intensity_range: list[float] | None
     dropped: list[int]
     poses: list[Matrix | None]
@@ -116,7 +122,19 @@ def read_manifest(path: Path) -> Manifest:
     # of before a recording could be restored under another id did not keep the first one.
     content.setdefault("found_room", content["room"])
     content.setdefault("imported_as", content["id"])
+    content.setdefault("color_error", 0.0)
+    content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
+
+
+def _lattice(given: dict[str, Any] | None) -> Lattice | None:
+    """A lattice as JSON has it: lists where there were tuples."""
+    if given is None:
+        return None
+    plain: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
+    }
+    return Lattice(**plain)
 
 
 def rename_sequence(path: Path, sequence: str) -> Manifest:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
+from pointbrush.sequences.depth.lattice import GRID_CELLS
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.room import RoomFinder
 
@@ -27,6 +28,8 @@ class Record:
     lo: NDArray[np.float64]
     hi: NDArray[np.float64]
     error: float
+    side_error: float
+    color_error: float
     prefix: NDArray[np.float32]
     pose: list[float] | None
     viewpoint: list[float] | None
@@ -44,6 +47,8 @@ def record(
     *,
     dropped: int,
     large: bool,
+    side_error: float = 0.0,
+    color_error: float = 0.0,
 ) -> Record:
     """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time."""
     xyz, chunks = arrays["xyz"], arrays["chunks"]
@@ -54,7 +59,9 @@ def record(
         lo=chunks["lo"].min(axis=0).astype(np.float64) if len(xyz) else none,
         hi=chunks["hi"].max(axis=0).astype(np.float64) if len(xyz) else none,
         error=error,
-        prefix=xyz[:_PREFIX].copy(),
+        side_error=side_error,
+        color_error=color_error,
+        prefix=_prefix(xyz, chunks),
         pose=None if frame.pose is None else frame.pose.ravel().tolist(),
         viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
         timestamp=None if frame.timestamp is None else float(frame.timestamp),
@@ -62,6 +69,22 @@ def record(
         large=large,
         checksums=checksums,
     )
+
+
+def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
+    """The greatest of all frames; what leaves as a depth image is rounded again by the page."""
+    error = max((record.error for record in records), default=0.0)
+    if grid.lattice is None:
+        return error
+    rounded = extent / GRID_CELLS / 2
+    return max(error, max((record.side_error for record in records), default=0.0) + rounded)
+
+
+def _prefix(xyz: NDArray[np.float32], chunks: NDArray[Any]) -> NDArray[np.float32]:
+    """An even subsample of the points: whole chunks, as far as they are few."""
+    stops = chunks["first"] + chunks["count"]
+    few = stops[stops <= _PREFIX]
+    return xyz[: int(few.max(initial=0)) or _PREFIX].copy()
 
 
 def _says_something(name: str, arrays: dict[str, NDArray[Any]]) -> bool:
@@ -100,7 +123,9 @@ def make_manifest(
         hi=hi.tolist(),
         room=room,
         found_room=room,
-        position_error=max((record.error for record in records), default=0.0),
+        position_error=_position_error(records, grid, float((hi - lo).max())),
+        color_error=max((record.color_error for record in records), default=0.0),
+        lattice=grid.lattice,
         intensity_range=None if grid.intensity_range is None else list(grid.intensity_range),
         dropped=[record.dropped for record in records],
         poses=[record.pose for record in records],

@@ -244,6 +244,31 @@ class StoredFrame:
         return self._files.wire(start, stop)
 
     @property
+    def depth_ends(self) -> NDArray[np.int64] | None:
+        """Ends of the chunks (C,) in the wire file as parts of a depth image, None without one.
+
+        The chunks are the same points; the first one begins where the encoded points end.
+        """
+        return self._files.depth_ends
+
+    def depth(self, first_chunk: int, stop_chunk: int) -> memoryview:
+        """The bytes of the same chunks as parts of the frame's depth image; raises DamagedError."""
+        ends = self.depth_ends
+        if ends is None or not 0 <= first_chunk <= stop_chunk <= len(ends):
+            raise NotFoundError(
+                f"expected chunks within 0..{0 if ends is None else len(ends)} of a depth image, "
+                f"got {first_chunk}..{stop_chunk}"
+            )
+        start, stop = (self.depth_start(chunk) for chunk in (first_chunk, stop_chunk))
+        return self._files.wire(start, stop)
+
+    def depth_start(self, chunk: int) -> int:
+        """Offset of a chunk in the wire file as a part of the frame's depth image."""
+        if chunk and self.depth_ends is not None:
+            return int(self.depth_ends[chunk - 1])
+        return int(self.chunk_table["offset"][-1] + self.chunk_table["nbytes"][-1])
+
+    @property
     def kdtree(self) -> cKDTree[None]:
         """The tree over ``xyz``, built once and shared; querying it is thread-safe.
 

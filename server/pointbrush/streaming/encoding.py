@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import msgpack
@@ -79,18 +80,45 @@ def encode_frame(
 
     The second is the points: a view of the memory map, which nothing copies on its way out.
     """
-    data = frame.wire(first, stop)
     chunks = frame.chunks[first:stop]
     start = chunks[0].offset if chunks else 0
+    rows = [
+        _row(chunk, chunk.offset - start, chunk.nbytes, origin=chunk.origin, scale=chunk.scale)
+        for chunk in chunks
+    ]
+    return _points("frame", sequence, frame, rows, frame.wire(first, stop), final=final)
+
+
+def encode_depth(
+    sequence: str, frame: StoredFrame, first: int, stop: int, *, final: bool
+) -> tuple[bytes, memoryview]:
+    """The same chunks as parts of the frame's depth image: a ``depth`` message."""
+    starts = [frame.depth_start(chunk) for chunk in range(first, stop + 1)]
+    rows = [
+        _row(chunk, start - starts[0], end - start)
+        for chunk, (start, end) in zip(frame.chunks[first:stop], pairwise(starts), strict=True)
+    ]
+    return _points("depth", sequence, frame, rows, frame.depth(first, stop), final=final)
+
+
+def _points(
+    kind: str,
+    sequence: str,
+    frame: StoredFrame,
+    rows: list[dict[str, Any]],
+    data: memoryview,
+    *,
+    final: bool,
+) -> tuple[bytes, memoryview]:
     packer = msgpack.Packer(autoreset=False)
     packer.pack_map_header(7)
     for name, value in (
-        ("type", "frame"),
+        ("type", kind),
         ("sequence", sequence),
         ("frame", frame.index),
         ("total", frame.count),
         ("final", final),
-        ("chunks", [_row(chunk, start) for chunk in chunks]),
+        ("chunks", rows),
     ):
         packer.pack(name)
         packer.pack(value)
@@ -98,16 +126,15 @@ def encode_frame(
     return packer.bytes() + b"\xc6" + len(data).to_bytes(4, "big"), data
 
 
-def _row(chunk: Chunk, start: int) -> dict[str, Any]:
+def _row(chunk: Chunk, offset: int, nbytes: int, **grid: Any) -> dict[str, Any]:
     return {
         "index": chunk.index,
         "level": chunk.level,
         "first": chunk.first,
         "count": chunk.count,
-        "offset": chunk.offset - start,
-        "nbytes": chunk.nbytes,
-        "origin": chunk.origin,
-        "scale": chunk.scale,
+        "offset": offset,
+        "nbytes": nbytes,
+        **grid,
         "lo": chunk.lo,
         "hi": chunk.hi,
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pointbrush.errors import BadInputError
+from pointbrush.sequences import Lattice
 from pointbrush.streaming import messages
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
@@ -44,6 +45,21 @@ def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
         room=list(manifest.room),
         large=manifest.large,
         position_error=manifest.position_error,
+        color_error=manifest.color_error,
+        lattice=None if manifest.lattice is None else _lattice(manifest.lattice),
         revision=room.revision,
         frame=frame,
+    )
+
+
+def _lattice(lattice: Lattice) -> messages.Lattice:
+    return messages.Lattice(
+        width=lattice.width,
+        height=lattice.height,
+        axis=lattice.axis,
+        sign=1 if lattice.sign > 0 else -1,
+        tangent=list(lattice.tangent),
+        pitch=list(lattice.pitch),
+        eye=list(lattice.eye),
+        unit=lattice.unit,
     )

@@ -154,7 +154,8 @@ class Plan:
         if self.clock is None:
             stop = self._refinement(table, first, stop)
         stop = table.stop_within(first, stop, LARGEST_PIECE)
-        return Piece(frame, first, stop, final=stop == table.chunks, step=step)
+        final = stop == table.chunks
+        return Piece(frame, first, stop, final=final, step=step, depth=table.depth)
 
     def _refinement(self, table: FrameTable, first: int, stop: int) -> int:
         if first == 0 and table.size(0, stop) > self.link.rate * AT_ONCE_SECONDS:

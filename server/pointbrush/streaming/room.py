@@ -78,7 +78,7 @@ class Room:
         self._touched: dict[int, int] = {}
         self._start = 0
         self.stock = Stock(recording, shelf, run)
-        self._expected: dict[tuple[int, int], asyncio.Task[None]] = {}
+        self._expected: dict[tuple[int, int, bool], asyncio.Task[None]] = {}
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
@@ -104,23 +104,23 @@ class Room:
         )
         return (*values, data)
 
-    def expect(self, frame: int, level: int) -> None:
+    def expect(self, frame: int, level: int, *, depth: bool = False) -> None:
         """A frame will be wanted up to a level soon: it is made while nobody waits for it.
 
         Else all who follow the same recording would wait for each frame of the first round.
         """
-        table = self.stock.known_table(frame)
+        table = self.stock.known_table(frame, depth=depth)
         if table is not None and self.ready(table.first_piece(frame, level), table) is not None:
             return
-        if (frame, level) not in self._expected:
-            task = asyncio.create_task(self._make(frame, level))
-            self._expected[frame, level] = task
-            task.add_done_callback(lambda _: self._expected.pop((frame, level)))
+        key = frame, level, depth
+        if key not in self._expected:
+            task = self._expected[key] = asyncio.create_task(self._make(*key))
+            task.add_done_callback(lambda _: self._expected.pop(key))
 
-    async def _make(self, frame: int, level: int) -> None:
+    async def _make(self, frame: int, level: int, depth: bool) -> None:
         # Who needs it in the end is told what is wrong.
         with contextlib.suppress(PointbrushError):
-            table = await self.stock.table(frame)
+            table = await self.stock.table(frame, depth=depth)
             await self.points(table.first_piece(frame, level), table)
 
     # ── values ───────────────────────────────────────────────────────────────────────────

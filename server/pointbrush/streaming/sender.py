@@ -190,12 +190,16 @@ class Sender:
         if frame in self._viewer.plan.damaged:
             return None
         try:
-            return room.stock.known_table(frame) or await room.stock.table(frame)
+            return await self._levels(room, frame, depth=self._viewer.depth)
         except UnavailableError:
             raise
         except PointbrushError as error:
             self._give_up(room, frame, error)
             return None
+
+    async def _levels(self, room: Room, frame: int, *, depth: bool) -> FrameTable:
+        stock = room.stock
+        return stock.known_table(frame, depth=depth) or await stock.table(frame, depth=depth)
 
     async def _next_piece(self, room: Room) -> Piece | None:
         viewer = self._viewer
@@ -241,7 +245,7 @@ class Sender:
     async def _send_piece(self, room: Room, piece: Piece) -> None:
         viewer = self._viewer
         plan = viewer.plan
-        table = room.stock.known_table(piece.frame) or await room.stock.table(piece.frame)
+        table = await self._levels(room, piece.frame, depth=piece.depth)
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
         plan.sent(piece, viewer.now())
@@ -265,7 +269,7 @@ class Sender:
         await viewer.send(values)
         self._note(room, piece, anew=anew)
         for frame in plan.coming(piece):
-            room.expect(frame, plan.level)
+            room.expect(frame, plan.level, depth=viewer.depth)
         plan.link.sent(nbytes, viewer.now(), idle=self._idle)
         self._idle = False
         self._hub.sent(nbytes)

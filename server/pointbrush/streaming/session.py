@@ -208,7 +208,7 @@ class ViewerSession(Viewer):
     async def _hello(self, message: messages.Hello) -> None:
         if message.name and self._shared:
             await self.hub.read(self._choose_name, message.name)
-        self.color = message.color or self.color
+        self.color, self.depth = message.color or self.color, message.depth
         self.outbox.reply(
             encode(
                 messages.Welcome(

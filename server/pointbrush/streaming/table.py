@@ -15,13 +15,17 @@ LARGEST_PIECE = 2 * 2**20
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's."""
+    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's.
+
+    ``depth``: as parts of its depth image.
+    """
 
     frame: int
     first: int
     stop: int
     final: bool
     step: int = 0
+    depth: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +33,8 @@ class FrameTable:
     """``stops[l]`` chunks, ``nbytes[l]`` bytes and ``points[l]`` points up to level ``l``.
 
     ``ends[c]`` is the end of chunk ``c`` in the wire file, ``firsts[c]`` its first point and
-    ``firsts[-1]`` the number of points.
+    ``firsts[-1]`` the number of points.  ``base``: where the first chunk begins there.  ``depth``:
+    what is counted are the parts of a depth image.
     """
 
     stops: tuple[int, ...]
@@ -37,22 +42,32 @@ class FrameTable:
     points: tuple[int, ...]
     ends: tuple[int, ...]
     firsts: tuple[int, ...]
+    base: int = 0
+    depth: bool = False
 
     @classmethod
-    def of(cls, frame: StoredFrame) -> FrameTable:
-        """The table of a stored frame; an octree counts as its root and the rest."""
+    def of(cls, frame: StoredFrame, *, depth: bool = False) -> FrameTable:
+        """The table of a stored frame, or of its ``depth`` image, where it has one.
+
+        An octree counts as its root and the rest.
+        """
         table = frame.chunk_table
-        ends = (table["offset"] + table["nbytes"]).astype(np.int64)
+        ends, base = (table["offset"] + table["nbytes"]).astype(np.int64), 0
+        image = frame.depth_ends
+        if depth and image is not None:
+            ends, base = image, int(ends[-1])
         counts = table["count"].astype(np.int64)
         levels = table["level"]
         stops = np.flatnonzero(np.append(levels[1:] != levels[:-1], len(levels) > 0)) + 1
         points = np.cumsum(counts)
         return cls(
             stops=tuple(stops.tolist()),
-            nbytes=tuple(ends[stops - 1].tolist()),
+            nbytes=tuple((ends[stops - 1] - base).tolist()),
             points=tuple(points[stops - 1].tolist()),
             ends=tuple(ends.tolist()),
             firsts=(*table["first"].astype(np.int64).tolist(), frame.count),
+            base=base,
+            depth=base > 0,
         )
 
     @property
@@ -68,7 +83,7 @@ class FrameTable:
 
     def start(self, chunk: int) -> int:
         """Offset of a chunk in the wire file."""
-        return self.ends[chunk - 1] if chunk else 0
+        return self.ends[chunk - 1] if chunk else self.base
 
     def size(self, first: int, stop: int) -> int:
         """Bytes of chunks [first, stop)."""
@@ -88,4 +103,4 @@ class FrameTable:
     def first_piece(self, frame: int, level: int) -> Piece:
         """Return what is sent first of the table's frame ``frame``, up to a level."""
         stop = self.stop_within(0, self.stops[min(level, len(self.stops) - 1)], LARGEST_PIECE)
-        return Piece(frame, 0, stop, final=stop == self.chunks)
+        return Piece(frame, 0, stop, final=stop == self.chunks, depth=self.depth)

@@ -1,12 +1,18 @@
 /** The worker between the socket and the page: decodes points, and hands all on in the order it came. */
 import { decodeFrame, ready } from './decode';
+import { DepthDecoder } from './depth/decode';
+import { readPicture } from './depth/pictures';
+import { InOrder } from './in-order';
 import { buffersOf, Pairing } from './pairing';
 import { BufferPool } from './pool';
+import type { Segment } from './segment';
 import type { Decoded, FromPage, FromWorker, ToDecoder } from './wire';
 
 const POOL_BYTES = 64 << 20;
 
 const pool = new BufferPool(POOL_BYTES);
+const depth = new DepthDecoder(pool, readPicture);
+const inOrder = new InOrder();
 
 function post(message: FromWorker, transfer: Transferable[]): void {
   (self as unknown as Worker).postMessage(message, transfer);
@@ -14,19 +20,35 @@ function post(message: FromWorker, transfer: Transferable[]): void {
 
 const pairing = new Pairing(post);
 
-function forward(message: ToDecoder, socket: MessagePort): void {
+function receive(message: ToDecoder, socket: MessagePort): void {
+  if (message.t !== 'depth') {
+    inOrder.add(() => forward(message, socket));
+    return;
+  }
+  // Pictures are read while those before them are decoded.
+  const coming = depth.receive(message.message);
+  inOrder.add(async () => handOn(await depth.decode(coming), socket));
+}
+
+function forward(message: Exclude<ToDecoder, { t: 'depth' }>, socket: MessagePort): void {
   if (message.t === 'frame') {
-    const segment = decodeFrame(message.message, pool);
-    const { nbytes, decodeMs } = segment;
-    pairing.segment(segment);
-    const decoded: Decoded = { nbytes, decodeMs };
-    socket.postMessage(decoded);
+    handOn(decodeFrame(message.message, pool), socket);
+  } else if (message.t === 'forget') {
+    depth.forget(message.frames);
   } else if (message.t === 'labels' && message.update.base === null) {
     pairing.hold(message.update);
   } else {
+    if (message.t === 'message' && message.message.type === 'sequence') depth.open(message.message);
     pairing.flush();
     post(message, message.t === 'labels' ? buffersOf(message.update) : []);
   }
+}
+
+function handOn(segment: Segment, socket: MessagePort): void {
+  const { nbytes, decodeMs } = segment;
+  pairing.segment(segment);
+  const decoded: Decoded = { nbytes, decodeMs };
+  socket.postMessage(decoded);
 }
 
 self.onmessage = (event: MessageEvent<FromPage>) => {
@@ -38,6 +60,6 @@ self.onmessage = (event: MessageEvent<FromPage>) => {
   const { port } = message;
   // What comes before the codec is there waits in the port.
   void ready.then(() => {
-    port.onmessage = (event: MessageEvent<ToDecoder>) => forward(event.data, port);
+    port.onmessage = (event: MessageEvent<ToDecoder>) => receive(event.data, port);
   });
 };

@@ -1,5 +1,5 @@
 /** Record of what the server has sent of each frame, so that a new connection need not send it again. */
-import type { Annotation, Frame } from '../protocol/messages';
+import type { Annotation, Depth, Frame } from '../protocol/messages';
 
 interface Held {
   /** Chunks from the first on. */
@@ -24,7 +24,7 @@ export class HeldFrames {
     for (const held of this.frames.values()) held.revision = Math.max(held.revision, revision);
   }
 
-  points(message: Frame): void {
+  points(message: Frame | Depth): void {
     const held = this.frames.get(message.frame);
     // What does not join on is left out by the page as well.
     if (held && message.chunks[0]?.index === held.chunks) held.chunks += message.chunks.length;

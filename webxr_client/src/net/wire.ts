@@ -1,5 +1,5 @@
 /** Messages between the page, the socket's worker and the decoder. */
-import type { ClientMessage, Frame, Open, ServerMessage } from '../protocol/messages';
+import type { ClientMessage, Depth, Frame, Open, ServerMessage } from '../protocol/messages';
 import type { Unsent } from '../store-types';
 import type { Segment } from './segment';
 
@@ -44,7 +44,7 @@ export interface LabelUpdate {
   readonly values: Uint16Array<ArrayBuffer>;
 }
 
-type Bulk = 'frame' | 'annotation';
+type Bulk = 'frame' | 'depth' | 'annotation';
 export type PlainMessage = Exclude<ServerMessage, { type: Bulk }>;
 
 /** Messages that the decoder hands on as they are. */
@@ -62,7 +62,12 @@ type Plain =
   | { t: 'pending'; count: number; heard: number };
 
 /** The socket's worker to the decoder. */
-export type ToDecoder = Plain | { t: 'frame'; message: Frame };
+export type ToDecoder =
+  | Plain
+  | { t: 'frame'; message: Frame }
+  | { t: 'depth'; message: Depth }
+  /** The page dropped these frames. */
+  | { t: 'forget'; frames: readonly number[] };
 
 /** The decoder back to the socket's worker, for each frame. */
 export interface Decoded {

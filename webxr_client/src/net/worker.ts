@@ -76,7 +76,7 @@ function connect(): void {
     owed = [];
     backoff.reset();
     link('online');
-    transmit({ type: 'hello' });
+    transmit({ type: 'hello', depth: true });
     reopen();
   };
   current.onmessage = (event: MessageEvent<ArrayBuffer>) => onceBegun(() => receive(event.data));
@@ -150,7 +150,10 @@ function send(message: ClientMessage): void {
     report();
     if (!live) return;
   }
-  if (message.type === 'forget') held.forget(message.frames);
+  if (message.type === 'forget') {
+    held.forget(message.frames);
+    post({ t: 'forget', frames: message.frames });
+  }
   transmit(message);
 }
 
@@ -168,6 +171,11 @@ function receive(data: ArrayBuffer): void {
     case 'frame': {
       if (message.sequence === opened?.sequence) held.points(message);
       post({ t: 'frame', message }, [data]);
+      return;
+    }
+    case 'depth': {
+      if (message.sequence === opened?.sequence) held.points(message);
+      post({ t: 'depth', message }, [data]);
       return;
     }
     case 'annotation':

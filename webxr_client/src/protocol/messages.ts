@@ -1,7 +1,7 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'aabff11586f4';
+export const SCHEMA_HASH = '1f2257497507';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -110,6 +110,7 @@ export interface Hello {
   type: 'hello';
   name?: string;
   color?: string | null;
+  depth?: boolean;
 }
 
 /**
@@ -298,6 +299,33 @@ export interface Chunk {
   hi: [number, number, number];
 }
 
+/**
+ * Chunks of a frame as parts of a depth image, in place of ``frame``; numbers are the same.
+ *
+ * Sent to who said ``depth`` in ``hello``.  A chunk needs the depths of all before it.
+ */
+export interface Depth {
+  type: 'depth';
+  sequence: string;
+  frame: number;
+  total: number;
+  final: boolean;
+  chunks: DepthChunk[];
+  data: Uint8Array;
+}
+
+/** A run of points that is a band of a depth image (docs/streaming.md says of which pixels). */
+export interface DepthChunk {
+  index: number;
+  level: number;
+  first: number;
+  count: number;
+  offset: number;
+  nbytes: number;
+  lo: [number, number, number];
+  hi: [number, number, number];
+}
+
 /** RFC 9457 fields; ``about`` is the id of the stroke, undo or track refused, if any. */
 export interface Error {
   type: 'error';
@@ -359,6 +387,24 @@ export interface Labels {
   redo: string | null;
 }
 
+/**
+ * Pixels of a depth camera; all frames of a recording have the same.
+ *
+ * With a depth of d units, the point of pixel (column, row) lies d * ``unit`` metres from ``eye``
+ * along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times as far along the
+ * other two axes: the first one with the column, the second with the row.
+ */
+export interface Lattice {
+  width: number;
+  height: number;
+  axis: number;
+  sign: -1 | 1;
+  tangent: [number, number];
+  pitch: [number, number];
+  eye: [number, number, number];
+  unit: number;
+}
+
 /** A frame is prepared for the object tool: what is asked of it is answered from all of it. */
 export interface Prepared {
   type: 'prepared';
@@ -382,6 +428,8 @@ export interface SequenceInfo {
   room: number[];
   large: boolean;
   position_error: number;
+  color_error: number;
+  lattice: Lattice | null;
   revision: number;
   frame: number;
 }
@@ -469,6 +517,7 @@ export type ServerMessage =
   | Welcome
   | SequenceInfo
   | Frame
+  | Depth
   | Annotation
   | StrokeResult
   | Candidates

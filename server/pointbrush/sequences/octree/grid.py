@@ -1,4 +1,4 @@
-"""Values that the frames of a sequence share: the shift, the grid and the intensities' range."""
+"""Values that the frames of a sequence share: shift, grid, lattice, range of intensities."""
 
 from __future__ import annotations
 
@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
+from pointbrush.sequences.columns import to_local
+from pointbrush.sequences.depth.finding import find_lattice
+from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.octree.order import MAX_POINTS
 from pointbrush.sequences.octree.quantise import base_step, coarsest_step
 
 FAR = 1024.0
@@ -19,7 +23,7 @@ _SAMPLE = 500_000
 
 
 class GridChooser:
-    """Fixes shift, grid and intensity range by the first frame that can tell."""
+    """Fixes shift, grid, lattice and intensity range by the first frame that can tell."""
 
     def __init__(self) -> None:
         self.grid = Grid(np.zeros(3), base_step(0.0), None)
@@ -35,7 +39,8 @@ class GridChooser:
             extent = float((hi - lo).max())
             step, coarsest = base_step(extent), coarsest_step(extent)
             span = self.grid.intensity_range
-            self.grid = Grid(choose_shift(lo, hi), step, span, coarsest)
+            shift = choose_shift(lo, hi)
+            self.grid = Grid(shift, step, span, coarsest, _lattice(filled, shift, step))
         known = [frame.intensity for frame in filled if frame.intensity is not None]
         if self.grid.intensity_range is None and known:
             span = intensity_range(np.concatenate(known))
@@ -47,6 +52,15 @@ def _ends(xyz: NDArray[np.floating]) -> NDArray[np.floating]:
     """Least and greatest coordinates (2, 3), in the points' own precision."""
     # Axis by axis: numpy reduces rows of three several times slower.
     return np.array([[xyz[:, k].min() for k in range(3)], [xyz[:, k].max() for k in range(3)]])
+
+
+def _lattice(
+    frames: Sequence[PointFrame], shift: NDArray[np.float64], step: float
+) -> Lattice | None:
+    """The lattice of whole frames; parts of one are of no depth camera."""
+    if len(frames) != 1 or len(frames[0]) > MAX_POINTS:
+        return None
+    return find_lattice(frames[0], to_local(frames[0].xyz, shift), shift, step)
 
 
 def choose_shift(lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np.float64]:

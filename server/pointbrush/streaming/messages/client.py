@@ -29,6 +29,8 @@ class Hello(Message):
     type: Literal["hello"] = "hello"
     name: Annotated[str, Field(max_length=64)] = ""
     color: Color | None = None
+    depth: bool = False
+    """Frames of depth cameras may come as ``depth`` messages in place of ``frame``."""
 
 
 class Open(Message):

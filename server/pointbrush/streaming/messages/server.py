@@ -10,11 +10,13 @@ from pointbrush.streaming.messages.values import (
     Chunk,
     Color,
     Count,
+    DepthChunk,
     FrameIndex,
     Id,
     JobState,
     Label,
     LabelId,
+    Lattice,
     Matrix4,
     Message,
     Pose,
@@ -58,6 +60,10 @@ class SequenceInfo(Message):
     """True: chunks form an octree, ask for them with ``want``; the table comes over HTTP."""
     position_error: float
     """Greatest distance between a streamed coordinate and the stored one, metres per axis."""
+    color_error: float
+    """Greatest root mean square of what a ``depth`` frame's colours differ from the stored ones."""
+    lattice: Lattice | None
+    """The pixels of ``depth`` messages; null: there are none."""
     revision: Count
     frame: FrameIndex
 
@@ -76,6 +82,22 @@ class Frame(Message):
     final: bool
     """The frame is complete at the client once this is applied."""
     chunks: list[Chunk]
+    data: bytes
+
+
+class Depth(Message):
+    """Chunks of a frame as parts of a depth image, in place of ``frame``; numbers are the same.
+
+    Sent to who said ``depth`` in ``hello``.  A chunk needs the depths of all before it.
+    """
+
+    type: Literal["depth"] = "depth"
+    sequence: Id
+    frame: FrameIndex
+    total: Count
+    final: bool
+    """The frame is complete at the client once this is applied."""
+    chunks: list[DepthChunk]
     data: bytes
 
 
@@ -242,6 +264,7 @@ ServerMessage = Annotated[
     Welcome
     | SequenceInfo
     | Frame
+    | Depth
     | Annotation
     | StrokeResult
     | Candidates

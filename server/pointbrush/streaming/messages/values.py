@@ -56,6 +56,39 @@ class Label(Message):
     visible: bool
 
 
+class Lattice(Message):
+    """Pixels of a depth camera; all frames of a recording have the same.
+
+    With a depth of d units, the point of pixel (column, row) lies d * ``unit`` metres from ``eye``
+    along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times as far along the
+    other two axes: the first one with the column, the second with the row.
+    """
+
+    width: Count
+    height: Count
+    axis: Annotated[int, Field(ge=0, le=2)]
+    sign: Literal[-1, 1]
+    tangent: Annotated[list[Finite], Field(min_length=2, max_length=2)]
+    pitch: Annotated[list[Finite], Field(min_length=2, max_length=2)]
+    eye: Vec3
+    """Local coordinates (source minus shift)."""
+    unit: Finite
+
+
+class DepthChunk(Message):
+    """A run of points that is a band of a depth image (docs/streaming.md says of which pixels)."""
+
+    index: Count
+    level: Annotated[int, Field(ge=0, le=64)]
+    first: Count
+    count: Count
+    offset: Count
+    """Byte offset in the message's ``data``."""
+    nbytes: Count
+    lo: Vec3
+    hi: Vec3
+
+
 class Chunk(Message):
     """A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
 

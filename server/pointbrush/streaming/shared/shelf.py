@@ -19,10 +19,14 @@ Key = tuple[str, int]
 
 @dataclass(slots=True)
 class OpenFrame:
-    """A frame and its levels; ``looked_at``: its bytes have been read since it was opened."""
+    """A frame and its levels; ``looked_at``: its bytes have been read since it was opened.
+
+    ``depth``: the levels of its depth image, those of its points where it has none.
+    """
 
     stored: StoredFrame
     table: FrameTable
+    depth: FrameTable
     looked_at: bool = False
 
 

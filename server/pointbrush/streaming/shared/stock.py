@@ -8,12 +8,12 @@ from typing import Any
 
 from pointbrush.sequences import Sequence
 from pointbrush.sequences.residence import can_tell, in_memory, read_in
-from pointbrush.streaming.encoding import encode_frame
+from pointbrush.streaming.encoding import encode_depth, encode_frame
 from pointbrush.streaming.shared.shelf import OpenFrame, Shelf
 from pointbrush.streaming.table import FrameTable, Piece
 
 PointsMessage = tuple[bytes, memoryview]
-"""A ``frame`` message in two parts: its head, and a view of the map."""
+"""A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
 
 
 class Stock:
@@ -32,14 +32,17 @@ class Stock:
         self._opening: dict[int, asyncio.Task[OpenFrame]] = {}
         self._can_tell: bool | None = None
 
-    def known_table(self, frame: int) -> FrameTable | None:
-        """The levels of a frame that is open."""
+    def known_table(self, frame: int, *, depth: bool = False) -> FrameTable | None:
+        """The levels of a frame that is open, or of its ``depth`` image, where it has one."""
         found = self._shelf.get(self._key(frame))
-        return None if found is None else found.table
+        if found is None:
+            return None
+        return found.depth if depth else found.table
 
-    async def table(self, frame: int) -> FrameTable:
-        """The levels of a frame; raises NotFoundError."""
-        return (await self._open(frame)).table
+    async def table(self, frame: int, *, depth: bool = False) -> FrameTable:
+        """The same of any frame; raises NotFoundError."""
+        found = await self._open(frame)
+        return found.depth if depth else found.table
 
     def known_message(self, piece: Piece) -> PointsMessage | None:
         """A piece's points, if sending them would not wait for the disk."""
@@ -64,7 +67,8 @@ class Stock:
 
     def _encode(self, found: OpenFrame, piece: Piece) -> PointsMessage:
         name = self._recording.manifest.id
-        return encode_frame(name, found.stored, piece.first, piece.stop, final=piece.final)
+        encode = encode_depth if piece.depth else encode_frame
+        return encode(name, found.stored, piece.first, piece.stop, final=piece.final)
 
     def _at_hand(self, found: OpenFrame, data: memoryview) -> bool:
         return in_memory(data) if self._can_tell else found.looked_at
@@ -89,7 +93,7 @@ class Stock:
             if not stored.large:
                 # Mapped and counted here: the event loop finds it done.
                 encode_frame("", stored, 0, table.chunks, final=True)
-            return OpenFrame(stored, table)
+            return OpenFrame(stored, table, FrameTable.of(stored, depth=True))
 
         opened: OpenFrame = await self._run(look)
         return self._shelf.put(self._key(frame), opened)

@@ -1,0 +1,191 @@
+"""The pixel lattice of a depth camera, and the interlaced levels that its images are sent in.
+
+A lattice says where the ray of each pixel goes, so that a point is a pixel and a depth.  Levels are
+lattices, too: level 0 holds every ``2**k``-th row and column, and each further one halves the
+distance between columns, then that between rows, so that a prefix of levels is a smaller image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.sequences.octree.order import LEVEL0_POINTS
+
+STRIP = 16
+"""Rows of a strip: points of a level are numbered strip by strip, column by column within one."""
+CHUNK_PIXELS = 65536
+"""Most pixels of a chunk; a level of more is cut into bands of strips."""
+FARTHEST = 65535
+"""Greatest depth, in units."""
+GRID_CELLS = 65535
+"""Cells of the grid, along each side of a recording's box, that a page may round points to; along
+the camera's axis it need not."""
+
+
+class Band(NamedTuple):
+    """The pixels of a chunk: those of ``level`` from ``row`` to before ``stop``.
+
+    ``down`` and ``across`` are the steps from row to row and column to column, ``half`` the
+    distance to the neighbours that are known, 0 in level 0; ``vertical``: they are above and below.
+    ``step`` of the lattice that is complete behind the level.
+    """
+
+    level: int
+    row: int
+    stop: int
+    column: int
+    down: int
+    across: int
+    half: int
+    vertical: bool
+    step: int
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Pixels of ``width`` by ``height`` seen from ``eye`` (3,), local metres.
+
+    The point of a pixel at ``depth`` units lies ``unit * depth`` metres along ``sign`` times axis
+    ``axis`` from there, and ``tangent[i] + pitch[i] * pixel[i]`` times as far along the other two
+    axes, in their order: the first goes with columns, the second with rows.
+    """
+
+    width: int
+    height: int
+    axis: int
+    sign: float
+    tangent: tuple[float, float]
+    pitch: tuple[float, float]
+    eye: tuple[float, float, float]
+    unit: float
+
+    @property
+    def sides(self) -> tuple[int, int]:
+        """The axes that columns and rows go along."""
+        across, down = (axis for axis in range(3) if axis != self.axis)
+        return across, down
+
+    @cached_property
+    def first_step(self) -> int:
+        """Distance between the pixels of level 0."""
+        step = 1
+        while -(-self.width // step) * -(-self.height // step) > LEVEL0_POINTS:
+            step *= 2
+        return step
+
+    @cached_property
+    def bands(self) -> tuple[Band, ...]:
+        """The chunks that a frame of all pixels has, in their order."""
+        return tuple(self._bands())
+
+    def _bands(self) -> Iterator[Band]:
+        step = self.first_step
+        yield from self._cut(0, 0, 0, step, step, 0, vertical=False, step=step)
+        level = 1
+        while step > 1:
+            half = step // 2
+            yield from self._cut(level, 0, half, step, step, half, vertical=False, step=half)
+            yield from self._cut(level + 1, half, 0, step, half, half, vertical=True, step=half)
+            level, step = level + 2, half
+
+    def _cut(
+        self,
+        level: int,
+        row: int,
+        column: int,
+        down: int,
+        across: int,
+        half: int,
+        *,
+        vertical: bool,
+        step: int,
+    ) -> Iterator[Band]:
+        """The bands of a level; none where it has no pixel."""
+        rows, columns = -(-(self.height - row) // down), -(-(self.width - column) // across)
+        if rows <= 0 or columns <= 0:
+            return
+        strips = -(-rows // STRIP)
+        parts = -(-rows * columns // CHUNK_PIXELS)
+        for part in range(parts):
+            first, stop = (strips * p // parts * STRIP for p in (part, part + 1))
+            yield Band(
+                level,
+                row + first * down,
+                min(row + stop * down, self.height),
+                column,
+                down,
+                across,
+                half,
+                vertical,
+                step,
+            )
+
+    def picture_step(self, band: Band) -> int:
+        """Distance between the pixels of the picture that a band's colours are in: 1, 2, 8, 32 …
+
+        What is sent twice is little, and the first level brings a small picture of its own.
+        """
+        step = 1
+        while (finer := 2 if step == 1 else 4 * step) <= band.step:
+            step = finer
+        return step
+
+    def carries_picture(self, chunk: int) -> bool:
+        """Whether a chunk brings a picture: the first one whose colours are in it."""
+        if chunk == 0:
+            return True
+        before, band = self.bands[chunk - 1 : chunk + 1]
+        return self.picture_step(before) != self.picture_step(band)
+
+    def unproject(
+        self, pixel: NDArray[np.integer], depth: NDArray[np.integer]
+    ) -> NDArray[np.float64]:
+        """Points (N, 3), local metres, of row-major pixels (N,) at depths (N,) in units."""
+        along = depth * self.unit
+        xyz = np.empty((len(pixel), 3))
+        xyz[:, self.axis] = self.eye[self.axis] + self.sign * along
+        places = (pixel % self.width, pixel // self.width)
+        for side, place, tangent, pitch in zip(
+            self.sides, places, self.tangent, self.pitch, strict=True
+        ):
+            xyz[:, side] = self.eye[side] + along * (tangent + pitch * place)
+        return xyz
+
+    def project(self, xyz: NDArray[np.floating]) -> Pixels | None:
+        """The pixels and depths of points (N, 3), local metres; None where they are on no lattice.
+
+        Each pixel has one point at most, and no point lies beyond the image or ``FARTHEST``.
+        """
+        local = xyz.astype(np.float64) - self.eye
+        along = self.sign * local[:, self.axis]
+        depth = np.rint(along / self.unit)
+        if not len(xyz) or depth.min() < 1 or depth.max() > FARTHEST:
+            return None
+        columns, rows = (
+            np.rint((local[:, side] / along - tangent) / pitch)
+            for side, tangent, pitch in zip(self.sides, self.tangent, self.pitch, strict=True)
+        )
+        if columns.min() < 0 or rows.min() < 0:
+            return None
+        if columns.max() >= self.width or rows.max() >= self.height:
+            return None
+        pixel = (rows * self.width + columns).astype(np.int64)
+        if np.bincount(pixel).max() > 1:
+            return None
+        units = depth.astype(np.int64)
+        error = np.abs(self.unproject(pixel, units) - xyz).max(axis=0)
+        return Pixels(pixel, units, error)
+
+
+class Pixels(NamedTuple):
+    """Row-major pixels (N,) of points, their depths (N,) in units, greatest errors (3,), metres."""
+
+    pixel: NDArray[np.int64]
+    depth: NDArray[np.int64]
+    error: NDArray[np.float64]

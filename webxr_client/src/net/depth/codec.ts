@@ -1,0 +1,92 @@
+/** The bytes of a band: frequencies, tokens in rANS, and low bits (`docs/streaming.md`). */
+
+/** Contexts of pixels with both neighbours, by the bits of their difference; with one; with none. */
+export const BOTH = 9;
+export const ONE = 9;
+export const NONE = 10;
+const CONTEXTS = 11;
+/** Remainders below this are tokens of their own; above, tokens stand for quarters of octaves. */
+export const DIRECT = 16;
+const TOKENS = 1 + DIRECT + 4 * 14;
+export const SCALE_BITS = 12;
+export const SCALE = 1 << SCALE_BITS;
+
+const LENGTHS = 12;
+
+export interface Parts {
+  /** JPEG, empty where the chunk brings none. */
+  readonly picture: Uint8Array;
+  readonly tables: Uint8Array;
+  readonly tokens: Uint8Array;
+  readonly low: Uint8Array;
+}
+
+/** The four parts of a chunk's bytes. */
+export function partsOf(data: Uint8Array): Parts {
+  if (data.length < LENGTHS) throw new RangeError(`depth: expected ${LENGTHS} bytes or more`);
+  const view = new DataView(data.buffer, data.byteOffset, LENGTHS);
+  const picture = LENGTHS + view.getUint32(0, true);
+  const tables = picture + view.getUint32(4, true);
+  const tokens = tables + view.getUint32(8, true);
+  if (tokens > data.length) throw new RangeError('depth: expected more bytes, got their end');
+  return {
+    picture: data.subarray(LENGTHS, picture),
+    tables: data.subarray(picture, tables),
+    tokens: data.subarray(tables, tokens),
+    low: data.subarray(tokens),
+  };
+}
+
+/** Reads numbers of seven bits a byte, the lowest first. */
+export class Numbers {
+  private at = 0;
+
+  constructor(private readonly bytes: Uint8Array) {}
+
+  next(): number {
+    let value = 0;
+    for (let shift = 0; this.at < this.bytes.length; shift += 7) {
+      const byte = this.bytes[this.at++]!;
+      value |= (byte & 127) << shift;
+      if (byte < 128) return value;
+    }
+    throw new RangeError('depth: expected a number, got the end of the bytes');
+  }
+}
+
+/**
+ * What a state's low bits say in each context: `(context << 12) + bits` leads to the token, its
+ * frequency, and how far into it the bits are.
+ */
+export class Tables {
+  readonly token = new Uint8Array(CONTEXTS * SCALE);
+  readonly many = new Uint16Array(CONTEXTS * SCALE);
+  readonly within = new Uint16Array(CONTEXTS * SCALE);
+
+  read(numbers: Numbers): void {
+    for (let context = 0; context < CONTEXTS; context++) {
+      const tokens = numbers.next();
+      if (tokens > TOKENS) throw new RangeError(`depth: expected ${TOKENS} tokens at most`);
+      let slot = context * SCALE;
+      const end = slot + SCALE;
+      for (let token = 0; token < tokens; token++) {
+        const many = numbers.next();
+        const stop = slot + many;
+        if (stop > end) throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
+        this.token.fill(token, slot, stop);
+        this.many.fill(many, slot, stop);
+        for (let within = 0; slot < stop; slot++, within++) this.within[slot] = within;
+      }
+      if (tokens > 0 && slot !== end) {
+        throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
+      }
+    }
+  }
+}
+
+/** The depths that pixels hold numbers of, from 1 on; empty when they hold depths. */
+export function readListed(numbers: Numbers): Uint16Array {
+  const listed = new Uint16Array(numbers.next());
+  for (let i = 0, depth = 0; i < listed.length; i++) listed[i] = depth += numbers.next();
+  return listed;
+}

@@ -1,0 +1,139 @@
+import { readFileSync } from 'node:fs';
+import { describe, expect, it } from 'vitest';
+import type { Depth, DepthChunk, Lattice, SequenceInfo } from '../../protocol/messages';
+import { BufferPool } from '../pool';
+import { spacingOf, type Segment } from '../segment';
+import { DepthDecoder } from './decode';
+import type { Picture } from './pictures';
+
+const GOLDEN = new URL('../../../../tests/golden/', import.meta.url);
+
+interface Golden {
+  lattice: Lattice;
+  lo: [number, number, number];
+  hi: [number, number, number];
+  position_error: number;
+  count: number;
+  chunks: DepthChunk[];
+  xyz_base64: string;
+  pixels: number[];
+  pictures: { width: number; nbytes: number; rgb_base64: string }[];
+}
+
+function golden(name: string): { data: Uint8Array; told: Golden; xyz: Float32Array } {
+  const data = new Uint8Array(readFileSync(new URL(`depth_${name}.bin`, GOLDEN)));
+  const text = readFileSync(new URL(`depth_${name}.json`, GOLDEN), 'utf8');
+  const told = JSON.parse(text) as Golden;
+  const bytes = new Uint8Array(Buffer.from(told.xyz_base64, 'base64'));
+  return { data, told, xyz: new Float32Array(bytes.buffer) };
+}
+
+/** Pictures as Pillow reads them: no browser is here to do it. */
+function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
+  const { width, rgb_base64 } = told.pictures.find(({ nbytes }) => nbytes === jpeg.length)!;
+  const rgb = Buffer.from(rgb_base64, 'base64');
+  const pixels = Uint32Array.from({ length: rgb.length / 3 }, (_, i) => rgb.readUIntLE(3 * i, 3));
+  return { width, pixels };
+}
+
+function decoderOf(told: Golden): DepthDecoder {
+  const read = (jpeg: Uint8Array) => Promise.resolve(pictureOf(told, jpeg));
+  const decoder = new DepthDecoder(new BufferPool(1 << 20), read);
+  const { lattice, lo, hi } = told;
+  decoder.open({ identity: 'i', lattice, lo, hi } as SequenceInfo);
+  return decoder;
+}
+
+/** Chunks [first, stop) of a frame as a message. */
+function message(data: Uint8Array, { chunks, count }: Golden, first: number, stop: number): Depth {
+  const start = chunks[first]!.offset;
+  const rows = chunks.slice(first, stop).map((row) => ({ ...row, offset: row.offset - start }));
+  const end = rows.at(-1)!.offset + rows.at(-1)!.nbytes;
+  return {
+    type: 'depth',
+    sequence: 's',
+    frame: 3,
+    total: count,
+    final: stop === chunks.length,
+    chunks: rows,
+    data: data.subarray(start, start + end),
+  };
+}
+
+function positions({ vertices, chunks }: Segment): number[][] {
+  const words = new Uint16Array(vertices);
+  return chunks.flatMap(({ start, count, origin, scale }) =>
+    Array.from({ length: count }, (_, i) =>
+      [0, 1, 2].map((side) => origin[side]! + words[(start + i) * 6 + side]! * scale[side]!),
+    ),
+  );
+}
+
+describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name) => {
+  const { data, told, xyz } = golden(name);
+
+  it('has every point where it is, in its order, whole and in parts', async () => {
+    for (const parts of [
+      [0, told.chunks.length],
+      [0, 1, 2, told.chunks.length],
+    ]) {
+      const decoder = decoderOf(told);
+      const found: number[][] = [];
+      for (let i = 0; i + 1 < parts.length; i++) {
+        const coming = decoder.receive(message(data, told, parts[i]!, parts[i + 1]!));
+        found.push(...positions(await decoder.decode(coming)));
+      }
+      expect(found.length).toBe(told.count);
+      const off = found.map((at, i) =>
+        Math.max(...at.map((value, side) => Math.abs(value - xyz[3 * i + side]!))),
+      );
+      expect(Math.max(...off)).toBeLessThanOrEqual(told.position_error);
+    }
+  });
+
+  it('has the colours of the finest picture that came', async () => {
+    const decoder = decoderOf(told);
+    const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
+    const finest = told.pictures.find(({ width }) => width === told.lattice.width)!;
+    const rgb = Buffer.from(finest.rgb_base64, 'base64');
+    const shown = Buffer.from(all.vertices);
+    told.pixels.forEach((pixel, i) => {
+      expect(shown.readUIntLE(12 * i + 6, 3)).toBe(rgb.readUIntLE(3 * pixel, 3));
+    });
+  });
+
+  it('stamps each point with its chunk and the spacing of its level', async () => {
+    const decoder = decoderOf(told);
+    const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
+    const words = new Uint16Array(all.vertices);
+    for (const { index, start, first, count } of all.chunks) {
+      const apart = Math.sqrt((told.lattice.width * told.lattice.height) / count);
+      for (let i = 0; i < count; i += 7) {
+        const stamp = words[(start + i) * 6 + 5]!;
+        const depth = xyz[3 * (first + i) + 2]! - told.lattice.eye[2];
+        expect(stamp >> 6).toBe(index);
+        const ratio = spacingOf(stamp & 63) / (depth * told.lattice.pitch[0] * apart);
+        expect(ratio).toBeGreaterThan(0.9);
+        expect(ratio).toBeLessThan(1.4);
+      }
+    }
+  });
+
+  it('gives no points of what does not join on, and reads on from the start', async () => {
+    const decoder = decoderOf(told);
+    await decoder.decode(decoder.receive(message(data, told, 0, 1)));
+    decoder.forget([3]);
+    const late = await decoder.decode(decoder.receive(message(data, told, 1, 2)));
+    expect(late.count).toBe(0);
+    const anew = await decoder.decode(decoder.receive(message(data, told, 0, 2)));
+    expect(anew.count).toBe(told.chunks[0]!.count + told.chunks[1]!.count);
+  });
+
+  it('refuses bytes that are cut off', async () => {
+    const decoder = decoderOf(told);
+    const cut = message(data, told, 0, 1);
+    const chunk = { ...cut.chunks[0]!, nbytes: cut.chunks[0]!.nbytes - 200 };
+    const decode = async () => decoder.decode(decoder.receive({ ...cut, chunks: [chunk] }));
+    await expect(decode()).rejects.toThrow('depth');
+  });
+});
