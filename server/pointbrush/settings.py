@@ -62,6 +62,14 @@ class Settings:
         "admin token, empty makes a new one at each start; for a server elsewhere your own",
         where=(*REMOTE, *SERVERS),
     )
+    token_file: str = option(
+        "", "file that holds the admin token, in place of `token`", where=SERVERS
+    )
+    log_format: str = option(
+        "text",
+        "what the log is: text, or json, a line for each request, edit and job",
+        where=SERVERS,
+    )
     selector: str = option(
         "tree",
         "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
@@ -159,17 +167,21 @@ class Settings:
             return f"sqlite:///{(self.workspace / 'labels.sqlite').absolute()}"
         if not self.database_password_file:
             return self.database
-        try:
-            password = Path(self.database_password_file).read_text(encoding="utf-8").rstrip("\r\n")
-        except (OSError, ValueError):
-            raise BadInputError(
-                f"database_password_file: expected a readable file, got "
-                f"{self.database_password_file}"
-            ) from None
+        password = _secret("database_password_file", self.database_password_file)
         scheme, _, place = self.database.partition("://")
         user, at, server = place.rpartition("@")
         name = user.partition(":")[0] or quote(getuser(), safe="")
         return f"{scheme}://{name}:{quote(password, safe='')}@{server if at else place}"
+
+    @property
+    def admin_token(self) -> str:
+        """The admin token that was set, or ""; raises BadInputError for a file without one."""
+        if not self.token_file:
+            return self.token
+        token = _secret("token_file", self.token_file)
+        if not token:
+            raise BadInputError(f"token_file: expected a token, {self.token_file} is empty")
+        return token
 
     @property
     def roots(self) -> list[Path]:
@@ -180,6 +192,14 @@ class Settings:
     def own_roots(self) -> list[Path]:
         """The folders of who started the server: the current one and the home folder, resolved."""
         return [Path.cwd().resolve(), Path.home().resolve()]
+
+
+def _secret(name: str, file: str) -> str:
+    """Return what the file of option ``name`` holds, without its end of line."""
+    try:
+        return Path(file).read_text(encoding="utf-8").rstrip("\r\n")
+    except (OSError, ValueError):
+        raise BadInputError(f"{name}: expected a readable file, got {file}") from None
 
 
 def options() -> tuple[Option, ...]:

@@ -6,7 +6,7 @@ import contextlib
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -82,6 +82,8 @@ class Database:
         self._writer: contextlib.AbstractContextManager[Any] = (
             threading.Lock() if self.sqlite else contextlib.nullcontext()
         )
+        self.timed: Callable[[str, float], None] | None = None
+        """Is told of each transaction, "read" or "write", and the seconds that it took."""
         self.limits = limits or Limits()
         self.engine = (
             _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url, self.limits)
@@ -139,7 +141,7 @@ class Database:
     def read(self) -> Iterator[Connection]:
         """A transaction that sees one consistent state; raises UnavailableError."""
         options = {} if self.sqlite else {"isolation_level": "REPEATABLE READ"}
-        with _translated(), self.engine.connect() as connection:
+        with self._timed("read"), _translated(), self.engine.connect() as connection:
             connection = connection.execution_options(**options)
             with connection.begin():
                 yield connection
@@ -154,7 +156,12 @@ class Database:
         """
         if self._sealed:
             raise ReadOnlyError(READ_ONLY)
-        with self._writer, _translated(), self.engine.connect() as connection:
+        with (
+            self._timed("write"),
+            self._writer,
+            _translated(),
+            self.engine.connect() as connection,
+        ):
             by_hand = not begun and not self.sqlite
             how = {"isolation_level": "AUTOCOMMIT"} if by_hand else {}
             connection = connection.execution_options(writes=True, **how)
@@ -169,6 +176,15 @@ class Database:
                 # After a full disk or a lost server the connection's state is not to be trusted.
                 connection.invalidate()
                 raise
+
+    @contextlib.contextmanager
+    def _timed(self, kind: str) -> Iterator[None]:
+        begun = time.perf_counter()
+        try:
+            yield
+        finally:
+            if self.timed is not None:
+                self.timed(kind, time.perf_counter() - begun)
 
     def now(self, connection: Connection) -> float:
         """Seconds since the epoch, by one clock for all who share the database."""

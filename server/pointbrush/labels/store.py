@@ -63,6 +63,10 @@ class LabelStore:
         """Refuse edits from now on, where the database may not be written: see ``Database``."""
         self._database.seal()
 
+    def time_transactions(self, told: Callable[[str, float], None]) -> None:
+        """Tell each transaction's kind, "read" or "write", and the seconds that it took."""
+        self._database.timed = told
+
     def require_writable(self) -> None:
         """Raise ReadOnlyError where no edit can be made."""
         self._database.require_writable()

@@ -96,6 +96,11 @@ class Editor:
         # Of many samples the bytes wait: as objects they take ten times as much.
         await self._queue.put((data if len(data) > LONG_BYTES else edit, len(data)))
 
+    @property
+    def waiting(self) -> int:
+        """Edits that wait for their turn."""
+        return self._queue.qsize()
+
     async def run(self) -> None:
         """Apply edits until cancelled.
 

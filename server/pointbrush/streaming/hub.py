@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from typing import Any, TypeVar
@@ -51,8 +52,8 @@ class Hub:
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
         self.load = Load()
-        self._frames = self._bytes = 0
-        self._counted = (0, 0)
+        self._frames = self._bytes = self._skipped = 0
+        self._counted = (0, 0, 0)
         self._opening = asyncio.Lock()
         self._events: asyncio.Queue[Event] = asyncio.Queue()
         self._reads = anyio.CapacityLimiter(READ_THREADS)
@@ -70,6 +71,8 @@ class Hub:
                 loop.call_soon_threadsafe(self._events.put_nowait, event)
 
         unsubscribe = self.workspace.subscribe(forward)
+        self.metrics.watch_queues(self.queue_lengths)
+        self.workspace.store.time_transactions(self.metrics.transaction)
         try:
             async with asyncio.TaskGroup() as tasks:
                 background = [
@@ -114,15 +117,30 @@ class Hub:
         self._frames += 1
         self._bytes += nbytes
 
+    def skipped(self, frames: int) -> None:
+        """Note that frames were left out of what a playing viewer is sent."""
+        self._skipped += frames
+
     def _sent_bytes(self) -> int:
         """Bytes so far; what came since the last time is counted here, a hundred at once."""
         self.metrics.frames.inc(self._frames - self._counted[0])
         self.metrics.sent.inc(self._bytes - self._counted[1])
-        self._counted = self._frames, self._bytes
+        self.metrics.skipped.inc(self._skipped - self._counted[2])
+        self._counted = self._frames, self._bytes, self._skipped
         return self._bytes
 
     def _followers(self) -> int:
         return sum(viewer.plan.clock is not None for viewer in self.viewers)
+
+    def queue_lengths(self) -> dict[str, int]:
+        """Return what waits and runs: edits of all viewers, and this server's jobs."""
+        jobs = Counter(job.state for job in self.workspace.runner.jobs())
+        return {
+            "edits": sum(viewer.waiting_edits for viewer in list(self.viewers)),
+            "events": self._events.qsize(),
+            "jobs_queued": jobs["queued"],
+            "jobs_running": jobs["running"],
+        }
 
     # ── viewers ──────────────────────────────────────────────────────────────────────────
 
@@ -200,6 +218,7 @@ class Hub:
 
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
+            self.metrics.job(event)
             self.tell_job(event, self.viewers)
             return
         if isinstance(event, SequencesChanged):

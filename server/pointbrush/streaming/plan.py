@@ -85,14 +85,16 @@ class Plan:
             self.held.pop(frame, None)
             self.chunks.pop(frame, None)
 
-    def sent(self, piece: Piece, now: float) -> None:
-        """A piece is on its way."""
+    def sent(self, piece: Piece, now: float) -> int:
+        """Note that a piece is on its way; return how many frames were skipped before it."""
         self.held[piece.frame] = max(self.held.get(piece.frame, 0), piece.stop)
         if self.clock is None or piece.step <= self._step:
-            return
+            return 0
         lead = (self.clock.time_of(piece.step) - now) / LOOKAHEAD
-        self.pace.left(piece.step - self._step - 1 - self._had, lead, now)
+        skipped = piece.step - self._step - 1 - self._had
+        self.pace.left(skipped, lead, now)
         self._step, self._had = piece.step, 0
+        return max(0, skipped)
 
     def coming(self, piece: Piece) -> list[int]:
         """Frames that will be wanted soon after a piece that is sent now."""

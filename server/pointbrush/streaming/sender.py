@@ -248,7 +248,7 @@ class Sender:
         table = await self._levels(room, piece.frame, depth=piece.depth)
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on deltas of this frame come to the outbox: nothing falls between.
-        plan.sent(piece, viewer.now())
+        self._hub.skipped(plan.sent(piece, viewer.now()))
         try:
             ready = room.ready(piece, table) or await room.points(piece, table)
         except PointbrushError:

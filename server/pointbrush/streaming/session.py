@@ -179,6 +179,11 @@ class ViewerSession(Viewer):
 
     # ── its room ─────────────────────────────────────────────────────────────────────────
 
+    @property
+    def waiting_edits(self) -> int:
+        """See ``Viewer``."""
+        return self._editor.waiting
+
     async def reopen(self) -> None:
         """The sequence's manifest changed, or the sequence has gone, or is another by now."""
         old = self.room

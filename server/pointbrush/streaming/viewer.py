@@ -59,6 +59,11 @@ class Viewer(ABC):
         """Whether it came back without saying which frames it has."""
         self.catching_up = False
 
+    @property
+    @abstractmethod
+    def waiting_edits(self) -> int:
+        """Edits that have come and are not answered yet."""
+
     @abstractmethod
     async def reopen(self) -> None:
         """The sequence's manifest changed, or the sequence has gone, or is another by now."""

@@ -21,6 +21,7 @@ from pointbrush.web import page, problems, socket
 from pointbrush.web.auth import Gate, caller
 from pointbrush.web.exports import Exports
 from pointbrush.web.kept_uploads import KeptUploads
+from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
@@ -31,7 +32,7 @@ from pointbrush.workspace import StaleCandidateError, Workspace
 
 def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     """An app that serves ``workspace``; ``app.state.token`` is the admin token of this run."""
-    token = settings.token or secrets.token_urlsafe(24)
+    token = settings.admin_token or secrets.token_urlsafe(24)
     app = FastAPI(
         title="pointbrush",
         version=__version__,
@@ -62,6 +63,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.include_router(trust.router)
     app.include_router(page.router)
     app.add_middleware(Guard, settings=settings, gate=app.state.gate, metrics=app.state.metrics)
+    app.add_middleware(RequestLog)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
 

@@ -23,12 +23,16 @@ class ReadyProbe:
 
     def __init__(self, checks: Mapping[str, Check]) -> None:
         self._parts = {name: _Part(check) for name, check in checks.items()}
+        self.stopping = False
+        """Whether the server takes no new work, as it is about to end."""
         self._known: dict[str, str | None] = {}
         self._asked = float("-inf")
         self._asking = asyncio.Lock()
 
     async def ask(self) -> dict[str, str | None]:
         """Return what is wrong with each part, or None."""
+        if self.stopping:
+            return {"server": "it is stopping"}
         async with self._asking:
             if time.monotonic() - self._asked > FRESH_SECONDS:
                 answers = await asyncio.gather(*(part.ask() for part in self._parts.values()))

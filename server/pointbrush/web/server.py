@@ -21,13 +21,15 @@ from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.clients import is_loopback
+from pointbrush.web.logs import FORMATS, log_events, write_json
 from pointbrush.web.patience import patient_protocol
 from pointbrush.web.routes.trust import fingerprint
 from pointbrush.web.tls import Certificate, certificate
 from pointbrush.web.uncopied import UncopiedProtocol
 from pointbrush.workspace import Event, Workspace
 
-DRAIN_SECONDS = 5
+DRAIN_SECONDS = 3
+"""For what viewers have sent, and then for requests: with the jobs' end it is less than 10 s."""
 BACKLOG = 512
 MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
@@ -52,7 +54,14 @@ def run(workspace: Workspace, settings: Settings) -> None:
     # Python hands its lock on every 5 ms unless told otherwise; a stroke's commit in a thread
     # takes it dozens of times, beside an event loop that sends all the time.
     sys.setswitchinterval(SWITCH_SECONDS)
+    if settings.log_format not in FORMATS:
+        raise BadInputError(
+            f"log_format: expected {' or '.join(FORMATS)}, got {settings.log_format[:20]!r}"
+        )
     app = create_app(workspace, settings)
+    if settings.log_format == "json":
+        write_json(app.state.token)
+        log_events(workspace)
     keep_off_memory(app.state.uploads.temporary)
     tls = certificate(settings)
     require_safe(settings, tls)
@@ -60,7 +69,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
     allow_many_sockets()
     listener = listen(settings.host, settings.port)
     # One that the operator set is theirs to keep: it is neither printed nor logged.
-    token = "" if settings.token else app.state.token
+    token = "" if settings.admin_token else app.state.token
     url = page_url(settings, listener.getsockname()[1], token, secure=tls is not None)
     wide = tls is not None or not is_loopback(settings.host)
     authority = None if tls is None else tls.authority
@@ -89,6 +98,9 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Answer what viewers have sent, then close; uvicorn itself waits for REST only."""
+        probe = getattr(getattr(self.config.app, "state", None), "ready_probe", None)
+        if probe is not None:
+            probe.stopping = True  # a proxy sends nobody here any more
         hub = getattr(getattr(self.config.app, "state", None), "hub", None)
         if hub is not None:
             await hub.drain(DRAIN_SECONDS)

@@ -82,7 +82,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
                 NOT_ADMITTED, "expected a valid token, it has expired or was revoked"
             )
         elif session.closing.is_set():
-            await socket.close(GOING_AWAY, "the server is stopping")
+            await socket.close(GOING_AWAY, "the server is stopping, connect again")
     except (WebSocketDisconnect, ClientDisconnected):
         return
     finally:

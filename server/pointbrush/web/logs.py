@@ -1,0 +1,124 @@
+"""The server's log as lines of JSON: requests, edits and jobs with their ids, never a token."""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+import secrets
+import time
+from collections.abc import Callable, MutableMapping
+from contextvars import ContextVar
+from datetime import UTC, datetime
+from typing import Any
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from pointbrush.jobs import Job
+from pointbrush.labels import Commit
+from pointbrush.workspace import Event, Workspace
+
+FORMATS = ("text", "json")
+SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush[_-]?session=)[^\s&\"';,]+")
+HIDDEN = "[hidden]"
+REQUEST_ID = re.compile(r"[\w.-]{1,64}", re.ASCII)
+MORE = ("method", "path", "status", "milliseconds", "edit", "job", "sequence", "revision", "state")
+"""What a line may say besides its message; each is an attribute of the record."""
+
+log = logging.getLogger(__name__)
+request_id: ContextVar[str] = ContextVar("request_id", default="")
+
+
+class JsonFormatter(logging.Formatter):
+    """Writes a record as one line of JSON, in which no token is left."""
+
+    def __init__(self, *hidden: str) -> None:
+        """``hidden`` are secrets that no line may hold, whatever put them there."""
+        super().__init__()
+        self._hidden = [secret for secret in hidden if secret]
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line."""
+        line: dict[str, Any] = {
+            "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage(),
+        }
+        if request := request_id.get():
+            line["request"] = request
+        line |= {name: getattr(record, name) for name in MORE if hasattr(record, name)}
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps({name: self._shown(value) for name, value in line.items()})
+
+    def _shown(self, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        for secret in self._hidden:
+            value = value.replace(secret, HIDDEN)
+        return SECRET.sub(rf"\1{HIDDEN}", value)
+
+
+class RequestLog:
+    """ASGI layer that gives each request an id and logs how it was answered."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Hand on, then log; the id that a proxy gave is kept."""
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        given = dict(scope["headers"]).get(b"x-request-id", b"").decode("ascii", "replace")
+        known = given if REQUEST_ID.fullmatch(given) else secrets.token_hex(8)
+        mark, begun = request_id.set(known), time.monotonic()
+        status = 0
+
+        async def with_id(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                headers: MutableMapping[str, Any] = message
+                headers["headers"] = [*message["headers"], (b"x-request-id", known.encode())]
+            await send(message)
+
+        try:
+            await self.app(scope, receive, with_id)
+        finally:
+            said = {
+                "method": scope.get("method", "WEBSOCKET"),
+                "path": scope["path"],
+                "milliseconds": round(1000 * (time.monotonic() - begun), 1),
+            }
+            log.info("answered", extra=said | ({"status": status} if status else {}))
+            request_id.reset(mark)
+
+
+def write_json(*hidden: str) -> None:
+    """Log on stderr as lines of JSON; ``hidden`` as of ``JsonFormatter``."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(JsonFormatter(*hidden))
+    root = logging.getLogger()
+    root.handlers[:] = [handler]
+    logging.getLogger("pointbrush").setLevel(logging.INFO)
+
+
+def log_events(workspace: Workspace) -> Callable[[], None]:
+    """Log edits and the states of jobs as they come; returns what undoes it."""
+    states: dict[str, str] = {}
+
+    def tell(event: Event) -> None:
+        if isinstance(event, Commit):
+            said = {"edit": event.edit_id, "revision": event.revision, "sequence": event.sequence}
+            log.info("edit %s", event.kind, extra=said)
+        elif isinstance(event, Job) and states.get(event.id) != event.state:
+            states[event.id] = event.state
+            said = {"job": event.id, "state": event.state, "sequence": event.sequence}
+            made = {"edit": event.edit} if event.edit else {}
+            log.info("job %s", event.kind, extra=said | made)
+            if event.state in ("done", "failed", "cancelled"):
+                del states[event.id]
+
+    return workspace.subscribe(tell)
