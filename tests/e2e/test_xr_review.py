@@ -116,7 +116,7 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
     headset.click("palette", "View")
     headset.click("palette", "Floor")
     # The timeline lies where one points, and makes way.
-    headset.until("!hs.headset.cockpit.timeline.mesh.visible")
+    headset.until("!hs.headset.cockpit.panels.timeline.mesh.visible")
     for place in corners_of(floor):
         x, y, z = headset.ask(f"hs.place({place})")
         headset.move("right", [x, y + 0.3, z], [x, y, z])
@@ -133,7 +133,9 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
     stands_as(headset, found)
     assert np.allclose(room_of(server), found)
     headset.click("palette", "Done")
-    headset.until("pb.state.tool.value === 'paint' && hs.headset.cockpit.timeline.mesh.visible")
+    headset.until(
+        "pb.state.tool.value === 'paint' && hs.headset.cockpit.panels.timeline.mesh.visible"
+    )
 
 
 # ── doubt ────────────────────────────────────────────────────────────────────────────────────
@@ -155,7 +157,7 @@ def cell(headset: Headset, frame: int) -> list[int]:
     """The colours, red green blue, that the first label's strip has in a frame, as a set."""
     colours: list[int] = headset.ask(
         f"""(() => {{
-          const {{ timeline }} = hs.headset.cockpit, {{ ui, span, strips }} = timeline;
+          const {{ timeline }} = hs.headset.cockpit.panels, {{ ui, span, strips }} = timeline;
           const wide = strips.w / span.length, tall = (strips.h - 1.9 * ui.em) / 6;
           const at = [strips.x + {frame} * wide + 0.3 * wide, strips.y + 1.9 * ui.em + 0.3 * tall];
           const size = [0.4 * wide, 0.5 * tall].map(Math.round);
@@ -181,7 +183,7 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     for frame in (2, 4, 2):
         headset.button("thumbstick", "left")
         headset.until(f"pb.state.frame.value === {frame} && hs.doubt().unsure[0] === 1")
-    headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.palette.glow.mesh.visible")
+    headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.panels.palette.glow.mesh.visible")
     headset.until("hs.doubt().pulse < 0.4")
     headset.flick_to_frame(3)
     headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")
@@ -269,13 +271,13 @@ def test_a_doubtful_frame_is_accepted_and_the_run_goes_on_when_asked(
 ) -> None:
     stop_unsure(headset, server)
     found = painted(server, 1)
-    headset.click("timeline", "Accept")
+    headset.click("question", "Accept")
     headset.until("hs.doubt().unsure.length === 0")
     # A person has vouched for these points: they count as painted.
     provenance = server.annotation(SEQUENCE, 1, "provenance")
     assert (provenance[server.annotation(SEQUENCE, 1) == 1] == 1).all()
     assert painted(server, 1) == found > 0
-    headset.click("timeline", "Continue to 5")
+    headset.click("question", "Continue to 5")
     headset.until("pb.state.timeline.value.rows.get(1).points[2] > 0", 60)
 
 

@@ -67,7 +67,7 @@ def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
     # One turns where one stands.
     assert abs(headset.ask(f"{RIG}.head.x") - after[0]) < 1e-3
     # By how much is a choice, and so is turning evenly.
-    headset.click("palette", "View")
+    headset.click("palette", "Comfort")
     headset.click("palette", "Turn 30°")
     turned = headset.ask(f"{RIG}.group.rotation.y")
     headset.flick(1, 0, "left")
@@ -82,6 +82,7 @@ def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
     # Back to where one began: by the palette, and by the headset's own button.
     for recentre in ("palette", "headset"):
         if recentre == "palette":
+            headset.click("palette", "View")
             headset.click("palette", "Recentre")
         else:
             headset.flick(0, -1, "left")
@@ -267,7 +268,7 @@ def test_left_handed_people_paint_with_the_left(
     put_on: Wear, server: LiveServer, truth: Truth
 ) -> None:
     headset = put_on()
-    headset.click("palette", "View")
+    headset.click("palette", "Comfort")
     headset.click("palette", "Left-handed")
     headset.frames()
     headset.reach(truth(0, PERSON), "left")

@@ -91,8 +91,8 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     for hand, at in HANDS.items():
         headset.move(hand, at, [at[0], 1.6, -3.0])
     cockpit = "hs.headset.cockpit"
-    origin = f"{cockpit}.palette.mesh.position.clone().set(0, 0, 0)"
-    palette = in_left_eye(headset, f"{cockpit}.palette.mesh.localToWorld({origin})")
+    origin = f"{cockpit}.panels.palette.mesh.position.clone().set(0, 0, 0)"
+    palette = in_left_eye(headset, f"{cockpit}.panels.palette.mesh.localToWorld({origin})")
     brush = in_left_eye(headset, f"{cockpit}.painter.tip")
     grip = in_left_eye(headset, f"{cockpit}.pointers.of('right').place")
     near = headset.ask("pb.engine.viewer.renderer.xr.getSession().renderState.depthNear")

@@ -147,6 +147,7 @@ def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> No
     headset.until("Math.abs(pb.engine.viewer.world.scale.x - 5) < 1e-6")
     headset.click("palette", "Reset")
     headset.until("pb.engine.viewer.world.scale.x === 1")
+    headset.click("palette", "Comfort")
     # Sitting down: the eyes stay where those of standing people are.
     headset.click("palette", "Seated")
     headset.ask("device.position.set(0, 1.2, 0)")
@@ -165,6 +166,26 @@ def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> No
     after = headset.ask(f"[{rig}.head.x, {rig}.head.z]")
     assert np.hypot(after[0] - before[0], after[1] - before[1]) > 0.02
     headset.until("!hs.headset.cockpit.locomotion.vignette.visible")
+    # The timeline is carried by its bar, hidden, and shown again where one looks.
+    panels = "hs.headset.cockpit.panels"
+    headset.point_at("timeline", "Move", 0.5)
+    headset.trigger(1)
+    headset.move("right", [0.3, 1.2, -0.2], [1.3, 1.0, -0.9])
+    headset.trigger(0)
+    assert headset.ask(f"{panels}.timeline.mesh.matrix.elements[12]") > 0.3
+    for hidden in (True, False):
+        headset.click("palette", "Timeline")
+        headset.until(f"{panels}.timeline.mesh.visible === {'false' if hidden else 'true'}")
+    assert abs(headset.ask(f"{panels}.timeline.mesh.matrix.elements[12]")) < 0.1
+    # The palette is put away and shown, and hangs beside the timeline once its hand is gone.
+    headset.click("palette", "Put away")
+    headset.until(f"!{panels}.palette.mesh.visible")
+    headset.ask("(device.controllers.left.connected = false)")
+    headset.click("timeline", "Palette")
+    headset.until(f"{panels}.palette.mesh.visible && {panels}.hangs")
+    headset.click("palette", "Tools")
+    headset.click("palette", "Erase")
+    headset.until("pb.state.tool.value === 'erase'")
     headset.click("timeline", "loop")
     headset.until("pb.state.loop.value === false")
     headset.click("timeline", "1×")

@@ -77,6 +77,11 @@ export class Body {
     this.drawRay(poked ? null : nearest, painter);
   }
 
+  /** The panel that hangs from its ray; a fingertip cannot let go of what follows it. */
+  get carries(): Panel | null {
+    return !this.poking && this.on?.carried === true ? this.on : null;
+  }
+
   private leave(): void {
     this.on?.leave(this);
     this.on = null;

@@ -10,15 +10,12 @@ import { peek } from '../peek';
 import { notify, state } from '../state';
 import { roomWay } from '../tools/ways';
 import { Buttons } from './buttons';
-import { faceEyes } from './facing';
 import { Feelings } from './feelings';
 import type { Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
 import { ObjectSign } from './object-sign';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
-import { PalettePanel } from './palette-panel';
-import type { Panel } from './panel';
 import { Place } from './place';
 import type { Pointer } from './pointer';
 import { Pointers } from './pointers';
@@ -26,31 +23,22 @@ import type { Poses } from './poses';
 import { Presence } from './presence';
 import { Pulse } from './pulse';
 import { Rig } from './rig';
+import { RoomPanels } from './room-panels';
 import { xrSettings } from './settings';
-import { TimelinePanel } from './timeline-panel';
-import { SIZES } from './sizes';
-import { layLow, standBefore } from './standing';
+import { standBefore } from './standing';
 import { LabelSwitch } from './label-switch';
 import { Lessons } from './lessons';
-import { resetWorld, scaleAbout, WorldGrab } from './world';
-import { follow, watch } from '../watch';
+import { placeModel, resetWorld, scaleAbout, WorldGrab } from './world';
+import { follow } from '../watch';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
-/** Where the palette's middle is from the hand that holds it: above, and towards the other one. */
-const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
-const HELD = {
-  left: { ...ABOVE, right: 0.07 },
-  right: { ...ABOVE, right: -0.07 },
-  none: { ...ABOVE, right: 0 },
-} as const;
 
 export class Cockpit {
   readonly rig = new Rig();
   readonly pointers: Pointers;
   readonly painter: Painter;
-  readonly palette: PalettePanel;
-  readonly timeline = new TimelinePanel();
+  readonly panels: RoomPanels;
   /** Pictures since the session began, for tests. */
   frames = 0;
   private readonly lessons = new Lessons();
@@ -65,8 +53,6 @@ export class Cockpit {
   private readonly feelings: Feelings;
   private readonly pulse: Pulse;
   private readonly undo: (() => void)[] = [];
-  private readonly panels: readonly Panel[];
-  private readonly farPanels: readonly Panel[];
   private readonly parts = new Listeners<number>();
   private readonly paletteAt = new Vector3();
   private standing = false;
@@ -92,22 +78,17 @@ export class Cockpit {
       brushGone: () => this.painter.finish(),
       say: (text) => this.hud.say(text),
     });
-    this.palette = new PalettePanel(
-      {
-        scaleTo: (scale) => this.scaleTo(scale),
-        reset: () => this.reset(),
-        recentre: () => this.stand(),
-        go: () => this.locomotion.ask(),
-      },
-      session,
-    );
-    this.panels = [this.palette, this.timeline];
-    this.farPanels = [this.timeline];
+    this.panels = new RoomPanels(this.rig, session, viewer.world, {
+      scaleTo: (scale) => this.scaleTo(scale),
+      reset: () => this.reset(),
+      recentre: () => this.stand(),
+      go: () => this.locomotion.ask(),
+    });
     const feelPulse = ({ strength, milliseconds }: Haptic): void => feel(strength, milliseconds);
-    this.buttons = new Buttons(this.lessons, () => this.toggleTimeline(), feelPulse);
+    this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline(), feelPulse);
     this.presence = new Presence(engine.link, viewer.afterwards);
     this.feelings = new Feelings(feelPulse);
-    this.pulse = new Pulse(viewer.uniforms, this.palette);
+    this.pulse = new Pulse(viewer.uniforms, this.panels.palette);
     this.assemble();
     this.listen();
   }
@@ -121,29 +102,14 @@ export class Cockpit {
     const { viewer } = this.engine;
     const { group } = this.rig;
     viewer.scene.add(group);
-    group.add(
-      viewer.camera,
-      this.palette.mesh,
-      this.timeline.mesh,
-      this.hud.group,
-      this.objectSign.group,
-    );
+    group.add(viewer.camera, this.hud.group, this.objectSign.group);
+    this.panels.addTo(group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
   }
 
-  /** The palette stands over the other hand, turned to the face however that is held. */
-  private holdPalette(): void {
-    const holder = this.pointers.palette;
-    const { mesh } = this.palette;
-    mesh.visible = holder?.tracked === true;
-    if (!holder?.tracked) return;
-    faceEyes(mesh, holder.grip.position, this.rig.headInRig, HELD[holder.side]);
-    mesh.updateMatrixWorld();
-  }
-
   private switchLabels(now: number): void {
-    const { mesh } = this.palette;
+    const { mesh } = this.panels.palette;
     const at = mesh.visible ? this.paletteAt.setFromMatrixPosition(mesh.matrixWorld) : null;
     const { other } = this.pointers;
     if (other && this.labelSwitch.update(other, this.rig, at, now)) this.lessons.done('label');
@@ -162,7 +128,6 @@ export class Cockpit {
     };
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
-    undo.push(this.clearTheFloor());
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
@@ -174,18 +139,6 @@ export class Cockpit {
         this.pointers.assign();
       }),
     );
-  }
-
-  /** The timeline lies where one points at the floor: it makes way for that. */
-  private clearTheFloor(): () => void {
-    const { mesh } = this.timeline;
-    let away = false;
-    return watch([state.tool], () => {
-      const pointing = peek(state.tool) === 'floor';
-      if (pointing) away = mesh.visible;
-      if (pointing || away) mesh.visible = !pointing;
-      if (!pointing) away = false;
-    });
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────
@@ -208,10 +161,11 @@ export class Cockpit {
   /** What a picture is made of, each part guarded: haptics that fail must not still the panels. */
   private divide(): void {
     const { parts, pointers, seconds } = this;
-    parts.add(() => this.holdPalette());
+    parts.add(() => this.panels.update(pointers.palette, this.painter.painting, seconds));
     parts.add(() => this.moveWorld());
     parts.add(() => this.place.update());
-    parts.add(() => pointers.point(this.panels, this.farPanels, this.painter));
+    parts.add(() => pointers.point(this.panels.all, this.panels.far, this.painter));
+    parts.add(() => this.carryPanels());
     parts.add((now) => this.switchLabels(now));
     parts.add((now) => this.buttons.update(pointers.brush, pointers.other, seconds, now));
     parts.add(() => this.go());
@@ -219,7 +173,7 @@ export class Cockpit {
     parts.add(() => this.feelings.update());
     parts.add((now) => this.tellOthers(now));
     parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
-    for (const panel of this.panels) parts.add((now) => panel.update(now));
+    for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
     parts.add(() => pointers.teach(seconds));
     parts.add(() =>
@@ -232,7 +186,7 @@ export class Cockpit {
   private settle(seated: boolean): void {
     const lifted = seated || !this.floor;
     this.rig.liftTo(lifted ? EYES - this.rig.headInRig.y : 0);
-    layLow(this.timeline.mesh, this.rig);
+    this.panels.settle();
   }
 
   /** Before the recording, as large as it is now and wherever it was moved, the timeline at hand. */
@@ -245,10 +199,12 @@ export class Cockpit {
     this.settle(peek(xrSettings).seated);
   }
 
-  private toggleTimeline(): void {
-    const { mesh } = this.timeline;
-    mesh.visible = !mesh.visible;
-    if (mesh.visible) layLow(mesh, this.rig);
+  private carryPanels(): void {
+    const { bodies } = this.pointers;
+    for (let i = 0; i < bodies.length; i++) {
+      const { carries, pointer } = bodies[i]!;
+      if (carries) this.panels.carry(carries, pointer);
+    }
   }
 
   private moveWorld(): void {
@@ -302,11 +258,14 @@ export class Cockpit {
 
   private scaleTo(scale: number): void {
     this.interrupt();
-    const { world } = this.engine.viewer;
-    const about = new Vector3().copy(this.rig.head).addScaledVector(this.rig.ahead, 0.6);
-    about.y = scale < 1 ? 0.8 : 0;
+    const { viewer } = this.engine;
+    const { world } = viewer;
+    const { head, ahead } = this.rig;
+    const info = peek(state.sequence);
     const grown = scale / world.scale.x;
-    scaleAbout(world, scale, about);
+    if (scale < 1 && info) placeModel(world, scale, viewer.bounds(info), head, ahead);
+    else scaleAbout(world, scale, head.clone().addScaledVector(ahead, 0.6).setY(0));
+    this.panels.settle();
     actions.setRadius(peek(state.brush).radius / grown);
   }
 
@@ -328,7 +287,7 @@ export class Cockpit {
     this.pulse.dispose();
     this.locomotion.dispose();
     this.pointers.dispose();
-    for (const panel of this.panels) panel.dispose();
+    this.panels.dispose();
     this.hud.dispose();
     this.objectSign.dispose();
     viewer.camera.removeFromParent();

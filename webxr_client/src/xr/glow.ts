@@ -30,7 +30,6 @@ export class Glow {
       vertexColors: true,
       transparent: true,
       blending: AdditiveBlending,
-      depthTest: false,
       depthWrite: false,
       toneMapped: false,
     });

@@ -11,6 +11,7 @@ import type { People } from './people';
 import type { Side } from './settings';
 import { CAPITAL } from './sizes';
 
+type PanelName = 'palette' | 'timeline' | 'question';
 type Triple = [number, number, number];
 
 export function installHeadsetHook(
@@ -22,8 +23,8 @@ export function installHeadsetHook(
   const { viewer } = engine;
   const inRig = (place: Vector3): Triple =>
     headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
-  const panel = (name: 'palette' | 'timeline'): Panel => headset.cockpit![name];
-  const onPanel = (name: 'palette' | 'timeline', u: number, v: number, out: number): Vector3 => {
+  const panel = (name: PanelName): Panel => headset.cockpit!.panels[name];
+  const onPanel = (name: PanelName, u: number, v: number, out: number): Vector3 => {
     const { mesh, size } = panel(name);
     mesh.updateWorldMatrix(true, false);
     const at = mesh.position.clone().set((u - 0.5) * size.width, (0.5 - v) * size.height, out);
@@ -46,14 +47,14 @@ export function installHeadsetHook(
       return brush ? painter.tip.distanceTo(brush.origin) : 0;
     },
     /** Where a place on a panel (0..1 from the upper left) is, and its way out of it. */
-    onPanel: (name: 'palette' | 'timeline', u: number, v: number): { at: Triple; out: Triple } => ({
+    onPanel: (name: PanelName, u: number, v: number): { at: Triple; out: Triple } => ({
       at: inRig(onPanel(name, u, v, 0)),
       out: inRig(onPanel(name, u, v, 0.2)),
     }),
     /** The ball whose points the shader lights up, local coordinates. */
     lit: () => viewer.uniforms.lit,
     /** How tall a capital letter is at a place of a panel, seen from the head, degrees. */
-    capital: (name: 'palette' | 'timeline', u: number, v: number): number => {
+    capital: (name: PanelName, u: number, v: number): number => {
       const { size } = panel(name);
       const share = (CAPITAL * size.em) / size.height / 2;
       const { head } = headset.cockpit!.rig;
@@ -96,7 +97,7 @@ export function installHeadsetHook(
     /** The others in the room: whose head, hands and brush one sees. */
     people: () => people.seen(),
     /** Places on a panel that answer, 0..1. */
-    areas: (name: 'palette' | 'timeline') => panel(name).places(),
+    areas: (name: PanelName) => panel(name).places(),
   };
   Object.defineProperty(window, '__pointbrushHeadset', { value: Object.freeze(hook) });
 }

@@ -1,12 +1,12 @@
 /** The panel on the other hand: labels, tools, view. */
 import { actions } from '../actions';
 import { unsure } from '../engine/review';
-import { shortCount } from '../panels/format';
-import { activeLabel, state } from '../state';
+import { state } from '../state';
 import { Glow } from './glow';
 import { SystemKeyboard } from './keyboard';
 import { LabelsPage, ROWS } from './pages/labels';
 import { floorPlaces } from '../engine/floor';
+import { drawComfort } from './pages/comfort';
 import { drawFloor } from './pages/floor';
 import { drawNew } from './pages/new-label';
 import { drawTools } from './pages/tools';
@@ -14,16 +14,23 @@ import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from './settings';
 import { SIZES } from './sizes';
-import { INK, type Ui } from './ui';
+import type { Ui } from './ui';
 import { watch } from '../watch';
 
-type Tab = 'labels' | 'tools' | 'view' | 'new';
+type Tab = 'labels' | 'tools' | 'view' | 'comfort' | 'new';
 
 const TABS = [
   ['labels', 'Labels'],
   ['tools', 'Tools'],
   ['view', 'View'],
+  ['comfort', 'Comfort'],
 ] as const;
+
+export interface PaletteControls extends WorldControls {
+  /** Put the palette away. */
+  putAway(): void;
+  toggleTimeline(): void;
+}
 
 export class PalettePanel extends Panel {
   private tab: Tab = 'labels';
@@ -33,7 +40,7 @@ export class PalettePanel extends Panel {
   private readonly unfollow: () => void;
 
   constructor(
-    private readonly world: WorldControls,
+    private readonly controls: PaletteControls,
     session: XRSession,
   ) {
     super({ width: 0.31, height: 0.379, pixelsPerMetre: 3135, em: SIZES.palette.em }, 100);
@@ -85,7 +92,8 @@ export class PalettePanel extends Panel {
     if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
     else if (this.tab === 'labels') this.labels.draw(ui, x, top, inner);
     else if (this.tab === 'tools') drawTools(ui, x, top, inner);
-    else if (this.tab === 'view') drawView(ui, x, top, inner, this.world);
+    else if (this.tab === 'view') drawView(ui, x, top, inner, this.controls);
+    else if (this.tab === 'comfort') drawComfort(ui, x, top, inner);
     else drawNew(ui, x, top, inner, this.keyboard, () => this.show('labels'));
   }
 
@@ -123,22 +131,26 @@ export class PalettePanel extends Panel {
     );
   }
 
+  /** Below every page: undo and redo, and what shows the timeline and hides the palette. */
   private drawHistory(ui: Ui, x: number, inner: number): void {
     const { em, height } = ui;
-    const y = height - em * 5.1;
-    const undo = state.undo.peek();
-    const redo = state.redo.peek();
-    const left = { icon: 'undo', text: undo ?? 'Nothing to undo', align: 'left' } as const;
-    ui.button(x, y, inner, em * 2.1, { ...left, disabled: undo === null }, () => actions.undo());
-    const right = { icon: 'redo', text: redo ?? 'Nothing to redo', align: 'left' } as const;
-    ui.button(x, y + em * 2.25, inner * 0.62, em * 2.1, { ...right, disabled: redo === null }, () =>
-      actions.redo(),
+    const [undo, redo] = [state.undo.peek(), state.redo.peek()];
+    const wide = inner * 0.62;
+    const [left, side] = [x + wide + em * 0.25, inner - wide - em * 0.25];
+    const upper = height - em * 5.1;
+    const lower = upper + em * 2.25;
+    const h = em * 2.1;
+    const past = { icon: 'undo', text: undo ?? 'Nothing to undo', align: 'left' } as const;
+    ui.button(x, upper, wide, h, { ...past, disabled: undo === null }, () => actions.undo());
+    const future = { icon: 'redo', text: redo ?? 'Nothing to redo', align: 'left' } as const;
+    ui.button(x, lower, wide, h, { ...future, disabled: redo === null }, () => actions.redo());
+    const { controls } = this;
+    const aside = { strong: true, align: 'left' } as const;
+    ui.button(left, upper, side, h, { icon: 'frames', text: 'Timeline', ...aside }, () =>
+      controls.toggleTimeline(),
     );
-    const label = activeLabel.peek();
-    const painted = label ? shortCount(state.counts.peek().get(label.id) ?? 0) : '';
-    ui.text(painted ? `${painted} pts` : '', x + inner - em * 0.3, y + em * 3.3, {
-      color: INK.quiet,
-      align: 'right',
-    });
+    ui.button(left, lower, side, h, { icon: 'hidden', text: 'Put away', ...aside }, () =>
+      controls.putAway(),
+    );
   }
 }

@@ -1,5 +1,5 @@
 /** A panel in the room: a plane with a canvas on it, pressed by a ray. */
-import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector3 } from 'three'; // prettier-ignore
+import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector2, Vector3 } from 'three'; // prettier-ignore
 import { tint } from './tint';
 import { LIGHT, Ui, type Area } from './ui';
 
@@ -7,6 +7,8 @@ import { LIGHT, Ui, type Area } from './ui';
 const THROUGH = 0.04;
 /** A texture takes its time to reach the GPU. */
 const REDRAW_MS = 60;
+/** How much of a panel is seen through nearer points, and while one paints. */
+const VEILED = 0.3;
 
 export interface PanelSize {
   /** Metres. */
@@ -34,6 +36,10 @@ export abstract class Panel {
   private readonly way = new Vector3();
   /** Where the ray met it last, pixels, and metres along the ray. */
   private readonly at = new Float64Array(2);
+  /** The same in metres to the right of the panel's middle and above it. */
+  readonly heldAt = new Vector2();
+  /** Drawn over everything, but faintly: what is nearer hides the panel, and never all of it. */
+  private readonly veil: Mesh<PlaneGeometry, MeshBasicMaterial>;
   readonly away = new Float64Array(1);
 
   constructor(
@@ -50,20 +56,29 @@ export abstract class Panel {
     this.texture.minFilter = LinearFilter;
     this.texture.generateMipmaps = false;
     this.texture.anisotropy = 4;
-    const material = new MeshBasicMaterial({
-      map: this.texture, transparent: true, depthTest: false, depthWrite: false, toneMapped: false,
-    }); // prettier-ignore
+    const face = { map: this.texture, transparent: true, toneMapped: false };
+    // Round corners hide nothing.
+    const material = new MeshBasicMaterial({ ...face, alphaTest: 0.5 });
     this.mesh = new Mesh(new PlaneGeometry(width, height), material);
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;
-    const glass = { vertexColors: true, transparent: true, depthTest: false, toneMapped: false };
+    const faint = { opacity: VEILED, depthTest: false, depthWrite: false };
+    this.veil = new Mesh(this.mesh.geometry, new MeshBasicMaterial({ ...face, ...faint }));
+    this.veil.renderOrder = order - 0.5;
+    this.veil.frustumCulled = false;
+    const glass = { vertexColors: true, transparent: true, depthWrite: false, toneMapped: false };
     const quad = new PlaneGeometry(1, 1);
     tint(quad, LIGHT.color, LIGHT.opacity);
     this.light = new Mesh(quad, new MeshBasicMaterial(glass));
     this.light.renderOrder = order + 0.5;
     this.light.position.z = 0.0002;
     this.light.frustumCulled = this.light.visible = false;
-    this.mesh.add(this.light);
+    this.mesh.add(this.light, this.veil);
+  }
+
+  /** While one paints what lies behind a panel is seen through it. */
+  fade(on: boolean): void {
+    this.mesh.material.visible = !on;
   }
 
   protected abstract draw(ui: Ui): void;
@@ -86,6 +101,7 @@ export abstract class Panel {
   /** Whether the ray is on the panel; remembers where, and how far that is. */
   meet(origin: Vector3, direction: Vector3): boolean {
     if (!this.mesh.visible || !this.mesh.parent?.visible) return false;
+    if (this.carried) return true;
     this.inverse.copy(this.mesh.matrixWorld).invert();
     this.from.copy(origin).applyMatrix4(this.inverse);
     this.way.copy(direction).transformDirection(this.inverse);
@@ -95,6 +111,7 @@ export abstract class Panel {
     const u = (this.from.x + this.way.x * distance) / this.size.width + 0.5;
     const v = 0.5 - (this.from.y + this.way.y * distance) / this.size.height;
     if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
+    this.heldAt.set((u - 0.5) * this.size.width, (0.5 - v) * this.size.height);
     this.at[0] = u * this.ui.width;
     this.at[1] = v * this.ui.height;
     this.away[0] = distance * this.grown();
@@ -152,6 +169,11 @@ export abstract class Panel {
     return this.pressed === null;
   }
 
+  /** It hangs from the ray that holds its bar. */
+  get carried(): boolean {
+    return this.pressed?.moves === true;
+  }
+
   private letGo(): void {
     this.pressed?.release?.();
     this.pressed = this.holder = null;
@@ -199,7 +221,7 @@ export abstract class Panel {
 
   dispose(): void {
     this.mesh.removeFromParent();
-    for (const { geometry, material } of [this.mesh, this.light]) {
+    for (const { geometry, material } of [this.mesh, this.light, this.veil]) {
       geometry.dispose();
       material.dispose();
     }

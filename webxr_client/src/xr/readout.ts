@@ -54,7 +54,7 @@ export class Readout {
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', this.places);
     geometry.setAttribute('uv', this.parts);
-    const look = { map, transparent: true, depthTest: false, toneMapped: false };
+    const look = { map, transparent: true, depthWrite: false, toneMapped: false };
     this.mesh = new Mesh(geometry, new MeshBasicMaterial(look));
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;

@@ -1,5 +1,5 @@
-/** Where one stands at first, and where the timeline lies. */
-import { Vector3, type Matrix4, type Object3D } from 'three';
+/** Where one stands at first. */
+import { Vector3, type Matrix4 } from 'three';
 import type { CloudFrame } from '../cloud/frame';
 import { viewOf } from '../desktop/framing';
 import type { Rig } from './rig';
@@ -46,21 +46,4 @@ export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig
   const ahead = Math.max(0, Math.min(length, near) - ARM);
   rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
   return true;
-}
-
-const LENGTH = 0.66;
-const BELOW = 0.64;
-const LOWEST = 0.55;
-const LEAN = -0.75;
-
-/** Lay a panel before the person, at arm's length and low, leaning back. */
-export function layLow(panel: Object3D, rig: Rig): void {
-  const { headInRig, ahead, group } = rig;
-  const yaw = Math.atan2(-ahead.x, -ahead.z) - group.rotation.y;
-  panel.rotation.set(LEAN, yaw, 0, 'YXZ');
-  panel.position.set(
-    headInRig.x - Math.sin(yaw) * LENGTH,
-    Math.max(LOWEST, headInRig.y - BELOW),
-    headInRig.z - Math.cos(yaw) * LENGTH,
-  );
 }

@@ -4,6 +4,7 @@ import { actions } from '../actions';
 import { halted, unsure } from '../engine/review';
 import { frameRange } from '../panels/range';
 import { state } from '../state';
+import { stretch } from '../engine/stretch';
 import { drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
 import { Panel } from './panel';
@@ -14,12 +15,21 @@ import { FONT, INK, type Ui } from './ui';
 import { watch } from '../watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
-const LANES = 6;
+const LANES = 5;
 const GUTTER_EMS = 7.5;
 const READOUT_EMS = 14.6;
 /** Between two drawings for what may show later; a picture of its own is a costly one. */
 const SOON_MS = 100;
 const LAZY_MS = 1000;
+
+/** Ems of the row to carry the panel by. */
+const BAR_EMS = 1.8;
+
+export interface TimelineControls {
+  hide(): void;
+  /** Show the palette, or put it away. */
+  togglePalette(): void;
+}
 
 export class TimelinePanel extends Panel {
   /** Moved in every frame, so that playing does not draw the panel anew. */
@@ -33,11 +43,11 @@ export class TimelinePanel extends Panel {
   private stale = false;
   private drawnAt = -Infinity;
 
-  constructor() {
-    super({ width: 1.06, height: 0.5, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
+  constructor(private readonly controls: TimelineControls) {
+    super({ width: 1.06, height: 0.505, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
     const material = new MeshBasicMaterial({
       color: 0xffffff,
-      depthTest: false,
+      depthWrite: false,
       transparent: true,
     });
     this.head = new Mesh(new PlaneGeometry(1, 1), material);
@@ -50,7 +60,7 @@ export class TimelinePanel extends Panel {
     this.readout.lieOn(this.mesh, left, height / 2 - (1.6 * this.ui.em) / pixelsPerMetre);
     const { sequence, playing, speed, loop, palette, timeline, loaded, activeLabel, jobs } = state;
     const soon = watch(
-      [sequence, playing, speed, loop, palette, activeLabel, frameRange, halted, unsure],
+      [sequence, playing, speed, loop, palette, activeLabel, frameRange, halted, unsure, stretch],
       this.touch,
     );
     const later = watch([loaded, timeline, jobs], () => (this.stale = true));
@@ -96,6 +106,7 @@ export class TimelinePanel extends Panel {
   }
 
   protected override draw(ui: Ui): void {
+    this.drawBar(ui);
     const info = state.sequence.peek();
     if (!info) {
       ui.text('Open a recording at the desk.', ui.width / 2, ui.height / 2, { align: 'center' });
@@ -103,7 +114,22 @@ export class TimelinePanel extends Panel {
     }
     this.drawTransport(ui, info.frames);
     this.drawStrips(ui, info.frames);
-    drawTracking(ui, info.frames);
+    drawTracking(ui, info.frames, ui.height - (BAR_EMS + 3) * ui.em);
+  }
+
+  /** Below everything: the bar to carry the panel by, what shows the palette, what hides this. */
+  private drawBar(ui: Ui): void {
+    const { em, width, height } = ui;
+    const [y, h] = [height - (BAR_EMS + 0.2) * em, BAR_EMS * em];
+    const side = 6.5 * em;
+    const { controls } = this;
+    ui.button(em * 0.5, y, side, h, { text: 'Palette' }, () => controls.togglePalette());
+    ui.button(width - side - em * 0.5, y, side, h, { icon: 'close', text: 'Hide' }, () =>
+      controls.hide(),
+    );
+    const [x, w] = [side + em, width - 2 * (side + em)];
+    ui.area({ name: 'Move', x, y, w, h, moves: true });
+    ui.box(x + w * 0.3, y + h * 0.4, w * 0.4, h * 0.2, INK.edge);
   }
 
   private drawTransport(ui: Ui, frames: number): void {

@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { halted, namesOf, unsure } from '../engine/review';
+import { stretch } from '../engine/stretch';
 import { frameRange, ordered } from '../panels/range';
 import type { Job } from '../protocol/messages';
 import { canReview, state, trackingJob } from '../state';
@@ -10,19 +11,18 @@ import { INK, type Ui } from './ui';
 
 const SOME = 30;
 
-export function drawTracking(ui: Ui, frames: number): void {
-  const { em, height } = ui;
-  const row = new Row(ui, height - em * 2.9);
+export function drawTracking(ui: Ui, frames: number, top: number): void {
+  const row = new Row(ui, top);
   const job = trackingJob.peek();
   if (job) drawRun(row, job);
-  else if (unsure.peek().length > 0) drawDoubt(row);
-  else if (halted.peek()?.at === state.frame.peek()) drawMended(row);
+  else if (unsure.peek().length > 0) drawDoubt(row, row);
+  else if (halted.peek()?.at === state.frame.peek()) drawMended(row, row);
   else if (frameRange.peek()) drawRange(row);
   else drawOffers(row, frames);
 }
 
 /** Text at the left, buttons from the right; lengths in ems. */
-class Row {
+export class Row {
   private right: number;
 
   constructor(
@@ -71,24 +71,36 @@ function drawRun(row: Row, job: Job): void {
   row.say(`Tracking ${Math.round(job.progress * 100)} %`);
 }
 
-/** Some label is doubtful in this frame: right as it is, or paint it and go on. */
-function drawDoubt(row: Row): void {
-  row.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () => actions.continueRun());
+/**
+ * Some label is doubtful in this frame: right as it is, also in the doubtful frames round it, or
+ * paint it and go on.  `words` and `answers` may be the same row.
+ */
+export function drawDoubt(words: Row, answers: Row): void {
+  answers.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
+    actions.continueRun(),
+  );
   const disabled = !canReview.peek();
-  row.button(8.5, { text: 'Accept', icon: 'check', on: true, disabled }, () => {
+  const found = stretch.peek();
+  if (found && found.stop > found.start) {
+    const text = `All ${found.stop - found.start + 1} frames`;
+    answers.button(10, { text, icon: 'check', strong: true, disabled }, () => {
+      void actions.acceptStretch();
+    });
+  }
+  answers.button(8.5, { text: 'Accept', icon: 'check', on: true, disabled }, () => {
     void actions.acceptHere();
   });
-  row.say(`${namesOf(unsure.peek())}: not sure. Mend it, or accept it`, INK.warn);
+  words.say(`${namesOf(unsure.peek())}: not sure. Mend it, or accept it`, INK.warn);
 }
 
-function drawMended(row: Row): void {
+export function drawMended(words: Row, answers: Row): void {
   const run = halted.peek()!;
   if (run.stop !== run.at) {
-    row.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
+    answers.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
       actions.continueRun();
     });
   }
-  row.say('Mended: the run can go on', INK.good);
+  words.say('Mended: the run can go on', INK.good);
 }
 
 function drawRange(row: Row): void {

@@ -37,6 +37,8 @@ export interface Area {
   /** While pressed, also outside of the area; then clamped. */
   readonly drag?: ((x: number, y: number) => void) | undefined;
   readonly release?: (() => void) | undefined;
+  /** Carries the panel while it is held. */
+  readonly moves?: boolean;
   /** Too large to light up under the ray. */
   readonly plain?: boolean;
 }
@@ -203,9 +205,9 @@ export class Ui {
     const { em } = this;
     this.text(name, x, y + h * 0.28, { color: INK.quiet });
     this.text(shown, x + w, y + h * 0.28, { align: 'right' });
-    const bar = { x, y: y + h * 0.5, w, h: h * 0.5 };
-    const middle = bar.y + bar.h / 2;
-    this.area({ name, ...bar, act: set, drag: set });
+    const middle = y + h * 0.75;
+    // The words above the bar answer too: a bar alone is too low to be met.
+    this.area({ name, x, y, w, h, act: set, drag: set });
     this.box(x, middle - em * 0.14, w, em * 0.28, INK.line);
     this.box(x, middle - em * 0.14, Math.max(em * 0.3, w * share), em * 0.28, INK.accent);
     this.pen.fillStyle = INK.text;

@@ -62,6 +62,36 @@ export function scaleAbout(world: Group, scale: number, place: Vector3): void {
   world.scale.setScalar(scale);
 }
 
+/** Lengths in metres, the angle in radians. */
+export const MODEL = {
+  /** From the eyes to a model's nearest side, and to its middle at least and at most. */
+  nearest: 0.45,
+  middle: [0.9, 1.6],
+  /** Its bottom's nearest side is so far below the eyes' height: what hangs lower hides none of it. */
+  below: Math.PI / 6,
+} as const;
+
+/**
+ * Put the recording before the person as a model of its size times `scale`.  `low` and `high` are the
+ * corners of its bounds in the world, `ahead` is level.
+ */
+export function placeModel(
+  world: Group,
+  scale: number,
+  [low, high]: readonly [Vector3, Vector3],
+  eyes: Vector3,
+  ahead: Vector3,
+): void {
+  const half = (Math.hypot(high.x - low.x, high.z - low.z) / 2) * scale;
+  const [least, most] = MODEL.middle;
+  const away = Math.min(most, Math.max(least, MODEL.nearest + half));
+  const bottom = low.clone().add(high).multiplyScalar(0.5).setY(low.y);
+  const place = eyes.clone().addScaledVector(ahead, away);
+  place.y -= Math.tan(MODEL.below) * Math.max(MODEL.nearest, away - half);
+  world.scale.setScalar(scale);
+  world.position.copy(place).sub(bottom.multiplyScalar(scale).applyQuaternion(world.quaternion));
+}
+
 /** 1:1, upright, on the floor. */
 export function resetWorld(world: Group): void {
   world.position.set(0, 0, 0);

@@ -2,10 +2,13 @@
 import { actions } from '../../actions';
 import type { Label } from '../../protocol/messages';
 import { unsure } from '../../engine/review';
+import { shortCount } from '../../panels/format';
 import { state } from '../../state';
 import { INK, type Ui } from '../ui';
 
 export const ROWS = 7;
+/** Ems: an icon that answers is as wide as a finger needs. */
+const ICON_EMS = 1.7;
 
 export class LabelsPage {
   /** Pixels from the top of the first row, and from one row to the next; for the glow. */
@@ -75,10 +78,10 @@ export class LabelsPage {
 function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: number): void {
   const { em } = ui;
   const on = label.id === state.activeLabel.peek();
-  const tools = em * 4.6;
+  const tools = 3 * em * ICON_EMS + em * 0.15;
   const doubtful = unsure.peek().includes(label.id);
   // The sign takes the category's place.
-  const note = doubtful ? '' : label.category;
+  const note = doubtful ? '' : on ? paintedOf(label) : label.category;
   ui.button(
     x,
     y,
@@ -94,7 +97,7 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
     ui.icon('warning', x + w - tools - em * 1.9, y + (h - em * 1.3) / 2, em * 1.3, INK.warn);
   }
   const left = x + w - tools + em * 0.15;
-  const size = em * 1.45;
+  const size = em * ICON_EMS;
   const lock = { icon: label.locked ? 'lock' : 'unlock', on: label.locked } as const;
   const eye = { icon: label.visible ? 'eye' : 'hidden', on: !label.visible } as const;
   ui.button(left, y, size, h, lock, () => void actions.toggleLock(label.id));
@@ -103,4 +106,10 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
   ui.button(left + 2 * size, y, size, h, { icon: 'solo', on: solo }, () =>
     actions.solo(solo ? null : label.id),
   );
+}
+
+/** How many points of this frame the active label has. */
+function paintedOf({ id, category }: Label): string {
+  const count = state.counts.peek().get(id) ?? 0;
+  return count > 0 ? `${shortCount(count)} pts` : category;
 }

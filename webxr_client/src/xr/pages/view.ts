@@ -1,7 +1,6 @@
 /** How the recording is shown, and how one stands in it. */
 import { actions } from '../../actions';
 import { state } from '../../state';
-import { change, xrSettings } from '../settings';
 import type { ButtonLook, Ui } from '../ui';
 
 export interface WorldControls {
@@ -40,30 +39,22 @@ export function drawView(
     world.reset(),
   );
   drawChecks(ui, x, top + em * 9.9, inner / 2);
-  drawEnd(ui, x, top + em * 18, inner, world);
+  drawEnd(ui, x, top + em * 14.4, inner, world);
 }
 
-/** Degrees that one turns by at a flick of the stick; 0: evenly, as long as it leans. */
-const TURNS = [30, 45, 90, 0];
-
-/** The widths of the last row's buttons, in shares of it. */
-const END = [0.23, 0.21, 0.2, 0.14, 0.22] as const;
-
 function drawEnd(ui: Ui, x: number, y: number, inner: number, world: WorldControls): void {
-  const { snap } = xrSettings.peek();
-  const turn = snap > 0 ? `Turn ${snap}°` : 'Turn evenly';
+  const { em } = ui;
+  const half = inner / 2;
   const buttons: readonly [ButtonLook, () => void][] = [
-    [{ text: turn }, () => change({ snap: TURNS[(TURNS.indexOf(snap) + 1) % TURNS.length]! })],
-    [{ text: 'Recentre' }, () => world.recentre()],
-    [{ text: 'Go there' }, () => world.go()],
-    [{ text: 'Floor' }, () => actions.setTool('floor')],
+    [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
+    [{ icon: 'view', text: 'Go there' }, () => world.go()],
+    [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
     [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
   ];
-  let left = x;
   buttons.forEach(([look, act], i) => {
-    const w = END[i]! * inner;
-    ui.button(left, y, w - ui.em * 0.2, ui.em * 2.1, { ...look, strong: true }, act);
-    left += w;
+    const [left, top] = [x + (i % 2) * half, y + Math.floor(i / 2) * em * 2.4];
+    const shape = { ...look, strong: true, align: 'left' } as const;
+    ui.button(left, top, half - em * 0.2, em * 2.2, shape, act);
   });
 }
 
@@ -82,7 +73,7 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
   const { em } = ui;
   let place = 0;
   const check = (name: string, on: boolean, set: (on: boolean) => void): void => {
-    const y = top + em * 2 * Math.floor(place / 2);
+    const y = top + em * 2.1 * Math.floor(place / 2);
     ui.check(x + (place % 2) * half, y, half, em * 1.9, name, on, set);
     place += 1;
   };
@@ -90,10 +81,4 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
   check('Boxes', boxes, (on) => actions.setView({ boxes: on }));
   check('Trails', trails, (on) => actions.setView({ trails: on }));
   check('Ghost', ghost, (on) => actions.setView({ ghost: on }));
-  const { hand, move, vignette, seated, tips } = xrSettings.peek();
-  check('Button tips', tips, (on) => change({ tips: on }));
-  check('Left-handed', hand === 'left', (on) => change({ hand: on ? 'left' : 'right' }));
-  check('Glide', move === 'smooth', (on) => change({ move: on ? 'smooth' : 'teleport' }));
-  check('Seated', seated, (on) => change({ seated: on }));
-  check('Vignette', vignette, (on) => change({ vignette: on }));
 }

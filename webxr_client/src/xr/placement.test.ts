@@ -1,0 +1,90 @@
+import { Group, Matrix4, Object3D, Vector3 } from 'three';
+import { describe, expect, it } from 'vitest';
+import { degrees, LEAST_DEGREES, SIZES } from './sizes';
+import { Placement, PLACEMENT, timelineBelow } from './placement';
+import type { Panel } from './panel';
+import { Rig } from './rig';
+import type { Poses } from './poses';
+import { MODEL, placeModel } from './world';
+
+const DEGREE = Math.PI / 180;
+/** Half the timeline, metres. */
+const [HALF_WIDTH, HALF_HEIGHT] = [0.53, 0.2525];
+
+/** Somebody whose eyes are there, in the headset's own space. */
+function standing(eyes: Vector3): Rig {
+  const rig = new Rig();
+  const head = new Matrix4().setPosition(eyes);
+  const poses = { head: (out: Matrix4) => Boolean(out.copy(head)) };
+  rig.update(poses as unknown as Poses);
+  return rig;
+}
+
+function placed(eyes: Vector3, below: number): { middle: Vector3; corner: Vector3 } {
+  const rig = standing(eyes);
+  const panel = new Object3D();
+  const placement = new Placement(rig);
+  placement.face();
+  placement.layBefore(panel, below);
+  return {
+    middle: new Vector3().setFromMatrixPosition(panel.matrix),
+    corner: new Vector3(HALF_WIDTH, HALF_HEIGHT, 0).applyMatrix4(panel.matrix),
+  };
+}
+
+/** Angle below the eyes' height at which a place is seen, degrees. */
+const below = (eyes: Vector3, place: Vector3): number =>
+  Math.asin((eyes.y - place.y) / eyes.distanceTo(place)) / DEGREE;
+
+describe('the timeline', () => {
+  it.each([
+    ['stands', 1.6],
+    ['sits', 1.1],
+    ['has no floor', 0],
+  ])('hangs 15 to 30° below the eyes of who %s, and can be read', (_name, height) => {
+    const eyes = new Vector3(0.3, height, -0.2);
+    const { middle, corner } = placed(eyes, PLACEMENT.below);
+    expect(below(eyes, middle)).toBeGreaterThanOrEqual(15);
+    expect(below(eyes, middle)).toBeLessThanOrEqual(30);
+    const away = corner.distanceTo(eyes);
+    expect(degrees({ ...SIZES.timeline, away })).toBeGreaterThanOrEqual(LEAST_DEGREES);
+  });
+
+  it('never hides a model of the recording, one larger than life, or what a ray paints', () => {
+    const eyes = new Vector3(0, 1.6, 0);
+    const { middle } = placed(eyes, PLACEMENT.low);
+    const top = below(eyes, middle) - Math.atan(HALF_HEIGHT / PLACEMENT.away) / DEGREE;
+    expect(top).toBeGreaterThan(30);
+    for (const [scale, far] of [
+      [0.1, false],
+      [5, false],
+      [1, true],
+    ] as const) {
+      expect(timelineBelow(scale, { far })).toBe(PLACEMENT.low);
+    }
+    for (const size of [2, 8, 40]) {
+      const world = new Group();
+      const bounds = [new Vector3(-size / 2, 0, 1), new Vector3(size / 2, 2, 1 + size)] as const;
+      placeModel(world, 0.1, bounds, eyes, new Vector3(0, 0, -1));
+      world.updateMatrixWorld();
+      const near = new Vector3(0, 0, 1 + size).applyMatrix4(world.matrixWorld);
+      near.z = Math.min(near.z, eyes.z - MODEL.nearest);
+      expect(below(eyes, near), `a model of ${size} m`).toBeLessThan(top);
+    }
+  });
+
+  it('follows the ray that carries it, turned to the eyes, by the place that is held', () => {
+    const eyes = new Vector3(0, 1.6, 0);
+    const rig = standing(eyes);
+    const mesh = new Object3D();
+    const held = { mesh, heldAt: { x: 0.1, y: -0.25 }, away: Float64Array.of(1.2) };
+    const by = { origin: new Vector3(0.2, 1.1, -0.2), direction: new Vector3(0.6, 0, -0.8) };
+    new Placement(rig).carry(held as unknown as Panel, by);
+    const bar = new Vector3(0.1, -0.25, 0).applyMatrix4(mesh.matrix);
+    const met = by.origin.clone().addScaledVector(by.direction, 1.2);
+    expect(bar.distanceTo(met)).toBeLessThan(1e-6);
+    const facing = new Vector3().setFromMatrixColumn(mesh.matrix, 2).normalize();
+    const way = eyes.clone().sub(new Vector3().setFromMatrixPosition(mesh.matrix)).normalize();
+    expect(facing.dot(way)).toBeGreaterThan(0.99);
+  });
+});

@@ -1,0 +1,114 @@
+/** Places of panels in the room: before the eyes, beside the timeline, or where a ray carries them. */
+import { Vector3, type Object3D } from 'three';
+import { faceEyes, type Facing } from './facing';
+import type { Way } from '../tools/ways';
+import type { Panel } from './panel';
+import type { Rig } from './rig';
+import { SIZES } from './sizes';
+
+const DEGREE = Math.PI / 180;
+
+/** Angles in radians, lengths in metres. */
+export const PLACEMENT = {
+  /** From the eyes to a panel's middle: what is farther grows. */
+  away: 0.85,
+  /** The timeline's middle below the eyes' height. */
+  below: 28 * DEGREE,
+  /** The same where it must not hide what stands ahead. */
+  low: 55 * DEGREE,
+  /** The same of a question: above, where it hides nothing that is to be mended. */
+  question: -12 * DEGREE,
+  /** To the side of straight ahead, and below the eyes' height, where a palette without a hand hangs. */
+  beside: 52 * DEGREE,
+  besideBelow: 22 * DEGREE,
+  /** As near to the eyes, and as far from them, as a carried panel comes. */
+  nearest: 0.45,
+  farthest: 3,
+} as const;
+
+const FACING: Facing = { right: 0, up: 0, away: PLACEMENT.away };
+const BESIDE: Facing = { right: 0, up: 0, away: SIZES.palette.away };
+
+/**
+ * The place that is seen from `eyes` so far to the left and so far down, radians, of where `yaw`
+ * looks; all in the headset's own space, where heights count from the eyes alone.
+ */
+export function seenAt(
+  eyes: Vector3,
+  yaw: number,
+  left: number,
+  down: number,
+  away: number,
+  out: Vector3,
+): Vector3 {
+  const level = away * Math.cos(down);
+  return out.set(
+    eyes.x - Math.sin(yaw + left) * level,
+    eyes.y - away * Math.sin(down),
+    eyes.z - Math.cos(yaw + left) * level,
+  );
+}
+
+/**
+ * How far below the eyes the timeline hangs: lower while the recording is a model or larger than life,
+ * and while a ray paints what stands ahead.
+ */
+export function timelineBelow(scale: number, { far }: Pick<Way, 'far'>): number {
+  const trueScale = Math.abs(scale - 1) < 1e-3;
+  return trueScale && !far ? PLACEMENT.below : PLACEMENT.low;
+}
+
+export class Placement {
+  /** Where one looked when panels were last laid, in the headset's own space. */
+  private yaw = 0;
+  private readonly at = new Vector3();
+  private readonly middle = new Vector3();
+  private readonly held = new Vector3();
+
+  constructor(private readonly rig: Rig) {}
+
+  /** Take the way that one looks now as straight ahead. */
+  face(): void {
+    const { ahead, group } = this.rig;
+    this.yaw = Math.atan2(-ahead.x, -ahead.z) - group.rotation.y;
+  }
+
+  /** Lay a panel before the person, so far below the eyes. */
+  layBefore(panel: Object3D, below: number): void {
+    this.hang(panel, 0, below, FACING);
+  }
+
+  /** Hang the palette beside the timeline; `left`: on that side. */
+  hangBeside(panel: Object3D, left: boolean): void {
+    const side = left ? PLACEMENT.beside : -PLACEMENT.beside;
+    this.hang(panel, side, PLACEMENT.besideBelow, BESIDE);
+  }
+
+  private hang(panel: Object3D, left: number, down: number, facing: Facing): void {
+    const { headInRig } = this.rig;
+    faceEyes(
+      panel,
+      seenAt(headInRig, this.yaw, left, down, PLACEMENT.away, this.at),
+      headInRig,
+      facing,
+    );
+  }
+
+  /** Let a panel whose bar is held hang from the ray, turned to the eyes. */
+  carry(panel: Panel, by: { readonly origin: Vector3; readonly direction: Vector3 }): void {
+    const { at, middle, rig } = this;
+    const { headInRig } = rig;
+    const { matrix } = panel.mesh;
+    at.copy(by.origin).addScaledVector(by.direction, panel.away[0]!);
+    rig.group.worldToLocal(at).sub(headInRig);
+    at.clampLength(PLACEMENT.nearest, PLACEMENT.farthest).add(headInRig);
+    middle.copy(at);
+    // Moved so that the ray has what it holds, its middle sees the eyes elsewhere: it is turned again.
+    for (let pass = 0; pass < 2; pass++) {
+      faceEyes(panel.mesh, middle, headInRig, FACING);
+      this.held.set(panel.heldAt.x, panel.heldAt.y, 0).applyMatrix4(matrix);
+      middle.add(at).sub(this.held);
+    }
+    matrix.setPosition(middle);
+  }
+}

@@ -1,0 +1,104 @@
+import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
+import type { Label } from '../protocol/messages';
+import { halted } from '../engine/review';
+import { state } from '../state';
+import type { PaletteControls, PalettePanel } from './palette-panel';
+import type { Panel } from './panel';
+import { PLACEMENT } from './placement';
+import type { QuestionPanel } from './question-panel';
+import type { TimelinePanel } from './timeline-panel';
+
+/** Least size of a target: metres, or degrees from where one reads it. */
+const LEAST_METRES = 0.022;
+const LEAST_DEGREES = 2.5;
+
+/** A pen that draws nothing: what answers is laid out by text of so many pixels a letter. */
+function pen(): CanvasRenderingContext2D {
+  const draws = (): unknown => undefined;
+  const measures = (text: string): { width: number } => ({ width: 16 * text.length });
+  const known: Record<string, unknown> = { measureText: measures };
+  return new Proxy(known, {
+    get: (fields, name: string) => fields[name] ?? draws,
+    set: (fields, name: string, value) => Reflect.set(fields, name, value),
+  }) as unknown as CanvasRenderingContext2D;
+}
+
+const nothing = (): void => undefined;
+const labels = Array.from({ length: 9 }, (_, i) => ({
+  id: i + 1,
+  name: `pin ${i}`,
+  color: '#5ea2ff',
+  category: 'pin',
+  locked: false,
+  visible: true,
+})) as unknown as Label[];
+
+let palette: PalettePanel;
+let timeline: TimelinePanel;
+let question: QuestionPanel;
+let now = 0;
+
+/** The smaller side of what answers on a panel as it is drawn now, metres, by name. */
+function sides(panel: Panel): Map<string, number> {
+  panel.touch();
+  panel.update((now += 1000));
+  const { width, height } = panel.size;
+  const found = panel.places().map(({ name, w, h }) => [name, Math.min(w * width, h * height)]);
+  return new Map(found as [string, number][]);
+}
+
+function press(panel: Panel, name: string): void {
+  sides(panel);
+  panel['ui'].areas.find((area) => area.name === name)!.act!(0.5, 0.5);
+}
+
+const degrees = (metres: number): number =>
+  (2 * Math.atan(metres / 2 / PLACEMENT.away) * 180) / Math.PI;
+
+beforeAll(async () => {
+  vi.stubGlobal('document', { createElement: () => ({ getContext: pen }) });
+  vi.stubGlobal('Path2D', Object);
+  state.palette.value = labels;
+  state.sequence.value = { id: 'a', frames: 6, fps: 30 } as typeof state.sequence.value;
+  const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
+  const session = { isSystemKeyboardSupported: true } as unknown as XRSession;
+  palette = new (await import('./palette-panel')).PalettePanel(controls, session);
+  const bar = { hide: nothing, togglePalette: nothing };
+  timeline = new (await import('./timeline-panel')).TimelinePanel(bar);
+  question = new (await import('./question-panel')).QuestionPanel(nothing);
+});
+
+afterAll(() => {
+  for (const panel of [palette, timeline, question]) panel.dispose();
+  vi.unstubAllGlobals();
+});
+
+describe('what answers on a panel', () => {
+  it.each(['Labels', 'Tools', 'View', 'Comfort', 'New'])(
+    'is as large as a finger needs on the palette: %s',
+    (page) => {
+      if (page === 'New') press(palette, 'Labels');
+      press(palette, page);
+      const found = sides(palette);
+      expect(found.size).toBeGreaterThan(8);
+      for (const [name, side] of found) {
+        expect(side, name).toBeGreaterThanOrEqual(LEAST_METRES - 1e-6);
+      }
+    },
+  );
+
+  it('is met by a ray on the timeline, and on the question of a run that stopped', () => {
+    halted.value = { at: 0, stop: 5, labels: [1] };
+    expect(question.mesh.visible).toBe(true);
+    expect([...sides(question).keys()]).toEqual(['Later', 'Continue to 5']);
+    for (const panel of [timeline, question]) {
+      for (const [name, side] of sides(panel)) {
+        expect(degrees(side), name).toBeGreaterThanOrEqual(LEAST_DEGREES);
+      }
+    }
+    expect(sides(timeline).has('Move')).toBe(true);
+    press(question, 'Later');
+    expect(question.mesh.visible).toBe(false);
+    halted.value = null;
+  });
+});
