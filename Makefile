@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e bench format setup page system peers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e bench docs format setup page system peers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -122,6 +122,9 @@ e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two win
 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
+
+docs: $(STAMPS)/dev  ## the documentation as a site: build/site/index.html
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 format: $(STAMPS)/dev $(STAMPS)/node
 	@$(BIN)/ruff check --fix --quiet server tests benchmarks docs; $(BIN)/ruff format --quiet server tests benchmarks docs

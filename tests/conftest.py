@@ -18,7 +18,14 @@ SHARED = TESTS.parent.parent / "shared"
 SLOW = frozenset(
     {
         *("e2e", "faults", "samples", "tracking"),
-        *("test_cli.py", "test_examples.py", "test_jobs.py", "test_workspace.py"),
+        *(
+            "test_cli.py",
+            "test_docs.py",
+            "test_examples.py",
+            "test_remote.py",
+            "test_jobs.py",
+            "test_workspace.py",
+        ),
         *("labels/test_durability.py", "labels/test_model.py", "sequences/test_large.py"),
         *("streaming/test_links.py", "web/test_ending.py", "web/test_hostile.py"),
         *("web/test_schemathesis.py", "web/test_server.py", "work/test_prepare.py"),

@@ -1,0 +1,257 @@
+"""The documentation: its site builds without a warning, and what it says to type works.
+
+A command or snippet that is not run has `<!-- not run: REASON -->` on the line before it, a page
+none of which is run `<!-- page not run: REASON -->`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+
+from pointbrush.client import Client
+from pointbrush.sequences import import_frames
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+from tests.serving import TOKEN, serving, surface
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+ADDRESS = "http://127.0.0.1:8080"
+MOST_NOT_RUN = 15
+FENCE = re.compile(
+    r"(?:^<!-- not run: (?P<reason>.+?) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.M | re.S
+)
+PAGE = re.compile(r"^<!-- page not run: (.+?) -->$", re.M)
+COMMAND = re.compile(r"^ {4,}(?:\$ )?(pointbrush|python3?|pip|make|docker|dask|curl) \S.*", re.M)
+PARSED: dict[str, Callable[[str], object]] = {
+    "json": json.loads,
+    "toml": tomllib.loads,
+    "yaml": yaml.safe_load,
+}
+SHOWN = ("text", "http")
+SERVERS = ("demo", "serve")
+POINTS = 400
+
+
+@dataclass(frozen=True)
+class Snippet:
+    """A fenced block of a page; ``reason`` why it is not run."""
+
+    kind: str
+    text: str
+    reason: str | None
+
+
+def snippets(page: Path) -> list[Snippet]:
+    found = FENCE.finditer(page.read_text())
+    return [Snippet(match["kind"], match["text"], match["reason"]) for match in found]
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+RUN = [
+    page
+    for page in PAGES
+    if not PAGE.search(page.read_text())
+    and any(each.kind in ("sh", "python") and each.reason is None for each in snippets(page))
+]
+
+
+def test_the_site_builds_without_a_warning_and_fetches_nothing(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", tmp_path],
+        cwd=ROOT,
+        env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    fetched = re.compile(
+        r"""<(?:script|img|iframe|source|video|audio)[^>]+src=["']?(?:https?:)?//"""
+        r"""|<link(?![^>]+rel=["']?canonical)[^>]+href=["']?(?:https?:)?//"""
+        r"""|url\(["']?(?:https?:)?//|@import\s+["'](?:https?:)?//|class=["']?mermaid"""
+    )
+    for path in (*tmp_path.rglob("*.html"), *tmp_path.rglob("*.css")):
+        assert not fetched.search(path.read_text()), path
+    shown = (tmp_path / "reference" / "cli" / "index.html").read_text()
+    assert "import-labels" in shown
+    assert "/frames/{i}/strokes" in (tmp_path / "reference" / "rest" / "index.html").read_text()
+    assert "if_match" in (tmp_path / "reference" / "python" / "index.html").read_text()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_snippet_says_what_it_is(page: Path) -> None:
+    for each in snippets(page):
+        if each.kind in PARSED:
+            PARSED[each.kind](each.text)
+        elif each.kind not in ("sh", "python", *SHOWN):
+            pytest.fail(f"expected a snippet's language, got {each.kind!r}: {each.text[:80]}")
+    rest = FENCE.sub("", page.read_text())
+    if PAGE.search(rest):
+        return
+    assert not (found := COMMAND.search(rest)), f"{found[0]}: expected a command in a ```sh block"
+
+
+def test_few_are_not_run_and_each_has_a_reason(capsys: pytest.CaptureFixture[str]) -> None:
+    left = [
+        f"{name_of(page)}: {each.text.splitlines()[0]}: {each.reason}"
+        for page in PAGES
+        for each in snippets(page)
+        if each.reason
+    ]
+    for page in PAGES:
+        left += [f"{name_of(page)}: {reason}" for reason in PAGE.findall(page.read_text())]
+    with capsys.disabled():
+        print(*(f"\nnot run: {line}" for line in left), end="")
+    assert len(left) <= MOST_NOT_RUN
+
+
+@dataclass(frozen=True)
+class Place:
+    """A folder with what the pages' commands name, and a workspace."""
+
+    folder: Path
+    settings: Settings
+
+    def sh(self, text: str) -> None:
+        for line in text.replace("\\\n", " ").splitlines():
+            words = shlex.split(line, comments=True)
+            if not words:
+                continue
+            if words[0] == "pointbrush" and words[1] in SERVERS:
+                self._server([word for word in words[1:] if word != "&"])
+                continue
+            done = subprocess.run(
+                ["bash", "-ec", line],
+                cwd=self.folder,
+                env=self._environment,
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=180,
+            )
+            assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
+
+    def _server(self, arguments: list[str]) -> None:
+        """Start a server, and end it once it is ready."""
+        few = ["--sample-frames", "1"] if arguments[0] == "demo" else []
+        with subprocess.Popen(
+            [sys.executable, "-m", "pointbrush.cli", *arguments, *few],
+            cwd=self.folder,
+            env=self._environment | {"POINTBRUSH_WORKSPACE": str(self.folder / "other")},
+            stdout=subprocess.PIPE,
+            text=True,
+        ) as server:
+            assert server.stdout is not None
+            line = server.stdout.readline()
+            server.terminate()
+        assert line.startswith("pointbrush ready at "), line
+
+    @property
+    def _environment(self) -> dict[str, str]:
+        return os.environ | {
+            "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+            "POINTBRUSH_WORKSPACE": str(self.settings.workspace),
+            "POINTBRUSH_PORT": "0",
+        }
+
+
+@pytest.fixture
+def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
+    """A place with the recordings and files that a page takes as given."""
+    text = request.param.read_text()
+    settings = Settings(workspace=tmp_path / "workspace", token=TOKEN, workers=1)
+    settings = replace(settings, port=0, import_roots=str(tmp_path))
+    frames = 90 if "89" in text else 3
+    given = [
+        name
+        for name in ("juggling", "room", "kitchen", "drive", "scene")
+        if re.search(rf"\b{name}\b", text) and f"--name {name}" not in text
+    ]
+    for name in given:
+        import_frames(
+            (surface(POINTS, i) for i in range(frames)),
+            settings.workspace / "sequences" / name,
+            sequence_id=name,
+            name=name,
+            fps=30.0,
+        )
+    workspace = Workspace(settings)
+    for name in given:
+        label = workspace.create_label(name, "ada", name="car")
+        values = np.zeros(POINTS, np.uint16)
+        values[:100] = label.id
+        workspace.put_annotation(name, 0, values, author="ada", layer="label")
+    workspace.close()
+    write_files(tmp_path)
+    return Place(tmp_path, settings)
+
+
+def write_files(folder: Path) -> None:
+    """Write small files of the kinds that the pages import."""
+    rng = np.random.default_rng(0)
+    for name in ("sequences/00/velodyne", "predictions", "samples/LIDAR_TOP", "lidarseg"):
+        (folder / name).mkdir(parents=True)
+    for name in ("recording", "scans", "kinect/depth", "kinect/color"):
+        (folder / name).mkdir(parents=True)
+    labels = np.repeat([40, 10], POINTS // 2).astype("<u4")
+    for i in range(3):
+        points = rng.uniform(-1, 1, (POINTS, 5)).astype("<f4") * 10
+        points[:, :4].tofile(folder / f"sequences/00/velodyne/{i:06}.bin")
+        points.tofile(
+            folder / f"samples/LIDAR_TOP/LIDAR_TOP__{1532402927647951 + i * 50000}.pcd.bin"
+        )
+        labels.tofile(folder / f"predictions/{i:06}.label")
+        labels.astype(np.uint8).tofile(folder / f"lidarseg/{i:06}_lidarseg.bin")
+        np.save(folder / f"recording/{i}.npy", points[:, :3])
+        if i > 1:
+            continue
+        depth = rng.integers(900, 1100, (424, 512)).astype(np.uint16)
+        Image.fromarray(depth).save(folder / f"kinect/depth/{i}.png")
+        color = rng.integers(0, 255, (424, 512, 3)).astype(np.uint8)
+        Image.fromarray(color).save(folder / f"kinect/color/{i}.png")
+    labels.tofile(folder / "000000.label")
+    (folder / "classes.txt").write_text("10 car\n40 road\n")
+
+
+@pytest.mark.parametrize(
+    ("page", "place"), [(page, page) for page in RUN], indirect=["place"], ids=map(name_of, RUN)
+)
+def test_what_a_page_says_to_type_works(
+    page: Path, place: Place, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place.folder)
+    run = [each for each in snippets(page) if each.reason is None]
+    names: dict[str, Any] = {"token": TOKEN}
+    if not any(each.kind == "python" and "client" in each.text.lower() for each in run):
+        run_all(run, place, names, ADDRESS)
+        return
+    with serving(place.settings) as served, Client(served.url, TOKEN) as client:
+        run_all(run, place, names | {"client": client}, served.url)
+
+
+def run_all(run: list[Snippet], place: Place, names: dict[str, Any], url: str) -> None:
+    for each in run:
+        if each.kind == "sh":
+            place.sh(each.text)
+        elif each.kind == "python":
+            exec(compile(each.text.replace(ADDRESS, url), "snippet", "exec"), names)
