@@ -502,7 +502,7 @@ class Workspace:
         return placements(self.store, recording, frame, frames), shift
 
     def stroke(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
-        """Apply a whole stroke (the contract's fields); durable when this returns."""
+        """Apply a whole stroke (the fields of REST's); durable when this returns."""
         live = self.begin_stroke(sequence, frame, fields, fields.get("id"))
         if isinstance(live, Commit):
             return live
@@ -512,7 +512,7 @@ class Workspace:
     def ask(self, sequence: str, frame: int, fields: Mapping[str, Any]) -> Answer:
         """Return what a stroke would take: levels of an object, or a region of another shape.
 
-        ``fields`` are the contract's of a stroke, with ``positives`` for its samples.
+        ``fields`` are those of a stroke, with ``positives`` for its samples.
         Raises BadInputError, NotFoundError.
         """
         recording = self.recording(sequence)

@@ -53,7 +53,7 @@ class Stroke:
 
     @classmethod
     def parse(cls, fields: Mapping[str, Any]) -> Stroke:
-        """Build from the contract's JSON fields (``samples`` as objects); see the class."""
+        """Build from the fields of a call or a message, ``samples`` as objects; see the class."""
         shape, tool = fields.get("shape", "sphere"), fields.get("tool", "paint")
         if shape not in SHAPES:
             raise BadInputError(f"shape: expected one of {', '.join(SHAPES)}, got {shape!r}")

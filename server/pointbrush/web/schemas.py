@@ -1,4 +1,4 @@
-"""The JSON shapes of REST; names are the contract's."""
+"""The JSON shapes of REST; their names stay as they are."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class LabelPatch(Body):
 
 
 class StrokeBody(Brush):
-    """A whole stroke; see the contract.  The same ``id`` sent twice is applied once."""
+    """A whole stroke.  The same ``id`` sent twice is applied once."""
 
     _integral = model_validator(mode="before")(integral)
     id: Uuid | None = None

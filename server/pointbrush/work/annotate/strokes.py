@@ -41,7 +41,7 @@ class LiveStroke:
         fields: Mapping[str, Any],
         stroke_id: str,
     ) -> None:
-        """``fields``: the contract's stroke without samples, in source coordinates.
+        """``fields``: a stroke of REST or the socket without samples, in source coordinates.
 
         ``view``: of the recording's labels, as of now.
 

@@ -37,7 +37,7 @@ class Clicks:
 
     @classmethod
     def parse(cls, fields: Mapping[str, Any], most: int) -> Clicks:
-        """Build from the contract's JSON fields; at most ``most`` clicks of either kind.
+        """Build from the fields of a call or a message; at most ``most`` clicks of either kind.
 
         Raises BadInputError.
         """

@@ -87,7 +87,7 @@ class Objects:
         self._states.close()
 
     def parse(self, fields: Any) -> Clicks:
-        """Read clicks from the contract's JSON fields; raises BadInputError."""
+        """Read clicks from the JSON fields of a call or a message; raises BadInputError."""
         return Clicks.parse(fields, self._options.clicks)
 
     # ── answering ────────────────────────────────────────────────────────────────────────

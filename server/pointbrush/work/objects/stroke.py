@@ -36,7 +36,7 @@ class ObjectStroke:
         fields: Mapping[str, Any],
         stroke_id: str,
     ) -> None:
-        """``fields``: the contract's stroke of shape ``object`` without samples.
+        """``fields``: a stroke of REST or the socket, of shape ``object`` without samples.
 
         In further ``frames`` it takes what lies where the object's points are.
         ``replaces`` names this author's last edit, which is taken back first: an object that was
