@@ -21,7 +21,7 @@ from pointbrush.web.sessions import SESSION_DAYS
 router = APIRouter(tags=["server"])
 sign_in_router = APIRouter(tags=["server"])
 open_router = APIRouter(include_in_schema=False)
-DOCS = Path(__file__).parent / "docs"
+DOCS = Path(__file__).parents[1] / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
 
 

@@ -13,7 +13,7 @@ from pointbrush.errors import NotFoundError
 from pointbrush.web.tls import Certificate
 
 router = APIRouter(include_in_schema=False)
-PAGE = Path(__file__).parent / "docs" / "trust.html"
+PAGE = Path(__file__).parents[1] / "docs" / "trust.html"
 
 
 def authority_of(request: Request) -> Path:
