@@ -45,6 +45,7 @@ from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
 from pointbrush.work.backup import make_backup, restore_one
 from pointbrush.work.checking import Repaired
+from pointbrush.work.compiling import are_compiled
 from pointbrush.work.deletion import Deleted, Deletion
 from pointbrush.work.events import (
     Event,
@@ -168,6 +169,11 @@ class Workspace:
     def require_importable(self) -> None:
         """Raise ReadOnlyError where nothing can be imported: before an upload is taken in."""
         self.library.require_writable()
+
+    @property
+    def loops_compiled(self) -> bool:
+        """Whether this machine has the loops of tracking and selection compiled."""
+        return are_compiled()
 
     def expect_tracking(self) -> None:
         """Have a worker process made ready for a run, unless jobs have begun one already."""

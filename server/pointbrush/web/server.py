@@ -230,7 +230,13 @@ def give_large_blocks_back() -> None:
 
 
 def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:
-    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next."""
+    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next.
+
+    At once, while the first page opens, where loops are still to be compiled.
+    """
+    if not workspace.loops_compiled:
+        workspace.expect_tracking()
+        return
 
     def labelled(event: Event) -> None:
         if isinstance(event, Commit):

@@ -20,6 +20,7 @@ from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.work.compiling import note_compiled
 
 FRAMES = 5
 """Frames of a juggler and their pins: seconds of work in which nearly every loop has its turn."""
@@ -50,25 +51,16 @@ class _Frame:
         return cKDTree(self.xyz)
 
 
-def prepare() -> None:
-    """Encode a frame, select an object and track small samples by every method.
-
-    Methods of the paper, whose loops are few, track a step.
-    """
+def encode() -> None:
+    """Encode a frame as an import does, and build its tree."""
     made = generate("tabletop", 1, 1).frame(0)
     encode_frame(made, GridChooser()([made]))
     kdtree.build(made.xyz.astype(np.float32))
-    select_object(made)
-    track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
-    track(generate("tabletop", 1, 3), "auto")
-    track(generate("walking", 1, 2), "auto", leaves=1)
-    track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
-    for method in METHODS.keys() - {"auto"}:
-        track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
 
 
-def select_object(made: PointFrame) -> None:
+def select_object() -> None:
     """Click on a frame, with and without a viewpoint, and correct what was taken."""
+    made = generate("tabletop", 1, 1).frame(0)
     views: tuple[tuple[SensorKind, NDArray[np.float64] | None], ...] = (
         ("lidar", made.viewpoint),
         ("room", None),
@@ -111,5 +103,34 @@ def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0
         pass
 
 
+def track_people() -> None:
+    """Track a juggler and his pins, and a person who leaves."""
+    track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
+    track(generate("walking", 1, 2), "auto", leaves=1)
+
+
+def track_things() -> None:
+    """Track what is moved on a table, and from a sensor that moves."""
+    track(generate("tabletop", 1, 3), "auto")
+    track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
+
+
+def track_by_paper() -> None:
+    """Track a step by the methods of the paper, whose loops are few."""
+    for method in METHODS.keys() - {"auto"}:
+        track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
+
+
+STEPS = (
+    ("import", encode),
+    ("object selection", select_object),
+    ("tracking of people", track_people),
+    ("tracking of things", track_things),
+    ("tracking by ICP", track_by_paper),
+)
+
+
 if __name__ == "__main__":
-    prepare()
+    for _, step in STEPS:
+        step()
+    note_compiled()

@@ -24,6 +24,7 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
+from pointbrush.work.compiling import compile_loops
 from pointbrush.worker import Channel
 
 LEAD = 20
@@ -51,6 +52,8 @@ class TrackingWork:
 
     def __call__(self, channel: Channel) -> None:
         """Track frame by frame from ``start`` to ``stop``, either way."""
+        if self.method == "auto":  # the others have few loops, which are compiled as they are met
+            compile_loops(lambda _, message: channel.progress(0.0, message))
         recording = open_sequence(self.path)
         store = LabelStore(self.database)
         try:
@@ -169,7 +172,8 @@ def require_method(method: str) -> None:
 
 
 def load_default_method() -> None:
-    """Import what a run needs: a worker's first run would wait for it."""
+    """Compile and import what a run needs: a worker's first run would wait for it."""
+    compile_loops(lambda _share, _message: None)
     METHODS["auto"]()
 
 
