@@ -14,6 +14,7 @@ from PIL import Image
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.sequences import Manifest, Sequence, import_frames, open_sequence
+from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
@@ -85,6 +86,18 @@ def test_a_depth_image_keeps_all_its_pixels(tmp_path: Path) -> None:
     pixels, pictures = decode_depth(lattice, chunks_of(sequence, 0))
     assert np.array_equal(sequence[0].pixel, pixels.pixel)
     assert pictures == {}
+
+
+def test_a_whole_image_has_all_its_columns_though_every_so_many_points_are_of_few() -> None:
+    v, u = np.mgrid[0:424, 0:512].reshape(2, -1)
+    depth = 2.0 + 0.3 * np.sin(u / 60) * np.cos(v / 45)
+    xyz = np.column_stack([(u - 256) * depth / 365, (v - 212) * depth / 365, depth])
+    lattice = find_lattice(
+        PointFrame(xyz.astype(np.float32)), xyz.astype(np.float32), np.zeros(3), 2.0**-10
+    )
+    assert lattice is not None
+    assert lattice.pitch == pytest.approx((1 / 365, 1 / 365))
+    assert 512 < lattice.width < 570
 
 
 @pytest.mark.parametrize("how", ["turned", "scattered", "with intensity"])

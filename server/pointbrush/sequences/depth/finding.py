@@ -43,7 +43,10 @@ def find_lattice(
     if frame.intensity is not None:  # a picture holds three values a pixel
         return None
     viewpoint = None if frame.viewpoint is None else frame.viewpoint - shift
-    lens = find_lens(_Seen(xyz, viewpoint), options=TrackerOptions())  # type: ignore[arg-type]
+    options = TrackerOptions()
+    # All points: every so many of a whole image may lie in every so many of its columns.
+    options = replace(options, lens=replace(options.lens, sampled_points=len(xyz)))
+    lens = find_lens(_Seen(xyz, viewpoint), options=options)  # type: ignore[arg-type]
     if lens is None or not lens.lattice:
         return None
     lattice = _fitted(lens, xyz, step)

@@ -1,7 +1,17 @@
 /** One band of a depth image → vertices that the GPU takes as they are. */
 import { sizeCode, MAX_CHUNKS, SIZE_CODES } from '../segment';
 import type { Lattice } from '../../protocol/messages';
-import { BOTH, DIRECT, NONE, ONE, SCALE, SCALE_BITS, type Parts, type Tables } from './codec';
+import {
+  BOTH,
+  DIRECT,
+  NONE,
+  ONE,
+  SCALE,
+  SCALE_BITS,
+  TOKEN_SHIFT,
+  type Parts,
+  type Tables,
+} from './codec';
 import { STRIP, type Band } from './lattice';
 import type { Picture } from './pictures';
 
@@ -75,7 +85,7 @@ export class BandPlan {
     image: Uint16Array,
     stride: number,
     { tokens, low }: Parts,
-    { token: tokenOf, many: manyOf, within: withinOf }: Tables,
+    { entries }: Tables,
     listed: Uint16Array,
     picture: Picture | null,
     pictureStep: number,
@@ -136,9 +146,10 @@ export class BandPlan {
             context = NONE;
           }
           // The token.
-          const slot = (context << SCALE_BITS) | (state & (SCALE - 1));
-          const token = tokenOf[slot]!;
-          state = Math.imul(manyOf[slot]!, state >>> SCALE_BITS) + withinOf[slot]!;
+          const entry = entries[(context << SCALE_BITS) | (state & (SCALE - 1))]!;
+          const token = entry >>> TOKEN_SHIFT;
+          const many = ((entry >>> SCALE_BITS) & (SCALE - 1)) + 1;
+          state = Math.imul(many, state >>> SCALE_BITS) + (entry & (SCALE - 1));
           while (state < LOWEST) state = (state << 8) | tokens[at++]!;
           if (token === 0) continue;
           let folded = token - 1;

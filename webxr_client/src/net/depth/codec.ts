@@ -54,14 +54,12 @@ export class Numbers {
   }
 }
 
-/**
- * What a state's low bits say in each context: `(context << 12) + bits` leads to the token, its
- * frequency, and how far into it the bits are.
- */
+/** An entry of `Tables`: token, its frequency less 1, and how far into it the state's low bits are. */
+export const TOKEN_SHIFT = 2 * SCALE_BITS;
+
+/** Entries by context and a state's low bits, `(context << SCALE_BITS) | bits`. */
 export class Tables {
-  readonly token = new Uint8Array(CONTEXTS * SCALE);
-  readonly many = new Uint16Array(CONTEXTS * SCALE);
-  readonly within = new Uint16Array(CONTEXTS * SCALE);
+  readonly entries = new Uint32Array(CONTEXTS * SCALE);
 
   read(numbers: Numbers): void {
     for (let context = 0; context < CONTEXTS; context++) {
@@ -73,9 +71,8 @@ export class Tables {
         const many = numbers.next();
         const stop = slot + many;
         if (stop > end) throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
-        this.token.fill(token, slot, stop);
-        this.many.fill(many, slot, stop);
-        for (let within = 0; slot < stop; slot++, within++) this.within[slot] = within;
+        let entry = (token << TOKEN_SHIFT) | ((many - 1) << SCALE_BITS);
+        while (slot < stop) this.entries[slot++] = entry++;
       }
       if (tokens > 0 && slot !== end) {
         throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
