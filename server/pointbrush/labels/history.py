@@ -64,12 +64,10 @@ def info(row: Row[Any], target: str | None = None) -> EditInfo:
     )
 
 
-def stacks(
-    connection: Connection, number: int, author: str
-) -> tuple[EditInfo | None, EditInfo | None]:
+def stacks(ask: journal.Ask, number: int, author: str) -> tuple[EditInfo | None, EditInfo | None]:
     """Return the edits that ``author``'s undo, and redo, would take."""
-    last = journal.top_of_stack(connection, number, author, schema.ACTIVE)
-    undone = journal.top_of_stack(connection, number, author, schema.UNDONE)
+    last = journal.top_of_stack(ask, number, author, schema.ACTIVE)
+    undone = journal.top_of_stack(ask, number, author, schema.UNDONE)
     return last and info(last), undone and info(undone)
 
 

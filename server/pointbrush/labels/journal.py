@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,7 +73,8 @@ _STACK = (
     )
     .limit(1)
 )
-_FIRST, _LAST = _STACK.order_by(edits.c.revision), _STACK.order_by(edits.c.revision.desc())
+_FIRST = Statement(_STACK.order_by(edits.c.revision))
+_LAST = Statement(_STACK.order_by(edits.c.revision.desc()))
 _INSERT_EDIT, _INSERT_BLOCK = Statement(insert(edits)), Statement(insert(edit_blocks))
 _INSERT_LABEL, _INSERT_TRACK = Statement(insert(edit_labels)), Statement(insert(edit_tracks))
 
@@ -249,11 +250,14 @@ def redone_since(connection: Connection, number: int, since: int) -> list[int]:
 # ── stacks ───────────────────────────────────────────────────────────────────────────────────
 
 
-def top_of_stack(connection: Connection, number: int, author: str, state: int) -> Row[Any] | None:
+Ask = Callable[[Statement, Mapping[str, Any]], Any]
+"""Gives the row of a statement, or None."""
+
+
+def top_of_stack(ask: Ask, number: int, author: str, state: int) -> Any:
     """Return the edit that ``author``'s undo (ACTIVE) or redo (UNDONE) takes."""
-    query = _LAST if state == schema.ACTIVE else _FIRST
-    values = {"of_sequence": number, "of_author": author, "in_state": state}
-    return connection.execute(query, values).one_or_none()
+    statement = _LAST if state == schema.ACTIVE else _FIRST
+    return ask(statement, {"of_sequence": number, "of_author": author, "in_state": state})
 
 
 def set_state(connection: Connection, number: int, revision: int, **values: int) -> None:

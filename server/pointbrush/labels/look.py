@@ -40,7 +40,7 @@ class Look:
 
     def _asked(self, driver: Driver, statement: Statement, values: Values) -> object:
         try:
-            row = statement.one(statement.run(driver, values))
+            row = statement.ask(driver, values)
         except BaseException:
             with contextlib.suppress(Exception):
                 driver.close()

@@ -14,6 +14,7 @@ from pointbrush.labels.distinct import free_name_and_color
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
 from pointbrush.labels.state import SequenceState
+from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
 
@@ -231,7 +232,13 @@ def bring_back(entry: Entry) -> Plan:
 
 def _turn(entry: Entry, state: int, turn: Callable[[Draft, Any], None], none: str) -> Plan:
     def plan(draft: Draft) -> Entry:
-        edit = journal.top_of_stack(draft.connection, draft.state.number, entry.author, state)
+        driver = driver_of(draft.connection)
+        edit = journal.top_of_stack(
+            lambda statement, values: statement.ask(driver, values),
+            draft.state.number,
+            entry.author,
+            state,
+        )
         if edit is None:
             raise ConflictError(none)
         turn(draft, edit)

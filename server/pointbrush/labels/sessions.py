@@ -265,7 +265,8 @@ class Sessions:
 
     def find(self, connection: Connection, state: SequenceState, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, marked as repeated, or None."""
-        row = journal.FIND.one(journal.look_for(driver_of(connection), state.number, edit_id))
+        values = {"of_sequence": state.number, "edit_id": edit_id}
+        row = journal.FIND.ask(driver_of(connection), values)
         return None if row is None else replace(self.load(connection, state, row), repeated=True)
 
     def load(self, connection: Connection, state: SequenceState, row: Row[Any]) -> Commit:

@@ -54,6 +54,10 @@ class Statement:
             None if row is None else SimpleNamespace(**dict(zip(self._columns, row, strict=True)))
         )
 
+    def ask(self, driver: Driver, values: Values) -> Any:
+        """Run it; returns its row, or None."""
+        return self.one(self.run(driver, values))
+
     def _text(self, *, of_sqlite: bool) -> tuple[str, dict[str, Any]]:
         found = self._compiled.get(of_sqlite)
         if found is None:

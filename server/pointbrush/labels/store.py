@@ -323,8 +323,8 @@ class LabelStore:
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the edits that the author's undo, and redo, would take."""
-        with self._sessions.reading(sequence) as (connection, state):
-            return history.stacks(connection, state.number, author)
+        with self._sessions.knowing(sequence) as state:
+            return history.stacks(self._database.look, state.number, author)
 
     def edits(
         self, sequence: str, *, before: int | None = None, limit: int = 100

@@ -19,6 +19,7 @@ from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.load import MOST_WAITING
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.work.annotate.strokes import LiveStroke
@@ -71,6 +72,19 @@ Result = Applied | PointbrushError | None
 """Outcome of an edit: an answer, an error, or nothing to be said yet."""
 
 
+Done = tuple[Edit, Result, float]
+"""An edit, its outcome, and when it came."""
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """An edit that waits for its turn: itself or, of many samples, its bytes; ``came``: when."""
+
+    edit: Edit | bytes
+    nbytes: int
+    came: float
+
+
 def take_turn(work: Iterator[None]) -> bool:
     """Go on with work until it is done, or for a turn; returns whether it is done."""
     end = time.monotonic() + TURN_SECONDS
@@ -82,19 +96,30 @@ class Editor:
 
     def __init__(self, viewer: Viewer, hub: Hub) -> None:
         self._viewer, self._hub = viewer, hub
-        self._queue: asyncio.Queue[tuple[Edit | bytes, int]] = asyncio.Queue(WAITING)
+        self._queue: asyncio.Queue[Waiting] = asyncio.Queue(WAITING)
         self._bytes, self._fewer = 0, asyncio.Event()
         self._live: dict[str, LiveStroke | ObjectStroke | Commit] = {}
         self._refused: dict[str, None] = {}
 
     async def put(self, edit: Edit, data: bytes) -> None:
-        """Queue an edit that came as ``data``; waits while too much is queued."""
+        """Queue an edit that came as ``data``; waits while too much of this viewer is queued.
+
+        Raises TooManyRequestsError for a new stroke while too much of all viewers is.
+        """
+        if isinstance(edit, messages.StrokeBegin) and self._hub.load.overloaded:
+            self._drop(edit)  # and what follows of it
+            raise TooManyRequestsError(
+                f"expected at most {MOST_WAITING:,} edits that wait, there are as many: the server "
+                "has too much to do, paint this again in a moment"
+            )
         while self._bytes >= WAITING_BYTES:
             self._fewer.clear()
             await self._fewer.wait()
         self._bytes += len(data)
         # Of many samples the bytes wait: as objects they take ten times as much.
-        await self._queue.put((data if len(data) > LONG_BYTES else edit, len(data)))
+        waiting = Waiting(data if len(data) > LONG_BYTES else edit, len(data), time.monotonic())
+        await self._queue.put(waiting)
+        self._hub.load.waiting += 1
 
     @property
     def waiting(self) -> int:
@@ -107,29 +132,36 @@ class Editor:
         Those that wait together are applied together: a short stroke comes in three messages, and
         each way to a thread and back waits for the event loop twice.
         """
-        while True:
-            batch, started = [await self._queue.get()], time.monotonic()
-            while len(batch) < TOGETHER and not self._queue.empty():
-                batch.append(self._queue.get_nowait())
-            try:
-                await self._apply_all([edit for edit, _ in batch], started)
-            finally:
-                self._bytes -= sum(nbytes for _, nbytes in batch)
-                self._fewer.set()
-                for _ in batch:
-                    self._queue.task_done()
+        try:
+            while True:
+                await self._apply_next()
+        finally:
+            self._hub.load.waiting -= self._queue.qsize()
 
-    async def _apply_all(self, edits: list[Edit | bytes], started: float) -> None:
+    async def _apply_next(self) -> None:
+        batch = [await self._queue.get()]
+        while len(batch) < TOGETHER and not self._queue.empty():
+            batch.append(self._queue.get_nowait())
+        try:
+            await self._apply_all(batch)
+        finally:
+            self._bytes -= sum(one.nbytes for one in batch)
+            self._fewer.set()
+            self._hub.load.waiting -= len(batch)
+            for _ in batch:
+                self._queue.task_done()
+
+    async def _apply_all(self, batch: list[Waiting]) -> None:
         """Apply edits and answer each once the turn that finished it is over."""
-        done: list[tuple[Edit, Result]] = []
-        work, finished, again = self._work(edits, done), False, False
+        done: list[Done] = []
+        work, finished, again = self._work(batch, done), False, False
         while not finished:
             finished = await self._hub.edit(take_turn, work, again=again)
             again = True
-            for edit, result in done:
+            for edit, result, came in done:
                 self._tell(edit, result)
                 if isinstance(edit, messages.StrokeEnd):
-                    self._hub.metrics.strokes.observe(time.monotonic() - started)
+                    self._hub.metrics.strokes.observe(time.monotonic() - came)
             done.clear()
 
     async def idle(self) -> None:
@@ -155,18 +187,23 @@ class Editor:
 
     # ── in a thread, one batch at a time ─────────────────────────────────────────────────
 
-    def _work(self, edits: list[Edit | bytes], done: list[tuple[Edit, Result]]) -> Iterator[None]:
+    def _work(self, batch: list[Waiting], done: list[Done]) -> Iterator[None]:
         """Apply edits, and note what each came to; pauses where others may have their turn."""
         expelled = self._expelled()
-        for waiting in edits:
-            edit = cast(Edit, decode(waiting)) if isinstance(waiting, bytes) else waiting
+        ends: set[str] = set()
+        if self._hub.load.behind:
+            ends = {one.edit.id for one in batch if isinstance(one.edit, messages.StrokeEnd)}
+        for one in batch:
+            edit = cast(Edit, decode(one.edit)) if isinstance(one.edit, bytes) else one.edit
             try:
                 if expelled is not None:
                     raise expelled
-                done.append((edit, (yield from self._apply(edit))))
+                # Where the stroke's end waits already, its own answer says all.
+                result = yield from self._apply(edit, provisional=edit.id not in ends)
+                done.append((edit, result, one.came))
             except PointbrushError as error:
                 self._drop(edit)
-                done.append((edit, error))
+                done.append((edit, error, one.came))
             yield
 
     def _expelled(self) -> UnauthorizedError | None:
@@ -179,7 +216,8 @@ class Editor:
             pass  # the database is away: what edits come to says so
         return None
 
-    def _apply(self, edit: Edit) -> Generator[None, None, Applied | None]:
+    def _apply(self, edit: Edit, *, provisional: bool) -> Generator[None, None, Applied | None]:
+        """Apply an edit; ``provisional``: say what a stroke has touched so far."""
         require(self._viewer.role, MESSAGES[edit.type])
         match edit:
             case messages.StrokeBegin():
@@ -188,7 +226,7 @@ class Editor:
                 if isinstance(edit, messages.StrokeEnd):
                     del self._refused[edit.id]
             case messages.StrokeSamples():
-                return (yield from self._samples(edit))
+                return (yield from self._samples(edit, provisional=provisional))
             case messages.StrokeEnd():
                 return self._end(edit)
             case messages.StrokeCancel():
@@ -214,11 +252,15 @@ class Editor:
             raise BadInputError(f"id: expected a stroke that has begun, got {stroke_id}")
         return self._live[stroke_id]
 
-    def _samples(self, edit: messages.StrokeSamples) -> Generator[None, None, Applied | None]:
+    def _samples(
+        self, edit: messages.StrokeSamples, *, provisional: bool
+    ) -> Generator[None, None, Applied | None]:
         stroke = self._stroke(edit.id)
         if isinstance(stroke, Commit):
             return None
         yield from stroke.adding([sample.model_dump() for sample in edit.samples])
+        if not provisional:
+            return None
         return Applied(stroke.frame, stroke.touched, changed=stroke.changing)
 
     def _end(self, edit: messages.StrokeEnd) -> Applied:

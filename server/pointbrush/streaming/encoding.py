@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -71,6 +71,27 @@ def encode(message: Message) -> bytes:
     """A server's message."""
     packed: bytes = msgpack.packb(message.model_dump())
     return packed
+
+
+def encode_beginning(message: Message, without: Sequence[str]) -> bytes:
+    """A server's message up to its last fields, those ``without``: ``encode_end`` has them."""
+    fields = message.model_dump()
+    packer = msgpack.Packer(autoreset=False)
+    packer.pack_map_header(len(fields))
+    for name, value in fields.items():
+        if name not in without:
+            packer.pack(name)
+            packer.pack(value)
+    return bytes(packer.bytes())
+
+
+def encode_end(fields: Mapping[str, Any]) -> bytes:
+    """The fields that end a message which ``encode_beginning`` began."""
+    packer = msgpack.Packer(autoreset=False)
+    for name, value in fields.items():
+        packer.pack(name)
+        packer.pack(value)
+    return bytes(packer.bytes())
 
 
 def encode_frame(

@@ -23,6 +23,10 @@ CUT, GROW = 0.85, 1.05
 MOST_CUTS = 4
 """Cuts at once: as many as the lag is times too long."""
 CALM_SECONDS = 0.1
+MOST_WAITING = 6_000
+"""Edits of all viewers that wait, 2,000 short strokes: more would take many seconds."""
+BEHIND = 32
+"""Edits that wait from which on only what must be answered is."""
 
 
 class Load:
@@ -42,11 +46,23 @@ class Load:
         self._due = False
         self._yielded = 0
         self._edits = 0
+        self.waiting = 0
+        """Edits that viewers have sent and that are not applied yet."""
 
     @property
     def strained(self) -> bool:
         """Whether there was too much to do just now: nothing is sent that may never be seen."""
         return self._calm < CALM_SECONDS
+
+    @property
+    def behind(self) -> bool:
+        """Whether edits wait for others' edits."""
+        return self.waiting >= BEHIND
+
+    @property
+    def overloaded(self) -> bool:
+        """Whether no further strokes can be begun now."""
+        return self.waiting >= MOST_WAITING
 
     @contextmanager
     def edit(self) -> Iterator[None]:

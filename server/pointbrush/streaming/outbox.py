@@ -68,12 +68,11 @@ class Outbox:
         return len(self.replies) >= MOST_REPLIES
 
     def delta(self, delta: QueuedDelta) -> None:
-        """Queue a delta."""
+        """Queue a delta; it goes out when the room wakes the viewer, with others."""
         self.deltas.append(delta)
         self.delta_bytes += len(delta.data)
         if self.delta_bytes > MOST_DELTA_BYTES:
             self.collapse()
-        self.wake.set()
 
     def collapse(self) -> None:
         """Give up all deltas for whole values."""

@@ -24,6 +24,7 @@ from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
+TICK, TICK_EACH = 0.03, 0.0005
 AT_ONCE = 50_000
 """Changed points that are encoded on the event loop itself."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
@@ -79,6 +80,8 @@ class Room:
         self._start = 0
         self.stock = Stock(recording, shelf, run)
         self._expected: dict[tuple[int, int, bool], asyncio.Task[None]] = {}
+        self._ticked = 0.0
+        self._tick: asyncio.TimerHandle | None = None
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
@@ -176,6 +179,26 @@ class Room:
         for viewer in self.viewers:
             viewer.stale(whole)
             viewer.cells_changed(changed, everything=commit.tracks_changed)
+        self._gathered()
+
+    def _gathered(self) -> None:
+        """Wake the viewers for what waits for them: at once after a pause, else with the tick.
+
+        A viewer that is woken by each edit of a crowd does little else than to wake up.
+        """
+        loop = asyncio.get_running_loop()
+        if self._tick is None:
+            self._tick = loop.call_at(self._ticked + self.tick_period, self._wake_all)
+
+    def _wake_all(self) -> None:
+        self._tick, self._ticked = None, asyncio.get_running_loop().time()
+        for viewer in self.viewers:
+            viewer.outbox.wake.set()
+
+    @property
+    def tick_period(self) -> float:
+        """Seconds in which others' edits are gathered for a viewer: more in a crowd."""
+        return max(TICK, TICK_EACH * len(self.viewers))
 
     async def _encoded(self, commit: Commit, bases: dict[int, int]) -> list[QueuedDelta]:
         """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""
@@ -201,6 +224,7 @@ class Room:
         for viewer in self.viewers:
             if viewer.holds(event.frame):
                 viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data, provisional=True))
+        self._gathered()
 
     async def since(self, revision: int) -> list[QueuedDelta] | None:
         """Deltas of all commits after ``revision``, or None when that is too far back.

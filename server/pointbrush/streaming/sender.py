@@ -51,8 +51,10 @@ class Sender:
 
     async def _messages(self) -> None:
         outbox, send = self._outbox, self._viewer.send
-        while outbox.replies:
-            await send(outbox.replies.popleft())
+        if outbox.replies:
+            replies = list(outbox.replies)
+            outbox.replies.clear()
+            await self._viewer.send_each(replies)
         while outbox.jobs:
             await send(outbox.jobs.pop(next(iter(outbox.jobs))))
         await self._stale()
@@ -64,8 +66,11 @@ class Sender:
     async def _deltas(self, up_to: int | None = None) -> None:
         # None while values are owed: a viewer counts what it has by the newest delta that came,
         # and if the link broke now, it would not be told again what it was owed before that.
-        while not self._outbox.stale and (delta := self._outbox.next_delta(up_to)) is not None:
-            await self._viewer.send(delta.data)
+        if not self._outbox.stale:
+            deltas = []
+            while (delta := self._outbox.next_delta(up_to)) is not None:
+                deltas.append(delta.data)
+            await self._viewer.send_each(deltas)
 
     async def _stale(self) -> None:
         while self._outbox.stale and (room := self._viewer.room) is not None:

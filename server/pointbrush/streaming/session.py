@@ -27,7 +27,7 @@ from pointbrush.streaming.plan import Plan
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
-from pointbrush.streaming.viewer import CREDITS, Send, Viewer
+from pointbrush.streaming.viewer import CREDITS, Send, SendEach, Viewer
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
@@ -48,6 +48,7 @@ class ViewerSession(Viewer):
         role: messages.Role,
         shared: bool,
         require_admitted: Callable[[], None],
+        send_each: SendEach | None = None,
     ) -> None:
         """``author`` is the account that edits are by, ``name`` what is shown for it.
 
@@ -55,7 +56,12 @@ class ViewerSession(Viewer):
         ``require_admitted`` raises UnauthorizedError once the viewer's token lets nobody in.
         """
         super().__init__(
-            send, author=author, role=role, load=hub.load, public=hub.workspace.paths.hide
+            send,
+            author=author,
+            role=role,
+            load=hub.load,
+            send_each=send_each,
+            public=hub.workspace.paths.hide,
         )
         self.hub, self._shared, self.name = hub, shared, name
         self._require_admitted = require_admitted

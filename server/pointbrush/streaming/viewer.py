@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import uuid
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from typing import Protocol
 
 from pointbrush.errors import BadInputError, PointbrushError
@@ -30,6 +30,10 @@ class Send(Protocol):
         """Send one message whose bytes are ``parts``, one behind the other."""
 
 
+SendEach = Callable[[Sequence[bytes]], Awaitable[None]]
+"""Sends several messages, in order and in one piece."""
+
+
 class Viewer(ABC):
     """One viewer's state; everything runs on the event loop."""
 
@@ -40,11 +44,12 @@ class Viewer(ABC):
         author: str,
         role: messages.Role,
         load: Load,
+        send_each: SendEach | None = None,
         public: Callable[[str], str],
     ) -> None:
         """``load``: what the server has time for; ``public``: what clients may read of a text."""
         self.public = public
-        self.send = send
+        self.send, self.send_each = send, send_each or self._one_by_one
         self.id = uuid.uuid4().hex[:16]
         self.author, self.role = author, role
         self.name, self.color = author, color_of(self.id)
@@ -63,6 +68,10 @@ class Viewer(ABC):
     @abstractmethod
     def waiting_edits(self) -> int:
         """Edits that have come and are not answered yet."""
+
+    async def _one_by_one(self, data: Sequence[bytes]) -> None:
+        for one in data:
+            await self.send(one)
 
     @abstractmethod
     async def reopen(self) -> None:
@@ -121,8 +130,10 @@ class Viewer(ABC):
 
     def stale(self, frames: Iterable[int]) -> None:
         """Values of these frames must be sent whole."""
-        self.outbox.stale.update((frame, None) for frame in frames if self.has(frame))
-        self.outbox.wake.set()
+        owed = [frame for frame in frames if self.has(frame)]
+        if owed:
+            self.outbox.stale.update(dict.fromkeys(owed))
+            self.outbox.wake.set()
 
     def all_stale(self) -> None:
         """Values of everything that the viewer holds must be sent whole."""
@@ -130,8 +141,7 @@ class Viewer(ABC):
         self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
 
     def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
-        """Palette, counts or timeline changed."""
+        """Palette, counts or timeline changed; it goes out when the room wakes the viewer."""
         self.outbox.labels = True
         self.outbox.cells |= cells
         self.outbox.all_cells |= everything
-        self.outbox.wake.set()

@@ -57,6 +57,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     session = ViewerSession(
         hub,
         link.deliver,
+        send_each=link.deliver_each,
         author=principal.author,
         name=principal.name,
         role=principal.role,

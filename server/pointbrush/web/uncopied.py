@@ -9,7 +9,7 @@ hundred viewers' credits that is as much work as the frames they are for.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, MutableMapping
+from collections.abc import Callable, MutableMapping, Sequence
 from typing import Any
 
 from starlette.websockets import WebSocket
@@ -118,10 +118,7 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
 
         A part may be a view of a mapped file: the system reads it when the socket takes it.
         """
-        if not self.writable.is_set():
-            await self.writable.wait()
-        if self.disconnected or self.close_sent or self.conn.state is not State.OPEN:
-            raise ClientDisconnected
+        await self._room()
         head = header(sum(map(len, parts)))
         if self.scheme == "wss":
             # What is encrypted waits in this process, which would end if a mapped file that is
@@ -129,6 +126,19 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
             self.transport.write(b"".join((head, *parts)))
             return
         self.transport.writelines((head, *parts))
+
+    async def deliver_each(self, messages: Sequence[bytes]) -> None:
+        """Send messages of bytes in one piece; raises ClientDisconnected as ``deliver`` does."""
+        if messages:
+            await self._room()
+            parts = (part for data in messages for part in (header(len(data)), data))
+            self.transport.write(b"".join(parts))
+
+    async def _room(self) -> None:
+        if not self.writable.is_set():
+            await self.writable.wait()
+        if self.disconnected or self.close_sent or self.conn.state is not State.OPEN:
+            raise ClientDisconnected
 
     def shutdown(self) -> None:
         """The server stops.  Who is about to leave anyway is told nothing more."""

@@ -8,11 +8,13 @@ from typing import Any
 
 from pointbrush.labels import Cell, Commit, Label, LabelStore
 from pointbrush.streaming import messages
-from pointbrush.streaming.encoding import encode
+from pointbrush.streaming.encoding import encode, encode_beginning, encode_end
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
 Place = tuple[int, int]
 """Frame and label: a cell of the timeline."""
+LABELS_OWN = ("undo", "redo")
+"""Fields of the labels' message that are the author's own; they come last in it."""
 MESSAGES_BYTES = 2 * 2**20
 """Memory for messages that viewers share: the newest, which all want in the same moment."""
 
@@ -35,6 +37,13 @@ class Board:
         self.tracks: dict[Place, dict[str, Any]] = {}
         self._palette_stale = self._tracks_stale = False
         self._refreshing = asyncio.Lock()
+        self._totals: dict[int, int] = {}
+        """Points of each label in all frames together."""
+        self._edited: dict[str, int] = {}
+        """Revision of each author's last edit: of what they can take back."""
+        self._all_edited = 0
+        self._shared: tuple[int, bytes] = (-1, b"")
+        """The part of the labels' message that all authors have, and the revision it is of."""
 
     async def load(self) -> int:
         """Read everything; returns the revision.  Commits that come meanwhile only repeat it."""
@@ -48,7 +57,8 @@ class Board:
 
         revision, self.palette, counts, tracks = await self._run(read)
         for (frame, label), (points, painted) in counts.items():
-            self.cells.setdefault((frame, label), Cell(frame, label, points, painted))
+            if (frame, label) not in self.cells:
+                self._put(Cell(frame, label, points, painted))
         self.tracks = by_cell(tracks)
         self.revision = max(self.revision, revision)
         return self.revision
@@ -56,13 +66,23 @@ class Board:
     def committed(self, commit: Commit) -> set[Place]:
         """Take in a commit; returns the cells that it changed."""
         self.revision = commit.revision
-        self.cells.update({(cell.frame, cell.label): cell for cell in commit.cells})
+        for cell in commit.cells:
+            self._put(cell)
+        self._edited[commit.author] = commit.revision
         self._palette_stale |= commit.palette_changed
         self._tracks_stale |= commit.tracks_changed
         return {(cell.frame, cell.label) for cell in commit.cells}
 
+    def _put(self, cell: Cell) -> None:
+        place = (cell.frame, cell.label)
+        old = self.cells.get(place)
+        change = cell.points - (old.points if old else 0)
+        self.cells[place] = cell
+        self._totals[cell.label] = self._totals.get(cell.label, 0) + change
+
     def all_changed(self) -> None:
         """Commits were missed: nothing here may be right."""
+        self._all_edited = self.revision + 1
         self._palette_stale = self._tracks_stale = True
 
     async def refresh(self) -> None:
@@ -72,27 +92,43 @@ class Board:
             if self._palette_stale:
                 self._palette_stale = False
                 self.palette = await self._run(self._store.palette, self._sequence)
+                self._shared = (-1, b"")
             if self._tracks_stale:
                 self._tracks_stale = False
                 self.tracks = by_cell(await self._run(self._store.tracks, self._sequence))
 
     async def labels_message(self, author: str) -> bytes:
-        """The palette, its counts, and what this author can take back."""
+        """The palette, its counts, and what this author can take back.
+
+        Nearly all of it is the same for everybody, and packed once; an author's own part changes
+        by their edits alone.
+        """
+        own = await self._own_part(author)
+        if self._shared[0] != self.revision:
+            self._shared = (self.revision, self._shared_part())
+        return self._shared[1] + own
+
+    def _shared_part(self) -> bytes:
+        message = messages.Labels(
+            sequence=self._sequence,
+            revision=self.revision,
+            labels=[message_of(label) for label in self.palette],
+            counts={str(label): points for label, points in self._totals.items()},
+            undo=None,
+            redo=None,
+        )
+        return encode_beginning(message, LABELS_OWN)
+
+    async def _own_part(self, author: str) -> bytes:
         revision = self.revision
 
         async def make() -> Versioned:
-            undo, redo = await self._run(self._store.stacks, self._sequence, author)
-            message = messages.Labels(
-                sequence=self._sequence,
-                revision=revision,
-                labels=[message_of(label) for label in self.palette],
-                counts=self.counts(),
-                undo=undo and undo.summary,
-                redo=redo and redo.summary,
-            )
-            return revision, encode(message)
+            stacks = await self._run(self._store.stacks, self._sequence, author)
+            texts = [edit and edit.summary for edit in stacks]
+            return revision, encode_end(dict(zip(LABELS_OWN, texts, strict=True)))
 
-        return (await self._messages.get(("labels", author), make, revision))[1]
+        least = max(self._edited.get(author, 0), self._all_edited)
+        return (await self._messages.get(("stacks", author), make, least))[1]
 
     async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
         """The given cells (frame, label), or all that are not empty."""
@@ -102,13 +138,6 @@ class Board:
             return revision, encode(self.timeline(cells))
 
         return (await self._messages.get(("timeline", cells), make, revision))[1]
-
-    def counts(self) -> dict[str, int]:
-        """Points of each label in all frames together."""
-        totals: dict[str, int] = {}
-        for cell in self.cells.values():
-            totals[str(cell.label)] = totals.get(str(cell.label), 0) + cell.points
-        return totals
 
     def timeline(self, cells: Iterable[Place] | None) -> messages.Timeline:
         """The given cells, or all that are not empty."""
