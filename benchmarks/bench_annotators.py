@@ -36,6 +36,8 @@ from stroke_viewer import StrokeViewer
 HISTOGRAM = "pointbrush_stroke_seconds"
 LEAVE_SECONDS = 10.0
 """Time for what is on its way when the last stroke has been sent."""
+SETTLED_SECONDS = 2.0
+"""Time for the deltas of the last strokes."""
 RAMP_SECONDS = 5.0
 """Time in which the annotators come."""
 
@@ -115,7 +117,8 @@ async def measure(url: str, people: int, seconds: float, pause: tuple[float, flo
         100 * (time.process_time() - mine) / passed,
         100 * (processor_seconds(process) - theirs) / passed,
     ]
-    delivered, owed = deltas(crowd)
+    await asyncio.sleep(SETTLED_SECONDS)
+    behind, held = missed(crowd)
     for viewer in crowd.viewers:
         viewer.close()
     buckets = {bound: count - before[bound] for bound, count in histogram(url).items()}
@@ -123,16 +126,25 @@ async def measure(url: str, people: int, seconds: float, pause: tuple[float, flo
     print(
         f"| {people} | {crowd.sent} | {crowd.sent - len(crowd.waits)} | {len(crowd.refused)} "
         f"| {1e3 * percentile(buckets, 0.5):.0f} / {1e3 * percentile(buckets, 0.95):.0f} "
-        f"| {p50:.0f} / {p95:.0f} | {delivered} of {owed} "
+        f"| {p50:.0f} / {p95:.0f} | {behind} of {held} "
         f"| {shares[1]:.0f} % | {shares[0]:.0f} % | {resident('RssAnon'):.0f} |",
         flush=True,
     )
 
 
-def deltas(crowd: Crowd) -> tuple[int, int]:
-    """Own edits whose deltas came to their author, and all: everybody holds what they paint."""
-    told = sum(len(viewer.mine & viewer.told) for viewer in crowd.viewers)
-    return told, sum(len(viewer.mine) for viewer in crowd.viewers)
+def missed(crowd: Crowd) -> tuple[int, int]:
+    """Frames of viewers whose last edit, by whomever, did not come or left a gap; and all."""
+    last: dict[int, int] = {}
+    for viewer in crowd.viewers:
+        for frame, revision in viewer.changed.items():
+            last[frame] = max(revision, last.get(frame, 0))
+    behind = sum(
+        revision < last.get(frame, 0)
+        for viewer in crowd.viewers
+        for frame, revision in viewer.held.items()
+    )
+    gaps = sum(viewer.gaps for viewer in crowd.viewers)
+    return behind + gaps, sum(len(viewer.held) for viewer in crowd.viewers)
 
 
 def main() -> None:
@@ -145,7 +157,7 @@ def main() -> None:
     low, high = map(float, given.pause.split(","))
     print(
         "| people | strokes | unanswered | refused | server p50 / p95, ms up to | clients, ms "
-        "| own deltas | server | clients | MiB |\n|---|---|---|---|---|---|---|---|---|---|"
+        "| frames behind | server | clients | MiB |\n|---|---|---|---|---|---|---|---|---|---|"
     )
     for people in map(int, given.people.split(",")):
         with tempfile.TemporaryDirectory() as folder:

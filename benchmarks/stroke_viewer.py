@@ -12,7 +12,7 @@ from light_viewer import LightViewer
 
 
 class StrokeViewer(LightViewer):
-    """Sends strokes; knows what was refused, and which edits it was told of."""
+    """Sends strokes; knows what was refused, and up to which revision it has each frame."""
 
     peek = 320
 
@@ -20,10 +20,11 @@ class StrokeViewer(LightViewer):
         super().__init__(host, token)
         self.waiting: dict[str, tuple[float, asyncio.Future[float]]] = {}
         self.refused: list[str] = []
-        self.told: set[str] = set()
-        """Edits whose deltas came."""
-        self.mine: set[str] = set()
-        """Edits of its own that changed something."""
+        self.held: dict[int, int] = {}
+        """For each frame that it has values of, the newest revision that it was told of."""
+        self.changed: dict[int, int] = {}
+        """For each frame, the revision of its own last edit that changed something there."""
+        self.gaps = 0
 
     def stroke(
         self, frame: int, brush: dict[str, object], samples: list[dict[str, object]]
@@ -36,6 +37,9 @@ class StrokeViewer(LightViewer):
         self.waiting[edit] = (time.perf_counter(), answer)
         self.send(type="stroke_end", id=edit)
         return answer
+
+    def _forget(self) -> None:
+        """Keep all frames, as a page does whose memory is not full."""
 
     def _seen(self, peek: bytes, length: int) -> None:
         kind = peek[:32]
@@ -52,7 +56,7 @@ class StrokeViewer(LightViewer):
         if message["final"]:
             start, answer = self.waiting.pop(message["id"])
             if message["changed"]:
-                self.mine.add(message["edit"])
+                self.changed[message["frame"]] = message["revision"]
             answer.set_result(time.perf_counter() - start)
 
     def _refused(self, message: dict[str, Any]) -> None:
@@ -64,7 +68,9 @@ class StrokeViewer(LightViewer):
         unpacker = msgpack.Unpacker(max_buffer_size=self.peek)
         unpacker.feed(peek)
         unpacker.read_map_header()
-        # type, sequence, frame, revision, base and edit come first.
-        head = {unpacker.unpack(): unpacker.unpack() for _ in range(6)}
-        if head["edit"] is not None:
-            self.told.add(head["edit"])
+        # type, sequence, frame, revision and base come first.
+        head = {unpacker.unpack(): unpacker.unpack() for _ in range(5)}
+        frame, base = head["frame"], head["base"]
+        if base is not None and self.held.get(frame, -1) < base:
+            self.gaps += 1
+        self.held[frame] = head["revision"]

@@ -39,3 +39,13 @@ def test_a_wait_ends_by_itself_and_leaves_nothing_behind() -> None:
         await asyncio.wait_for(waiting, 5)
 
     asyncio.run(scenario())
+
+
+def test_a_ring_tells_whether_it_was_for_points() -> None:
+    wake = Wake()
+    wake.set(points=False)
+    assert not wake.clear()
+    wake.set()
+    wake.set(points=False)
+    assert wake.clear()
+    assert not wake.clear()

@@ -193,7 +193,7 @@ class Room:
     def _wake_all(self) -> None:
         self._tick, self._ticked = None, asyncio.get_running_loop().time()
         for viewer in self.viewers:
-            viewer.outbox.wake.set()
+            viewer.outbox.wake.set(points=False)
 
     @property
     def tick_period(self) -> float:

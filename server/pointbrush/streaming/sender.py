@@ -27,12 +27,15 @@ class Sender:
 
     async def run(self) -> None:
         """Send whatever there is; sleep when there is nothing."""
+        points = True
         while True:
-            self._outbox.wake.clear()
+            # To look for points again takes longer than to send an edit of somebody else's.
+            points = self._outbox.wake.clear() or points
             try:
                 if not self._outbox.quiet:
                     await self._messages()
-                if not await self._points():
+                points = points and await self._points()
+                if not points:
                     await self._rest()
             except UnavailableError:
                 # The database is away: what was to be sent is still noted, and waits for it.
@@ -136,10 +139,12 @@ class Sender:
         outbox.cells, outbox.all_cells = set(), False
         try:
             await room.board.refresh()
+            made = []
             if labels:
-                await viewer.send(await room.board.labels_message(viewer.author))
+                made.append(await room.board.labels_message(viewer.author))
             if cells is None or cells:
-                await viewer.send(await room.board.timeline_message(cells))
+                made.append(await room.board.timeline_message(cells))
+            await viewer.send_each(made)
         except UnavailableError:
             outbox.labels = outbox.labels or labels
             outbox.all_cells = outbox.all_cells or cells is None

@@ -9,18 +9,21 @@ class Wake:
     """Rung from the event loop; remembers one ring while nobody waits."""
 
     def __init__(self) -> None:
-        self._rung = False
+        self._rung = self._points = False
         self._waiter: asyncio.Future[None] | None = None
 
-    def set(self) -> None:
-        """Ring."""
+    def set(self, *, points: bool = True) -> None:
+        """Ring; ``points``: there may be points to send, and not messages alone."""
         self._rung = True
+        self._points = self._points or points
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
 
-    def clear(self) -> None:
-        """Forget earlier rings."""
-        self._rung = False
+    def clear(self) -> bool:
+        """Forget earlier rings; returns whether one was for points."""
+        points = self._points
+        self._rung = self._points = False
+        return points
 
     async def wait(self, seconds: float | None) -> None:
         """Return at the next ring, or after ``seconds`` if given."""
