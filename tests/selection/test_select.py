@@ -356,6 +356,7 @@ def test_strokes_move_to_local_coordinates() -> None:
         ("lasso", {"polygon": [[-1, -1], [1, -1], [0, 1]], "matrix": np.eye(4).ravel().tolist()}),
         ("grow", {"radius": 0.3}),
         ("plane", {"radius": 0.3}),
+        ("cluster", {"radius": 0.3}),
     ],
 )
 @given(SEEDS)

@@ -247,9 +247,11 @@ def test_too_many_clicks_are_refused(workspace: Workspace) -> None:
         ask(workspace, positives=[ray(BALLS[0])] * 65)
 
 
-@pytest.mark.parametrize("shape", ["grow", "plane"])
+@pytest.mark.parametrize("shape", ["grow", "cluster", "plane"])
 def test_the_preview_of_a_region_is_what_a_stroke_changes(workspace: Workspace, shape: str) -> None:
-    down = {"origin": [0.9, 1.0, 1.0], "direction": [0.0, -1.0, 0.0]}
+    # The ground is no cluster: there it is a ball.
+    at = [0.5, 1.0, 2.0] if shape == "cluster" else [0.9, 1.0, 1.0]
+    down = {"origin": at, "direction": [0.0, -1.0, 0.0]}
     fields = {"shape": shape, "label": 1, "radius": 0.1}
     [level] = workspace.ask(SEQUENCE, 0, {**fields, "positives": [down]}).candidates
     assert workspace.stroke(SEQUENCE, 0, {**fields, "samples": [down]}, "ada").changed == len(

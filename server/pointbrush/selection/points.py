@@ -57,7 +57,8 @@ class Points:
 
     ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``levels`` first point number of
     each progressive level (each level is an even subsample of the frame); ``kdtree`` gives the
-    frame's tree, or is None where the frame is too large to have one; ``release`` lets go of the
+    frame's tree, or is None where the frame is too large to have one; ``up`` points away from the
+    ground; ``release`` lets go of the
     memory of what was looked at, where the frame is larger than memory.
     """
 
@@ -67,6 +68,7 @@ class Points:
     levels: tuple[int, ...] = (0,)
     kdtree: Callable[[], cKDTree] | None = None
     release: Callable[[], None] | None = None
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def __len__(self) -> int:
         return len(self.xyz)

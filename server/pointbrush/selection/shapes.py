@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from pointbrush.selection.box import BOX
 from pointbrush.selection.candidate import OBJECT
+from pointbrush.selection.cluster import CLUSTER
 from pointbrush.selection.grow import GROW
 from pointbrush.selection.lasso import LASSO
 from pointbrush.selection.plane import PLANE
@@ -15,6 +16,6 @@ from pointbrush.selection.shape import Shape
 from pointbrush.selection.sphere import SPHERE
 
 SHAPES: Mapping[str, Shape] = MappingProxyType(
-    {shape.name: shape for shape in (SPHERE, RAY, LASSO, BOX, GROW, PLANE, OBJECT)}
+    {shape.name: shape for shape in (SPHERE, RAY, LASSO, BOX, GROW, CLUSTER, PLANE, OBJECT)}
 )
 """Shapes by name, in the order in which they are told."""

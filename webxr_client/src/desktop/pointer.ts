@@ -7,8 +7,8 @@ import type { Viewer } from '../cloud/viewer';
 import { isStroke, state } from '../state';
 import type { AheadPreview } from '../tools/ahead';
 import { boxDraft } from '../tools/box-draft';
-import { brushColor, brushFor, brushNow } from '../tools/brush';
-import { LassoOutline, outlineKind } from '../tools/lasso';
+import { brushColor, brushFor } from '../tools/brush';
+import { outlineKind, type LassoOutline } from '../tools/lasso';
 import type { ObjectTool } from '../tools/object';
 import { Path } from '../tools/path';
 import type { RegionPreview } from '../tools/region';
@@ -17,9 +17,11 @@ import { deskWay } from '../tools/ways';
 import { scrollClip } from '../clip';
 import { Aim } from './aim';
 import { BoxTool } from './box-tool';
+import { cursorOf } from './cursors';
 import type { DeskCamera } from './camera';
 import { BrushLight } from './light';
 import { Touches, type Pinch } from './touches';
+import { LassoTool } from './lasso-tool';
 import { VolumeHandles } from './volumes';
 
 export interface PointerDeps {
@@ -51,6 +53,7 @@ export class DeskPointer {
   private readonly path = new Path();
   private readonly aim: Aim;
   private readonly light: BrushLight;
+  private readonly outlines: LassoTool;
   private readonly lasso: LassoOutline;
   private readonly boxes: BoxTool;
   private readonly handles: VolumeHandles;
@@ -60,10 +63,11 @@ export class DeskPointer {
 
   constructor(private readonly deps: PointerDeps) {
     this.canvas = deps.viewer.canvas;
-    this.lasso = new LassoOutline(this.canvas);
     this.aim = new Aim(deps.viewer, deps.frame);
     this.light = new BrushLight(deps.viewer, this.aim);
     this.boxes = new BoxTool({ ...deps, aim: this.aim });
+    this.outlines = new LassoTool(this.canvas, { ...deps, aim: this.aim });
+    this.lasso = this.outlines.outline;
     this.handles = new VolumeHandles(deps.viewer, this.aim);
     const { signal } = this.abort;
     const on = <K extends keyof HTMLElementEventMap>(
@@ -79,7 +83,7 @@ export class DeskPointer {
     });
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
-    on('dblclick', () => this.lasso.open && this.endLasso());
+    on('dblclick', () => this.lasso.open && this.outlines.end());
     on('contextmenu', (event) => event.preventDefault());
   }
 
@@ -218,7 +222,7 @@ export class DeskPointer {
       if (this.stroke && offers) this.deps.objects.complete(this.path.samples(), this.stroke.id);
       this.stroke = null;
     }
-    if (this.drag === 'lasso') this.endLasso();
+    if (this.drag === 'lasso') this.outlines.end();
     if (this.drag === 'box') this.boxes.end();
     this.handles.release();
     this.drag = null;
@@ -318,7 +322,7 @@ export class DeskPointer {
   /** Close the polygon that is drawn, or take the box; false when there is neither. */
   closeOutline(): boolean {
     if (!this.lasso.open) return this.boxes.apply();
-    this.endLasso();
+    this.outlines.end();
     return true;
   }
 
@@ -330,28 +334,6 @@ export class DeskPointer {
   /** Put the box that is drawn on the ground; false when there is none. */
   snapBox(): boolean {
     return this.boxes.snap();
-  }
-
-  /** Show what the outline takes as it is drawn. */
-  private lookAhead(): void {
-    this.lasso.changed = false;
-    const polygon = this.lasso.outline();
-    const frame = this.aim.frame();
-    const info = state.sequence.peek();
-    const brush = brushNow(deskWay(), state.brush.peek().radius);
-    if (!polygon || !frame || !info || !brush) this.deps.ahead.hide();
-    else this.deps.ahead.show(frame, { ...brush, polygon, matrix: this.aim.clipFromSource(info) });
-  }
-
-  private endLasso(): void {
-    const polygon = this.lasso.end();
-    this.deps.ahead.hide();
-    const frame = this.aim.frame();
-    const info = state.sequence.peek();
-    const brush = polygon && brushFor(deskWay(), state.brush.peek().radius);
-    if (!polygon || !frame || !info || !brush) return;
-    const stroke = { ...brush, polygon, matrix: this.aim.clipFromSource(info) };
-    this.deps.strokes.begin(frame, stroke, info.shift).end();
   }
 
   private pickLabel(): void {
@@ -377,10 +359,14 @@ export class DeskPointer {
 
   /** Before each picture: light up the points under the brush. */
   update(): void {
-    if (this.lasso.changed) this.lookAhead();
+    this.outlines.update();
     this.boxes.update();
     this.handles.update();
-    if (!this.aim.moved || this.drag === 'turn' || this.drag === 'pan') return;
+    if (!this.aim.moved) return;
+    const turns = this.drag === 'turn' || this.drag === 'pan';
+    const handle = turns ? null : (this.handles.under()?.handle ?? null);
+    this.canvas.style.cursor = cursorOf(state.tool.peek(), deskWay(), handle, turns);
+    if (turns) return;
     this.aim.moved = false;
     this.light.update();
     if (this.drag === null) this.askAhead();

@@ -5,6 +5,7 @@ import { activeLabel } from '../state';
 import { Button } from './controls';
 import { Popover } from './popover';
 import { drawSample } from './timeline-draw';
+import { inkNow } from './timeline-strips';
 import type { Run } from './timeline-layout';
 
 const open = signal(false);
@@ -52,5 +53,5 @@ export function StripLegend() {
 
 function draw(canvas: HTMLCanvasElement | null, sample: Sample): void {
   const pen = canvas?.getContext('2d');
-  if (pen) drawSample(pen, sample, activeLabel.peek()?.color ?? '#5ea2ff', 44, 14);
+  if (pen) drawSample(pen, sample, activeLabel.peek()?.color ?? '#5ea2ff', 44, 14, inkNow());
 }

@@ -27,10 +27,27 @@ export interface TimelineSizes {
   readonly row: number;
   readonly font: string;
   readonly fontSize: number;
+  readonly ink: StripInk;
 }
 
-/** Contrast of words on each of the backs is above 4.5. */
-export const STRIP_INK = {
+/** Colours of the strips; contrast of words on each of the backs is above 4.5. */
+export interface StripInk {
+  readonly back: `#${string}`;
+  readonly lane: `#${string}`;
+  readonly laneActive: `#${string}`;
+  readonly line: `#${string}`;
+  readonly text: `#${string}`;
+  readonly textStrong: `#${string}`;
+  readonly loaded: `#${string}`;
+  readonly loadedPart: `#${string}`;
+  readonly range: string;
+  readonly rangeEdge: `#${string}`;
+  readonly playhead: `#${string}`;
+  readonly bad: `#${string}`;
+}
+
+/** In the dark theme, and in the headset. */
+export const DARK_INK: StripInk = {
   back: '#12161b',
   lane: '#191e25',
   laneActive: '#222932',
@@ -43,7 +60,22 @@ export const STRIP_INK = {
   rangeEdge: '#5ea2ff',
   playhead: '#ffffff',
   bad: '#ff7b72',
-} as const;
+};
+
+export const LIGHT_INK: StripInk = {
+  back: '#fbfcfd',
+  lane: '#edf1f5',
+  laneActive: '#dfe6ee',
+  line: '#aab5c2',
+  text: '#36424d',
+  textStrong: '#16202b',
+  loaded: '#5b93d3',
+  loadedPart: '#bcd3ee',
+  range: 'rgba(27, 102, 201, 0.16)',
+  rangeEdge: '#1b66c9',
+  playhead: '#16202b',
+  bad: '#c0312a',
+};
 
 /** Opacity of the name of a hidden label: still legible. */
 export const HIDDEN = 0.75;
@@ -65,9 +97,9 @@ function shadeOf(sure: number): number {
 type Pen = CanvasRenderingContext2D;
 
 export function drawTimeline(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture): void {
-  const { width, height, gutter, ruler, row } = sizes;
+  const { width, height, gutter, ruler, row, ink } = sizes;
   const inner = width - gutter;
-  pen.fillStyle = STRIP_INK.back;
+  pen.fillStyle = ink.back;
   pen.fillRect(0, 0, width, height);
   pen.save();
   pen.beginPath();
@@ -97,10 +129,11 @@ export function drawSample(
   color: string,
   width: number,
   height: number,
+  ink: StripInk,
 ): void {
-  pen.fillStyle = STRIP_INK.lane;
+  pen.fillStyle = ink.lane;
   pen.fillRect(0, 0, width, height);
-  drawRun(pen, run, color, 0, 0, width, height);
+  drawRun(pen, run, color, 0, 0, width, height, ink);
 }
 
 function drawLane(
@@ -110,11 +143,11 @@ function drawLane(
   label: Label,
   top: number,
 ): void {
-  const { width, gutter, row, font, fontSize } = sizes;
+  const { width, gutter, row, font, fontSize, ink } = sizes;
   const inner = width - gutter;
   const active = label.id === picture.active;
   const gap = Math.max(1, Math.round(row * 0.12));
-  pen.fillStyle = active ? STRIP_INK.laneActive : STRIP_INK.lane;
+  pen.fillStyle = active ? ink.laneActive : ink.lane;
   pen.fillRect(gutter, top + gap, inner, row - gap);
   if (gutter > 0) drawName(pen, label, active, top + gap, sizes);
   const cells = picture.rows.get(label.id);
@@ -126,7 +159,7 @@ function drawLane(
   for (const run of runs(cells, picture.span, picture.frames, inner)) {
     const left = gutter + frameToX(run.from, picture.span, inner);
     const right = gutter + frameToX(run.to, picture.span, inner);
-    drawRun(pen, run, label.color, left, top + gap, Math.max(1, right - left), row - gap);
+    drawRun(pen, run, label.color, left, top + gap, Math.max(1, right - left), row - gap, ink);
   }
   pen.restore();
   pen.font = `500 ${fontSize}px ${font}`;
@@ -139,7 +172,7 @@ function drawName(
   top: number,
   sizes: TimelineSizes,
 ): void {
-  const { gutter, row, font, fontSize } = sizes;
+  const { gutter, row, font, fontSize, ink } = sizes;
   const middle = top + row / 2 - 1;
   const swatch = Math.round(fontSize * 0.72);
   pen.globalAlpha = label.visible ? 1 : HIDDEN;
@@ -148,7 +181,7 @@ function drawName(
   pen.font = `${active ? 600 : 400} ${fontSize}px ${font}`;
   pen.textBaseline = 'middle';
   pen.textAlign = 'left';
-  pen.fillStyle = active ? STRIP_INK.textStrong : STRIP_INK.text;
+  pen.fillStyle = active ? ink.textStrong : ink.text;
   const left = fontSize + swatch + fontSize * 0.7;
   pen.fillText(ellipsis(pen, label.name, gutter - left - 8), left, middle + 0.5);
   pen.globalAlpha = 1;
@@ -162,23 +195,31 @@ function drawRun(
   top: number,
   width: number,
   height: number,
+  ink: StripInk,
 ): void {
   pen.globalAlpha = SOLIDITY[kind] * (sure === undefined ? 1 : shadeOf(sure));
-  pen.fillStyle = kind === 'lost' ? STRIP_INK.bad : color;
+  pen.fillStyle = kind === 'lost' ? ink.bad : color;
   pen.fillRect(left, top, width, height);
   pen.globalAlpha = 1;
   if (kind !== 'doubtful' && kind !== 'lost') return;
-  hatch(pen, left, top, width, height);
+  hatch(pen, left, top, width, height, ink.bad);
 }
 
 /** Red diagonals: this stretch wants a look. */
-function hatch(pen: Pen, left: number, top: number, width: number, height: number): void {
+function hatch(
+  pen: Pen,
+  left: number,
+  top: number,
+  width: number,
+  height: number,
+  color: string,
+): void {
   const gap = Math.max(4, height * 0.45);
   pen.save();
   pen.beginPath();
   pen.rect(left, top, width, height);
   pen.clip();
-  pen.strokeStyle = STRIP_INK.bad;
+  pen.strokeStyle = color;
   pen.lineWidth = Math.max(1.5, height * 0.12);
   pen.beginPath();
   const start = Math.floor((left - height) / gap) * gap;
@@ -192,25 +233,26 @@ function hatch(pen: Pen, left: number, top: number, width: number, height: numbe
 
 function drawRange(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inner: number): void {
   if (!picture.range) return;
+  const { ink } = sizes;
   const { from, to } = picture.range;
   const left = frameToX(Math.min(from, to), picture.span, inner);
   const right = frameToX(Math.max(from, to) + 1, picture.span, inner);
-  pen.fillStyle = STRIP_INK.range;
+  pen.fillStyle = ink.range;
   pen.fillRect(left, 0, right - left, sizes.height);
-  pen.fillStyle = STRIP_INK.rangeEdge;
+  pen.fillStyle = ink.rangeEdge;
   pen.fillRect(left, 0, 1.5, sizes.height);
   pen.fillRect(right - 1.5, 0, 1.5, sizes.height);
 }
 
 function drawRuler(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inner: number): void {
-  const { ruler, font, fontSize } = sizes;
+  const { ruler, font, fontSize, ink } = sizes;
   const { span, frames } = picture;
   const bar = Math.max(2, Math.round(ruler * 0.12));
-  pen.fillStyle = STRIP_INK.lane;
+  pen.fillStyle = ink.lane;
   pen.fillRect(0, ruler - bar, inner, bar);
   for (const { first, last, complete } of picture.loaded) {
     const left = frameToX(first, span, inner);
-    pen.fillStyle = complete ? STRIP_INK.loaded : STRIP_INK.loadedPart;
+    pen.fillStyle = complete ? ink.loaded : ink.loadedPart;
     pen.fillRect(left, ruler - bar, Math.max(1, frameToX(last + 1, span, inner) - left), bar);
   }
   pen.font = `400 ${fontSize}px ${font}`;
@@ -219,10 +261,10 @@ function drawRuler(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture, inn
   for (const { frame, major } of ticks(span, inner, frames)) {
     const x = Math.round(frameToX(frame + 0.5, span, inner));
     const height = major ? ruler * 0.28 : ruler * 0.14;
-    pen.fillStyle = STRIP_INK.line;
+    pen.fillStyle = ink.line;
     pen.fillRect(x, ruler - bar - height, 1, height);
     if (!major) continue;
-    pen.fillStyle = STRIP_INK.text;
+    pen.fillStyle = ink.text;
     const text = String(frame);
     const half = pen.measureText(text).width / 2 + 2;
     pen.fillText(text, Math.min(inner - half, Math.max(half, x)), ruler * 0.33);
@@ -236,19 +278,19 @@ function drawPlayhead(
   inner: number,
 ): void {
   if (picture.frame === null) return;
-  const { ruler, height, font, fontSize } = sizes;
+  const { ruler, height, font, fontSize, ink } = sizes;
   const x = Math.round(frameToX(picture.frame + 0.5, picture.span, inner));
   pen.font = `600 ${fontSize}px ${font}`;
   const text = String(picture.frame);
   const width = pen.measureText(text).width + fontSize;
   const tall = ruler * 0.66;
   const left = Math.min(inner - width, Math.max(0, x - width / 2));
-  pen.fillStyle = STRIP_INK.playhead;
+  pen.fillStyle = ink.playhead;
   pen.fillRect(x - 0.75, tall, 1.5, height - tall);
   pen.beginPath();
   pen.roundRect(left, 0, width, tall, fontSize * 0.3);
   pen.fill();
-  pen.fillStyle = STRIP_INK.back;
+  pen.fillStyle = ink.back;
   pen.textBaseline = 'middle';
   pen.textAlign = 'center';
   pen.fillText(text, left + width / 2, tall / 2 + 0.5);

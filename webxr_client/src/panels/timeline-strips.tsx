@@ -2,11 +2,18 @@
 import { useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { actions } from '../actions';
+import { theme } from '../theme';
 import { state } from '../state';
 import { frameRange, type FrameRange } from './range';
 import { stripHover } from './strip-hover';
 import { stripPlace } from './strip-menu';
-import { drawTimeline, type TimelineSizes } from './timeline-draw';
+import {
+  DARK_INK,
+  drawTimeline,
+  LIGHT_INK,
+  type StripInk,
+  type TimelineSizes,
+} from './timeline-draw';
 import { pan, reveal, xToFrame, zoom, type Span } from './timeline-layout';
 import { follow } from '../watch';
 
@@ -158,6 +165,11 @@ function rowsIn(height: number): number {
   return Math.floor((height - RULER - FOOT) / ROW);
 }
 
+/** Colours of the strips in the theme of now; reads a signal. */
+export function inkNow(): StripInk {
+  return theme.value === 'light' ? LIGHT_INK : DARK_INK;
+}
+
 function sizesOf({ width, height }: { width: number; height: number }): TimelineSizes {
   return {
     width,
@@ -167,6 +179,7 @@ function sizesOf({ width, height }: { width: number; height: number }): Timeline
     row: ROW,
     font: '"Inter Variable", system-ui, sans-serif',
     fontSize: 11,
+    ink: inkNow(),
   };
 }
 

@@ -4,7 +4,7 @@ import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { colorModeOf } from '../cloud/material';
 import { floorPlaces } from '../engine/floor';
-import { isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
+import { activeLabel, isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { OutlineKinds } from './outline-kinds';
 import { AccumulateButton } from './accumulate';
@@ -96,6 +96,7 @@ function BrushOptions() {
   const way = deskWay(brush.shape);
   return (
     <>
+      <Action />
       <RadioGroup
         label="Shape"
         class="segmented"
@@ -144,6 +145,32 @@ function BrushOptions() {
         />
       )}
     </>
+  );
+}
+
+const ACTIONS = {
+  paint: 'Paint',
+  erase: 'Erase labels',
+  delete: 'Delete points',
+  restore: 'Restore points',
+} as const;
+
+/** The beginning of the sentence that the chosen shape ends: "Paint person by object". */
+function Action() {
+  const tool = state.tool.value;
+  const label = activeLabel.value;
+  if (!isStroke(tool)) return null;
+  return (
+    <span class="action">
+      {ACTIONS[tool]}
+      {tool === 'paint' && label && (
+        <>
+          <span class="swatch" style={{ '--color': label.color }} />
+          <strong>{label.name}</strong>
+        </>
+      )}{' '}
+      by
+    </span>
   );
 }
 

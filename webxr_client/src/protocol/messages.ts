@@ -1,11 +1,11 @@
 // Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '1f2257497507';
+export const SCHEMA_HASH = '2fcb4e840829';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
- * Request of what a stroke of shape ``object``, ``grow`` or ``plane`` would take.
+ * Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
  *
  * The newest request counts.  Without ``samples``: only whether the frame is prepared for
  * objects, which it is from then on.
@@ -22,7 +22,7 @@ export interface Ask {
 
 /** Action of a stroke on its samples. */
 export interface Brush {
-  /** sphere, ray, grow, plane, object: metres */
+  /** sphere, ray, grow, cluster, plane, object: metres */
   radius?: number;
   /** ray: all points along the ray, not the first met */
   through?: boolean;
@@ -50,8 +50,8 @@ export interface Brush {
   replaces?: string | null;
   label?: number;
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
-  /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: What a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of like colour and normal round each place met. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
-  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'plane' | 'object';
+  /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: What a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of like colour and normal round each place met. `cluster`: All that stands within the radius of each other round each place met, without the ground. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
+  shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'cluster' | 'plane' | 'object';
   only_unlabeled?: boolean;
   /** labels that only this viewer hides, beside those that the palette hides; 0: points without a label. Their points are left alone, and rays pass through them. */
   hidden?: number[];

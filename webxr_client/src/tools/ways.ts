@@ -7,7 +7,7 @@ import type { Brush } from '../protocol/messages';
 import { state, type BrushShape } from '../state';
 import { xrSettings } from '../xr/settings';
 
-export type WayName = 'object' | 'ball' | 'ray' | 'fill' | 'plane' | 'lasso' | 'box';
+export type WayName = 'object' | 'ball' | 'ray' | 'fill' | 'cluster' | 'plane' | 'lasso' | 'box';
 
 export interface Way {
   readonly name: WayName;
@@ -85,6 +85,32 @@ export const WAYS: readonly Way[] = [
     through: false,
   },
   {
+    name: 'cluster',
+    shape: 'cluster',
+    wire: 'cluster',
+    icon: 'cluster',
+    label: 'Cluster',
+    desk: { label: 'Cluster', tip: 'What stands together on the ground, without it', key: 'H' },
+    samples: 'once',
+    preview: 'asked',
+    far: true,
+    size: 'Reach',
+    through: false,
+  },
+  {
+    name: 'plane',
+    shape: 'plane',
+    wire: 'plane',
+    icon: 'plane',
+    label: 'Ground',
+    desk: { label: 'Ground', tip: 'A floor, a wall: all that is flat', key: 'G' },
+    samples: 'once',
+    preview: 'asked',
+    far: true,
+    size: 'Reach',
+    through: false,
+  },
+  {
     name: 'lasso',
     shape: 'lasso',
     wire: 'lasso',
@@ -108,19 +134,6 @@ export const WAYS: readonly Way[] = [
     preview: null,
     far: false,
     size: null,
-    through: false,
-  },
-  {
-    name: 'plane',
-    shape: 'plane',
-    wire: 'plane',
-    icon: 'plane',
-    label: 'Ground',
-    desk: { label: 'Ground', tip: 'A floor, a wall: all that is flat', key: 'G' },
-    samples: 'once',
-    preview: 'asked',
-    far: true,
-    size: 'Reach',
     through: false,
   },
 ];

@@ -5,7 +5,7 @@ import { halted, unsure } from '../engine/review';
 import { frameRange } from '../panels/range';
 import { state } from '../state';
 import { stretch } from '../engine/stretch';
-import { drawTimeline } from '../panels/timeline-draw';
+import { DARK_INK, drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
 import { Panel } from './panel';
 import { Readout } from './readout';
@@ -186,7 +186,7 @@ export class TimelinePanel extends Panel {
     pen.translate(em * 0.5, top);
     drawTimeline(
       pen,
-      { width, height, gutter, ruler, row, font: FONT, fontSize: em },
+      { width, height, gutter, ruler, row, font: FONT, fontSize: em, ink: DARK_INK },
       { span, frames, frame: null, loaded: state.loaded.peek(), range: frameRange.peek(), labels, rows, active, scroll },
     ); // prettier-ignore
     pen.restore();

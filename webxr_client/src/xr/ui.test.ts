@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { contrast, LABEL_COLORS } from '../panels/colors';
-import { HIDDEN, STRIP_INK } from '../panels/timeline-draw';
+import { DARK_INK, HIDDEN, LIGHT_INK } from '../panels/timeline-draw';
 import { degrees, LEAST_DEGREES, SIZES } from './sizes';
 import { INK, LIGHT } from './ui';
 
@@ -46,14 +46,14 @@ describe('panels in the room', () => {
     expect(Object.keys(INK).filter((name) => !known.has(name))).toEqual([]);
   });
 
-  it('have names of labels, also of hidden ones, that contrast with the strips', () => {
-    for (const back of [STRIP_INK.back, STRIP_INK.lane, STRIP_INK.laneActive]) {
-      for (const word of [STRIP_INK.text, STRIP_INK.textStrong]) {
+  it.each([DARK_INK, LIGHT_INK])('have names of labels that contrast with the strips', (ink) => {
+    for (const back of [ink.back, ink.lane, ink.laneActive]) {
+      for (const word of [ink.text, ink.textStrong]) {
         expect(contrast(word, back)).toBeGreaterThan(4.5);
       }
     }
-    const hidden = over(STRIP_INK.text, STRIP_INK.back, HIDDEN);
-    expect(contrast(hidden, STRIP_INK.back)).toBeGreaterThan(4.5);
+    const hidden = over(ink.text, ink.back, HIDDEN);
+    expect(contrast(hidden, ink.back)).toBeGreaterThan(4.5);
   });
 
   it('have colours of labels that stand out', () => {

@@ -140,7 +140,7 @@ class StrokeCancel(Message):
 
 
 class Ask(Message):
-    """Request of what a stroke of shape ``object``, ``grow`` or ``plane`` would take.
+    """Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
 
     The newest request counts.  Without ``samples``: only whether the frame is prepared for
     objects, which it is from then on.

@@ -17,8 +17,8 @@ from pointbrush.work.annotate.placing import Placement
 from pointbrush.work.annotate.seen import LAYER_BLOCK, Seen
 
 
-def frame_points(frame: StoredFrame) -> Points:
-    """The view of a stored frame that selection works on."""
+def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Points:
+    """Return the view of a stored frame that selection works on; ``up``: away from the ground."""
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
     large, many = frame.large, frame.count > LARGE_POINTS
     return Points(
@@ -29,6 +29,7 @@ def frame_points(frame: StoredFrame) -> Points:
         levels=(0,) if many else tuple(first for _, first in levels) or (0,),
         kdtree=None if large else lambda: frame.kdtree,
         release=frame.release if large else None,
+        up=up,
     )
 
 
@@ -40,7 +41,8 @@ class PaintedFrame:
     ) -> None:
         self.frame, self._placement = placement.frame, placement
         self._recording, self._view = recording, view
-        self._points = frame_points(recording[self.frame])
+        x, y, z = recording.manifest.T_room_local[1, :3].tolist()
+        self._points = frame_points(recording[self.frame], (x, y, z))
         self._seen = Seen(view, self.frame, brush.hidden)
         self._touchable = self._seen.deleted if brush.tool == "restore" else self._seen.shown
         self._changing = Changing(view, self.frame, brush)

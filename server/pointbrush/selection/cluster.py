@@ -1,0 +1,104 @@
+"""Cluster: all that stands within a gap of each other round a point, without the ground under it.
+
+Euclidean clustering after the ground is taken away, as Rusu, "Semantic 3D object maps" (2009); the
+ground is a lower envelope of the heights, which follows slopes and kerbs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.selection.objects.ground import height_over_ground
+from pointbrush.selection.objects.options import GroundOptions
+from pointbrush.selection.parts import connected_parts
+from pointbrush.selection.points import NOTHING, Points
+from pointbrush.selection.ray import Alive
+from pointbrush.selection.regions import region_shape
+from pointbrush.selection.sphere import swept_ball
+
+
+@dataclass(frozen=True, slots=True)
+class ClusterOptions:
+    """Tunable numbers of the cluster tool."""
+
+    reach: float = 15.0
+    """Metres round the place met in which a cluster and its ground are looked for."""
+    most: int = 1_500_000
+    """Points that are looked at; where there are more the reach is halved."""
+    least_clearance: float = 0.03
+    """Metres over the ground up to which points are ground at any radius: noise."""
+    most_clearance: float = 0.2
+    """The greatest such height, metres; between the two it is the radius."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        if not 0 < self.least_clearance <= self.most_clearance < self.reach or self.most < 1:
+            raise BadInputError(
+                "cluster: expected 0 < least_clearance <= most_clearance < reach, and points, "
+                f"got {self}"
+            )
+
+
+OPTIONS = ClusterOptions()
+GROUND = GroundOptions()
+
+
+def cluster(
+    points: Points, hit: NDArray[np.float64], radius: float, alive: Alive | None = None
+) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the cluster that holds the point nearest to ``hit`` (3,) local metres; sorted.
+
+    Two points are of one cluster when a chain of points without a step longer than ``radius``
+    leads from one to the other; steps up to 1.7 times as long may count.  Nothing where only
+    ground lies within ``radius`` of the place.
+    """
+    numbers = _surroundings(points, hit)
+    if alive is not None:
+        numbers = numbers[alive(numbers)]
+    if len(numbers) == 0:
+        return
+    yield NOTHING
+    xyz = points.xyz[numbers].astype(np.float64)
+    height = height_over_ground(xyz @ _to_up(points.up).T, GROUND)
+    clearance = np.clip(radius, OPTIONS.least_clearance, OPTIONS.most_clearance)
+    standing = np.flatnonzero(height > clearance)
+    numbers, xyz = numbers[standing], xyz[standing]
+    if len(numbers) == 0:
+        return
+    yield NOTHING
+    away = ((xyz - hit) ** 2).sum(axis=1)
+    nearest = int(np.argmin(away))
+    if away[nearest] > radius * radius:
+        return
+    part = connected_parts(xyz, radius)
+    yield numbers[part == part[nearest]]
+
+
+def _surroundings(points: Points, hit: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return numbers of the points round a place, as far as there are not too many."""
+    reach, first = OPTIONS.reach, points.blocks.first
+    while True:
+        near = points.blocks_in_box(hit - reach, hit + reach)
+        if int((first[near + 1] - first[near]).sum()) <= OPTIONS.most:
+            return swept_ball(points, hit[None], reach)
+        reach /= 2
+
+
+def _to_up(up: tuple[float, float, float]) -> NDArray[np.float64]:
+    """Return a rotation (3, 3) that turns ``up`` to z."""
+    z = np.asarray(up, np.float64) / np.linalg.norm(up)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
+
+
+CLUSTER = region_shape(
+    "cluster",
+    "All that stands within the radius of each other round each place met, without the ground.",
+    cluster,
+)
