@@ -248,7 +248,7 @@ def small() -> None:
     grid = Grid(np.zeros(3), ROOM_STEP, None)
     colors = wire_colors(frame.rgb[order], None, None, len(xyz))
     stream = encode_chunk(stored, colors, grid).data
-    encoded = encode_frame(frame, grid)
+    encoded, seen = encode_frame(frame, grid), GridChooser()([frame])
     print(f"frame of the sample recording, {len(xyz):,} points, within {encoded.error:.5f} m:")
     print(f"  {len(encoded.wire) / len(xyz):.2f} bytes a point,", end=" ")
     print(f"{decimated(encoded):.2f} in the levels that hold a quarter")
@@ -258,6 +258,7 @@ def small() -> None:
         "decode in Python": lambda: decode_vertices(stream, len(xyz)),
         "build the k-d tree": lambda: build(stored),
         "all that import does": lambda: encode_frame(frame, grid),
+        "the same, depth image too": lambda: encode_frame(frame, seen),
     }.items():
         times = []
         for _ in range(5):
@@ -291,8 +292,13 @@ def sizes(paths: list[Path]) -> None:
             frame = next(iter(source.frames))
         encoded = encode_frame(frame, GridChooser()([frame]))
         print(f"{path.name:36} {len(frame):8,} points", end=" ")
-        print(f"{len(encoded.wire) / len(frame):5.2f} bytes,", end=" ")
-        print(f"{decimated(encoded):5.2f} first, {1e3 * encoded.error:.2f} mm")
+        points = int(encoded.arrays["chunks"]["nbytes"].sum())
+        print(f"{points / len(frame):5.2f} bytes,", end=" ")
+        print(f"{decimated(encoded):5.2f} first, {1e3 * encoded.error:.2f} mm", end="")
+        if "depth_ends" in encoded.arrays:
+            depth = (len(encoded.wire) - points) / len(frame)
+            print(f"; depth image {depth:.2f}, colours {encoded.color_error:.1f} of 255", end="")
+        print()
 
 
 def decimated(encoded) -> float:  # type: ignore[no-untyped-def]
